@@ -1,0 +1,12 @@
+#pragma once
+
+// The LCM channels of a run, one type each.
+namespace stillframe::channels {
+
+inline constexpr const char* measurement = "SF_MEASUREMENT";  // measurement_t, plant to controller
+inline constexpr const char* command = "SF_COMMAND";          // command_t, controller to plant
+inline constexpr const char* run_info = "SF_RUN_INFO";        // run_info_t, plant
+inline constexpr const char* run_state = "SF_RUN_STATE";      // run_state_t, plant and controller
+inline constexpr const char* timing = "SF_TIMING";            // timing_t, plant and controller
+
+}  // namespace stillframe::channels
