@@ -21,6 +21,7 @@ endif()
 
 add_library(stillframe_settings INTERFACE)
 target_compile_options(stillframe_settings INTERFACE -Wall -Wextra -Wpedantic -Wshadow
+  -Wno-restrict  # GCC 12 warns of std::string concatenation where there is nothing (its bug 105329)
   $<$<BOOL:${CCACHE_PROGRAM}>:-fpch-preprocess>
   $<$<BOOL:${STILLFRAME_WARNINGS_AS_ERRORS}>:-Werror>)
 if(STILLFRAME_SANITIZE)

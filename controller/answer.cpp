@@ -1,0 +1,46 @@
+#include "controller/answer.hpp"
+
+#include <utility>
+
+namespace stillframe::controller {
+
+using Eigen::Map;
+using Eigen::VectorXd;
+
+Answer::Answer(DiscreteLaw law, std::optional<double> force_limit, bool active)
+    : law_(std::move(law)), safety_(force_limit), active_(active) {}
+
+void Answer::prepare(stillframe_msgs::command_t& command) const {
+  command.n_legs = static_cast<std::int32_t>(law_.n_legs());
+  command.force.assign(static_cast<size_t>(law_.n_legs()), 0.0);
+}
+
+void Answer::answer(const stillframe_msgs::measurement_t& measurement,
+                    stillframe_msgs::command_t& command) noexcept {
+  const Map<const VectorXd> sigma(measurement.sigma.data(), law_.n_legs());
+  const Map<const VectorXd> applied(measurement.applied_force.data(), law_.n_legs());
+  Map<VectorXd> force(command.force.data(), law_.n_legs());
+  command.run_id = measurement.run_id;
+  command.seq = measurement.seq;
+  command.time_ns = measurement.time_ns;
+  command.saturated = 0;
+  force.setZero();
+  if (!Safety::is_finite(sigma) || !Safety::is_finite(applied)) {
+    ++n_fallback_;
+    return;
+  }
+  if (!active_) return;
+  law_.step(sigma, applied, force);
+  if (!Safety::is_finite(force) || !Safety::is_finite(law_.state())) {
+    force.setZero();
+    law_.reset();
+    ++n_fallback_;
+    return;
+  }
+  if (safety_.saturate(force)) {
+    command.saturated = 1;
+    ++n_saturated_;
+  }
+}
+
+}  // namespace stillframe::controller

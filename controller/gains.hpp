@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace stillframe::controller {
+
+/// How the continuous law C(s) = -(K_P s + K_I) / (s + w_l) is sampled.
+enum class Realisation {
+  implicit_feedthrough,  ///< the applied force is taken out of sigma first (THEORY fact 3)
+  naive_pi,              ///< a PI on sigma itself: unstable, kept to be shown and refused
+};
+
+/// The word that stands for a realisation in a gains file.
+std::string_view to_text(Realisation realisation);
+
+/// The passive plant as the legs see it, n states z, m legs, u the leg forces sigma_a (N):
+///   dz/dt = A z + B u,   sigma = C z + u.
+/// A: n x n, B: n x m, C: m x n (N per unit of state).
+struct PassivePlant {
+  Eigen::MatrixXd A, B, C;
+};
+
+/// The contents of a gains file: all that the controller needs to know of a design, for m legs.
+struct Gains {
+  std::string scene_hash;         ///< of the scene that the gains were designed for
+  std::vector<std::string> legs;  ///< m names, in the order of sigma
+  double sample_rate_hz = 0;
+  int delay_samples = 1;  ///< a command from sample k takes effect at k + delay_samples; 0 or 1
+  Realisation realisation = Realisation::implicit_feedthrough;
+  double leak_hz = 0;                   ///< w_l / 2 pi
+  std::optional<double> roll_off_hz;    ///< corner of a first-order low-pass after the law
+  std::optional<double> force_limit_n;  ///< N, the largest force of every leg
+  Eigen::MatrixXd K_P;                  ///< m x m, 1
+  Eigen::MatrixXd K_I;                  ///< m x m, 1/s
+  PassivePlant plant;
+
+  Eigen::Index n_legs() const { return static_cast<Eigen::Index>(legs.size()); }
+  double sample_time() const { return 1.0 / sample_rate_hz; }  ///< s
+};
+
+/// Reads a gains file. Errors: InputError (missing file, unknown or missing key, size, not finite).
+Gains read_gains(const std::filesystem::path& path);
+
+/// Reads gains from text; source_name stands for the file in messages. Errors: InputError.
+Gains parse_gains(const std::string& text, const std::string& source_name);
+
+/// Writes gains as YAML with 17 significant digits, so that parse_gains gives back the same bits.
+std::string to_yaml(const Gains& gains);
+
+}  // namespace stillframe::controller

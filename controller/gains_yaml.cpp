@@ -1,0 +1,74 @@
+#include <array>
+#include <charconv>
+
+#include "controller/gains.hpp"
+
+namespace stillframe::controller {
+
+using Eigen::Index;
+
+namespace {
+
+// to_chars, not printf: a gains file is the same under every locale.
+std::string digits(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
+                                 std::chars_format::general, 17);
+  return {buffer.data(), end.ptr};
+}
+
+std::string quoted(const std::string& text) {
+  constexpr std::string_view hexadecimal = "0123456789abcdef";
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x20) {
+      out += "\\x";
+      out += hexadecimal[code / 16];
+      out += hexadecimal[code % 16];
+      continue;
+    }
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+
+std::string rows(const Eigen::MatrixXd& matrix, const std::string& indent) {
+  std::string out;
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    out += indent + "- [";
+    for (Index j = 0; j < matrix.cols(); ++j) out += (j ? ", " : "") + digits(matrix(i, j));
+    out += "]\n";
+  }
+  return out;
+}
+
+std::string names(const std::vector<std::string>& values) {
+  std::string out = "[";
+  for (const auto& value : values) out += (out.size() > 1 ? ", " : "") + quoted(value);
+  return out + "]";
+}
+
+}  // namespace
+
+std::string to_yaml(const Gains& gains) {
+  std::string out = "stillframe_gains: 1\n";
+  out += "scene_hash: " + quoted(gains.scene_hash) + "\n";
+  out += "legs: " + names(gains.legs) + "\n";
+  out += "sample_rate_hz: " + digits(gains.sample_rate_hz) + "\n";
+  out += "delay_samples: " + std::to_string(gains.delay_samples) + "\n";
+  out += "realisation: " + std::string(to_text(gains.realisation)) + "\n";
+  out += "leak_hz: " + digits(gains.leak_hz) + "\n";
+  if (gains.roll_off_hz) out += "roll_off_hz: " + digits(*gains.roll_off_hz) + "\n";
+  if (gains.force_limit_n) out += "force_limit_n: " + digits(*gains.force_limit_n) + "\n";
+  out += "K_P:\n" + rows(gains.K_P, "  ");
+  out += "K_I:\n" + rows(gains.K_I, "  ");
+  out += "plant:\n";
+  out += "  A:\n" + rows(gains.plant.A, "    ");
+  out += "  B:\n" + rows(gains.plant.B, "    ");
+  out += "  C:\n" + rows(gains.plant.C, "    ");
+  return out;
+}
+
+}  // namespace stillframe::controller

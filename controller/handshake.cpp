@@ -1,0 +1,106 @@
+#include "controller/handshake.hpp"
+
+#include <cstdio>
+
+#include "controller/clock.hpp"
+#include "controller/stop_signal.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::controller {
+
+using stillframe_msgs::run_info_t;
+using stillframe_msgs::run_state_t;
+
+namespace {
+
+constexpr int wait_ms = 50;  // between looks at the clock and the stop signal
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return "[" + text + "]";
+}
+
+std::string shown(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.17g", value);
+  return buffer;
+}
+
+std::string differs(const std::string& what, const std::string& gains, const std::string& plant) {
+  return what + ": the gains file says " + gains + ", the plant says " + plant;
+}
+
+bool sizes_are_sound(const run_info_t& info) {
+  return info.n_floor >= 0 && info.n_frame >= 0 && info.n_legs > 0 && info.n_samples > 0;
+}
+
+}  // namespace
+
+std::string disagreement(const Gains& gains, const run_info_t& info) {
+  if (info.format_version != 1) {
+    return "format_version: found " + std::to_string(info.format_version) + ", allowed is 1";
+  }
+  if (!sizes_are_sound(info)) return "run_info: sizes that no run can have";
+  if (info.scene_hash != gains.scene_hash) {
+    return differs("scene_hash", gains.scene_hash, info.scene_hash) +
+           "; design the gains for this scene";
+  }
+  if (info.leg_names != gains.legs) {
+    return differs("legs", joined(gains.legs), joined(info.leg_names));
+  }
+  if (info.sample_rate_hz != gains.sample_rate_hz) {
+    return differs("sample_rate_hz", shown(gains.sample_rate_hz), shown(info.sample_rate_hz));
+  }
+  if (info.delay_samples != gains.delay_samples) {
+    return differs("delay_samples", std::to_string(gains.delay_samples),
+                   std::to_string(info.delay_samples));
+  }
+  if (info.mode != "lock_step" && info.mode != "wall_clock") {
+    return "mode: found " + info.mode + ", allowed are lock_step and wall_clock";
+  }
+  if (info.loop != "active" && info.loop != "passive") {
+    return "loop: found " + info.loop + ", allowed are active and passive";
+  }
+  if (info.mode == "wall_clock" && info.delay_samples == 0) {
+    return "delay_samples: found 0, allowed in wall-clock mode is 1: a command cannot take effect "
+           "at the instant of its measurement";
+  }
+  return {};
+}
+
+Start shake_hands(LcmIo& io, const Gains& gains, std::optional<std::int64_t> run_id,
+                  double timeout_s) {
+  const auto limit_ns = static_cast<std::int64_t>(timeout_s * ns_per_s);
+  std::int64_t last_asked_ns = monotonic_ns();
+  bool ready = false;
+  while (!stop_requested()) {
+    const Heard heard = io.take(wait_ms);
+    const run_info_t& info = io.run_info();
+    if (heard.run_info && (!run_id || info.run_id == *run_id)) {
+      last_asked_ns = monotonic_ns();
+      if (!ready) {
+        const std::string reason = disagreement(gains, info);
+        if (!reason.empty()) {
+          io.publish_state(info.run_id, run_state_t::FAILED, reason);
+          throw InputError(reason);
+        }
+        io.follow(info);
+        ready = true;
+      }
+      io.publish_state(info.run_id, run_state_t::READY, "");
+    }
+    if (heard.run_state) {
+      const run_state_t& plant = io.plant_state();
+      if (plant.state == run_state_t::RUNNING) return {{}, plant.start_monotonic_ns};
+      if (plant.state == run_state_t::FAILED) return {Outcome::plant_failed, 0};
+      if (plant.state == run_state_t::ENDED) return {Outcome::missed, 0};
+    }
+    // In lock-step the first measurement says as much as RUNNING; the plant repeats it.
+    if (heard.measurement && info.mode == "lock_step") return {};
+    if (monotonic_ns() - last_asked_ns > limit_ns) return {Outcome::silent, 0};
+  }
+  return {Outcome::interrupted, 0};
+}
+
+}  // namespace stillframe::controller

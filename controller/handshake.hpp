@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "controller/gains.hpp"
+#include "controller/lcm_io.hpp"
+#include "controller/outcome.hpp"
+
+namespace stillframe::controller {
+
+/// What the gains and the plant's run_info disagree about, in words; empty if nothing. Set-up.
+std::string disagreement(const Gains& gains, const stillframe_msgs::run_info_t& info);
+
+/// The end of a handshake: either the run starts, or it is over before it began.
+struct Start {
+  std::optional<Outcome> over;
+  std::int64_t start_monotonic_ns = 0;  ///< t_0 of a wall-clock run
+};
+
+/// Waits for run_info (of run_id, or the first heard), checks it against the gains, answers READY
+/// to every repetition, and returns when the plant runs; io follows the run from then on. Set-up.
+/// Errors: InputError if run_info and gains disagree, after telling the plant FAILED.
+Start shake_hands(LcmIo& io, const Gains& gains, std::optional<std::int64_t> run_id,
+                  double timeout_s);
+
+}  // namespace stillframe::controller

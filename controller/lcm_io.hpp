@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <string>
+#include <vector>
+
+#include "controller/outcome.hpp"
+#include "stillframe_msgs/command_t.hpp"
+#include "stillframe_msgs/measurement_t.hpp"
+#include "stillframe_msgs/run_info_t.hpp"
+#include "stillframe_msgs/run_state_t.hpp"
+
+namespace stillframe::controller {
+
+/// What came with one message off the wire.
+struct Heard {
+  bool message = false;  ///< anything at all
+  bool run_info = false;
+  bool run_state = false;    ///< of the plant
+  bool measurement = false;  ///< of the run, with the sizes of the run
+};
+
+/// The controller's end of LCM: decodes into messages that it keeps, encodes into a buffer that it
+/// keeps. Construction and everything about run_info and run_state is set-up; take and the command
+/// functions are hot: noexcept, and for measurements without allocation of their own.
+class LcmIo {
+ public:
+  /// url: an LCM provider, as in udpm://239.255.76.67:7667?ttl=0.
+  /// Errors: InputError if LCM cannot be opened, with the commands that mend it.
+  explicit LcmIo(const std::string& url);
+
+  /// Waits up to timeout_ms for one message, takes it and says what it was; a message of another
+  /// run or one that does not decode is none. A signal ends the wait early.
+  Heard take(int timeout_ms) noexcept;
+
+  /// Fixes the run: from now on only its messages are heard, measurements among them. Set-up.
+  void follow(const stillframe_msgs::run_info_t& info);
+
+  const stillframe_msgs::run_info_t& run_info() const noexcept { return run_info_; }
+  const stillframe_msgs::run_state_t& plant_state() const noexcept { return plant_state_; }
+  const stillframe_msgs::measurement_t& measurement() const noexcept { return measurement_; }
+
+  /// The command message to be filled, and its way out: encodes and publishes it.
+  stillframe_msgs::command_t& command() noexcept { return command_; }
+  void publish_command() noexcept;
+  /// Publishes the last command again, the same bytes.
+  void repeat_command() noexcept;
+
+  /// Publishes a run_state_t of source "controller" for a run. Set-up.
+  void publish_state(std::int64_t run_id, std::int32_t state, const std::string& text);
+  /// Publishes the timing_t of source "controller" for the run that is followed. Set-up.
+  void publish_timing(const Counters& counters);
+
+  std::int64_t last_heard_ns() const noexcept { return last_heard_ns_; }  ///< monotonic
+  std::int64_t n_malformed() const noexcept { return n_malformed_; }
+
+ private:
+  void on_run_info(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_run_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_measurement(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  bool is_of_run(const lcm::ReceiveBuffer& buffer) const noexcept;
+  bool has_run_sizes(const lcm::ReceiveBuffer& buffer) const noexcept;
+
+  lcm::LCM lcm_;
+  bool following_ = false;
+  std::int64_t run_id_ = 0;
+  Heard heard_;
+  stillframe_msgs::run_info_t run_info_;
+  stillframe_msgs::run_state_t plant_state_;
+  stillframe_msgs::measurement_t measurement_;
+  stillframe_msgs::command_t command_;
+  const std::string command_channel_;
+  std::vector<std::uint8_t> command_bytes_;
+  int n_command_bytes_ = 0;
+  std::int64_t last_heard_ns_ = 0;
+  std::int64_t n_malformed_ = 0;
+};
+
+}  // namespace stillframe::controller

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "controller/answer.hpp"
+#include "controller/lcm_io.hpp"
+#include "controller/outcome.hpp"
+
+namespace stillframe::controller {
+
+/// Answers every measurement with one command, as fast as the machine goes, until the run is over.
+/// A measurement heard again is answered with the same bytes and counted. Hot: no allocation of its
+/// own once the run goes. timeout_s: s without a word from the plant.
+Outcome run_lock_step(LcmIo& io, Answer& answer, double timeout_s, Counters& counters) noexcept;
+
+}  // namespace stillframe::controller

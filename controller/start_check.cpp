@@ -1,0 +1,148 @@
+#include "controller/start_check.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <utility>
+
+#include "controller/balance.hpp"
+#include "controller/law.hpp"
+#include "core/linear/sampled_loop.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::controller {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+struct Change {
+  std::string text;
+  std::function<void(Gains&)> apply;
+};
+
+std::string shown(double value, const char* format = "%.4g") {
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
+std::string shown_radius(double radius) { return shown(radius, radius < 2 ? "%.9f" : "%.4g"); }
+
+LoopPlant loop_plant(const Gains& gains) {
+  const Index n = gains.plant.A.rows(), m = gains.n_legs();
+  return {.A = gains.plant.A,
+          .B_w = MatrixXd::Zero(n, 0),
+          .B_u = gains.plant.B,
+          .C_y = MatrixXd::Zero(0, n),
+          .D_yw = MatrixXd::Zero(0, 0),
+          .D_yu = MatrixXd::Zero(0, m),
+          .C_sigma = gains.plant.C};
+}
+
+std::vector<Change> candidate_changes(const Gains& gains) {
+  std::vector<Change> changes;
+  if (gains.realisation == Realisation::naive_pi) {
+    changes.push_back({"realisation: implicit_feedthrough",
+                       [](Gains& g) { g.realisation = Realisation::implicit_feedthrough; }});
+  }
+  if (gains.delay_samples > 0) {
+    changes.push_back({"delay_samples: 0", [](Gains& g) { g.delay_samples = 0; }});
+  }
+  const std::vector<double> leaks =
+      gains.leak_hz > 0 ? std::vector{gains.leak_hz / 10} : std::vector{0.05};
+  for (const double leak : leaks) {
+    changes.push_back({"leak_hz: " + shown(leak), [leak](Gains& g) { g.leak_hz = leak; }});
+  }
+  for (const double factor : {2.0, 4.0, 10.0}) {
+    const double rate = gains.sample_rate_hz * factor;
+    changes.push_back(
+        {"sample_rate_hz: " + shown(rate, "%g"), [rate](Gains& g) { g.sample_rate_hz = rate; }});
+  }
+  if (gains.roll_off_hz) {
+    changes.push_back({"no roll_off_hz", [](Gains& g) { g.roll_off_hz.reset(); }});
+  }
+  for (const double corner : {200.0, 20.0}) {
+    if (gains.roll_off_hz && *gains.roll_off_hz <= corner) continue;
+    changes.push_back(
+        {"roll_off_hz: " + shown(corner), [corner](Gains& g) { g.roll_off_hz = corner; }});
+  }
+  return changes;
+}
+
+void try_changes(Gains gains, const std::vector<const Change*>& changes,
+                 std::vector<Remedy>& found) {
+  std::string text;
+  for (const Change* change : changes) {
+    change->apply(gains);
+    text += (text.empty() ? "" : " with ") + change->text;
+  }
+  const double radius = closed_loop_radius(gains);
+  if (radius < largest_stable_radius) found.push_back({text, radius});
+}
+
+std::string reason(const Gains& gains) {
+  if (gains.realisation == Realisation::naive_pi) {
+    const double gain = gains.K_P.eigenvalues().cwiseAbs().maxCoeff();
+    if (gain >= 1) {
+      return "The actuator pushes on its own force sensor, so the sampled PI of `naive_pi` is a "
+             "loop "
+             "of gain K_P (largest eigenvalue " +
+             shown(gain) + ") around " + (gains.delay_samples == 0 ? "one sample" : "two samples") +
+             ", at every sample rate.";
+    }
+  }
+  if (gains.leak_hz == 0) {
+    return "With leak_hz: 0 the integrator cancels the static stiffness of the legs: a constant "
+           "force "
+           "makes the frame drift for ever, which is a pole at 1.";
+  }
+  return "Plant, law, leak, roll-off and delay together, sampled at " +
+         shown(gains.sample_rate_hz, "%g") + " Hz, do not settle.";
+}
+
+}  // namespace
+
+double closed_loop_radius(const Gains& gains) {
+  const SampledPlant plant = sample_and_hold(loop_plant(gains), gains.sample_time());
+  SampledLoop loop = close_loop(plant, law_from_gains(gains), gains.delay_samples);
+  loop.A = balanced(std::move(loop.A));
+  return spectral_radius(loop);
+}
+
+std::vector<Remedy> find_remedies(const Gains& gains) {
+  const std::vector<Change> changes = candidate_changes(gains);
+  std::vector<Remedy> found;
+  for (const Change& change : changes) try_changes(gains, {&change}, found);
+  if (!found.empty()) return found;
+  for (size_t i = 0; i < changes.size(); ++i) {
+    for (size_t j = i + 1; j < changes.size(); ++j) {
+      const auto key = [](const Change& c) { return c.text.substr(0, c.text.find(':')); };
+      if (key(changes[i]) == key(changes[j])) continue;
+      try_changes(gains, {&changes[i], &changes[j]}, found);
+    }
+  }
+  return found;
+}
+
+double require_stable(const Gains& gains) {
+  const double radius = closed_loop_radius(gains);
+  if (radius < largest_stable_radius) return radius;
+  std::string text = "the sampled closed loop is not stable: its spectral radius is " +
+                     shown_radius(radius) + ", and below 1 is needed. " + reason(gains);
+  const auto remedies = find_remedies(gains);
+  if (remedies.empty()) {
+    text +=
+        " No setting of the gains file mends it: design the gains anew, with a lower omega_d "
+        "or the exact order K M^-1.";
+  }
+  for (size_t i = 0; i < std::min<size_t>(remedies.size(), 3); ++i) {
+    text += (i == 0 ? " What mends it: " : "; or ") + remedies[i].change + " (radius " +
+            shown_radius(remedies[i].radius) + ")";
+  }
+  throw Refusal(text);
+}
+
+}  // namespace stillframe::controller

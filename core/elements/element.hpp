@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace stillframe {
+
+/// A group of nodal coordinates: the 3 translations or the 4 Euler parameters of one node.
+struct NodePart {
+  Eigen::Index node = 0;
+  bool rotation = false;
+  Eigen::Index size() const { return rotation ? 4 : 3; }
+};
+
+/// Largest numbers of deformations and of local coordinates of any element: local arrays live on the stack.
+inline constexpr int max_deformations = 6, max_local = 14;
+using LocalDeformation = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_deformations, 1>;
+using LocalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_local, 1>;
+using LocalJacobian =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_deformations, max_local>;
+using LocalHessian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_local, max_local>;
+
+/// A finite element as its deformation functions e = D(u) of the displacements u of its node parts, in
+/// global axes, in the order of parts() (deck, section 2). Immutable. hot: noexcept, no allocation.
+/// Every e(0) is 0: the scene as written is the undeformed state.
+class Element {
+ public:
+  virtual ~Element() = default;
+  const std::vector<NodePart>& parts() const { return parts_; }
+  Eigen::Index n_deformations() const { return n_deformations_; }
+  Eigen::Index n_local() const { return n_local_; }
+
+  /// e (n_e), m or as the element says.
+  virtual void deformations(const LocalVector& u, LocalDeformation& e) const noexcept = 0;
+  /// D_x (n_e x n_local).
+  virtual void jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept = 0;
+  /// D2_x(v, w) (n_e): the second derivative contracted with two directions.
+  virtual void second_derivative(const LocalVector& u, const LocalVector& v, const LocalVector& w,
+                                 LocalDeformation& result) const noexcept = 0;
+  /// sum_i sigma_i D2_x e_i (n_local x n_local, symmetric): what sigma contributes to G.
+  virtual void hessian(const LocalVector& u, const LocalDeformation& sigma,
+                       LocalHessian& result) const noexcept = 0;
+
+ protected:
+  Element(std::vector<NodePart> parts, Eigen::Index n_deformations)
+      : parts_(std::move(parts)), n_deformations_(n_deformations) {
+    for (const NodePart& part : parts_) n_local_ += part.size();
+  }
+
+ private:
+  std::vector<NodePart> parts_;
+  Eigen::Index n_deformations_ = 0, n_local_ = 0;
+};
+
+}  // namespace stillframe

@@ -1,0 +1,42 @@
+#include "core/elements/truss.hpp"
+
+#include <stdexcept>
+
+#include "core/elements/span.hpp"
+
+namespace stillframe {
+
+namespace {
+
+Eigen::Vector3d difference(const LocalVector& u) { return u.segment<3>(3) - u.segment<3>(0); }
+
+}  // namespace
+
+Truss::Truss(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector)
+    : Element({{node_p, false}, {node_q, false}}, 1),
+      l_0_vector_(l_0_vector),
+      l_0_(l_0_vector.norm()) {
+  if (!(l_0_ > 0)) throw std::invalid_argument("Truss: zero length");
+}
+
+void Truss::deformations(const LocalVector& u, LocalDeformation& e) const noexcept {
+  e(0) = Span(l_0_vector_, l_0_, difference(u)).elongation;
+}
+
+void Truss::jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept {
+  const Span span(l_0_vector_, l_0_, difference(u));
+  d_e_d_u << -span.direction.transpose(), span.direction.transpose();
+}
+
+void Truss::second_derivative(const LocalVector& u, const LocalVector& v, const LocalVector& w,
+                              LocalDeformation& result) const noexcept {
+  result(0) = Span(l_0_vector_, l_0_, difference(u)).second(difference(v), difference(w));
+}
+
+void Truss::hessian(const LocalVector& u, const LocalDeformation& sigma,
+                    LocalHessian& result) const noexcept {
+  const Eigen::Matrix3d H = sigma(0) * Span(l_0_vector_, l_0_, difference(u)).curvature();
+  result << H, -H, -H, H;
+}
+
+}  // namespace stillframe

@@ -1,0 +1,99 @@
+#include "core/model/partition.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <Eigen/SVD>
+
+#include "core/kinematics.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe {
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+/// The names whose entries carry a vector: those above a tenth of the largest, at most six, largest first.
+Names carriers(const Eigen::VectorXd& vector, const Names& names) {
+  std::map<std::string, double> weight;
+  for (Index i = 0; i < vector.size(); ++i) {
+    double& w = weight[names[static_cast<size_t>(i)]];
+    w = std::max(w, std::abs(vector(i)));
+  }
+  std::vector<std::pair<double, std::string>> sorted;
+  for (const auto& [name, w] : weight) sorted.emplace_back(-w, name);
+  std::sort(sorted.begin(), sorted.end());
+  Names result;
+  for (const auto& [w, name] : sorted) {
+    if (-w >= 0.1 * -sorted.front().first && result.size() < 6) result.push_back(name);
+  }
+  return result;
+}
+
+std::string quoted(const Names& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "'" : ", '") + name + "'";
+  return text;
+}
+
+Names column_owners(const Model& model) {
+  Names owners(static_cast<size_t>(model.n_x));
+  const auto claim = [&](const PartMap& map, const std::string& name) {
+    for (const Index column : map.column) {
+      if (column >= 0) owners[static_cast<size_t>(column)] = name;
+    }
+  };
+  for (const ModelNode& node : model.nodes) {
+    claim(node.translation, node.name);
+    claim(node.rotation, node.name + " (rotation)");
+  }
+  return owners;
+}
+
+Names row_owners(const Model& model) {
+  Names owners(static_cast<size_t>(model.n_e));
+  for (const ModelElement& item : model.elements) {
+    for (Index i = 0; i < item.element->n_deformations(); ++i) {
+      owners[static_cast<size_t>(item.row[static_cast<size_t>(i)])] = item.name;
+    }
+  }
+  return owners;
+}
+
+std::string motion_text(const Model& model, const Eigen::MatrixXd& null_space) {
+  const Names owners = column_owners(model);
+  return quoted(carriers(null_space.rowwise().norm(), Names(owners.begin(), owners.begin() + model.n_c)));
+}
+
+}  // namespace
+
+void check_partition(const Model& model, const std::string& place) {
+  Data data(model);
+  assemble(model, data);
+  const Index n_conditions = model.n_e - model.n_redundant;
+  const Eigen::MatrixXd J = data.D.topLeftCorner(n_conditions, model.n_c);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::VectorXd values = svd.singularValues();
+  // Rounding leaves singular values of about 1e-16 of the largest; a sound scene written with six digits may be
+  // within 1e-6 of a singular one and must pass, so the bound lies between the two.
+  const double bound = values.size() > 0 ? 1e-11 * values(0) : 0.0;
+  const Index rank = (values.array() > bound).count();
+  if (rank < model.n_c) {
+    throw InputError(place + ": the partition leaves " + std::to_string(model.n_c - rank) +
+                     " free motion(s) that no dof, element or support takes up, in which these move: " +
+                     motion_text(model, svd.matrixV().rightCols(model.n_c - rank)) +
+                     "; add a dof, an element or a support there");
+  }
+  if (rank < n_conditions) {
+    const Eigen::MatrixXd left = svd.matrixU().rightCols(n_conditions - rank);
+    const Names owners = row_owners(model);
+    throw InputError(
+        place + ": the conditions are " + std::to_string(n_conditions - rank) +
+        " too many (overconstrained): not independent are those of " +
+        quoted(carriers(left.rowwise().norm(), Names(owners.begin(), owners.begin() + n_conditions))) +
+        "; take away a dof, or a rigid element or a support among them");
+  }
+}
+
+}  // namespace stillframe

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/scene/scene.hpp"
+#include "core/yaml/reader.hpp"
+
+namespace stillframe {
+
+/// Reads a controller block for a scene whose structure has been read. Errors: InputError.
+SceneController read_controller(const YamlReader& block, const Scene& scene);
+
+}  // namespace stillframe

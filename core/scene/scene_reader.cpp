@@ -1,0 +1,98 @@
+#include "core/scene/scene_reader.hpp"
+
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "core/scene/controller_block.hpp"
+#include "core/scene/structure.hpp"
+#include "core/scene/signals.hpp"
+
+namespace stillframe {
+
+namespace {
+
+std::string file_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// A block is written inline as a map, or as the path of a file that holds the map.
+Block read_block(const YamlReader& value) {
+  if (value.is_map()) return {value, value.dump()};
+  const std::filesystem::path path = value.folder() / value.text();
+  if (!std::filesystem::exists(path)) {
+    value.fail("the file '" + path.string() + "' does not exist");
+  }
+  return {YamlReader::from_file(path), file_text(path)};
+}
+
+SceneSimulation read_simulation(const YamlReader& block) {
+  block.allow_only({"duration_s", "relative_tolerance"});
+  SceneSimulation simulation;
+  if (const auto value = block.find("duration_s")) simulation.duration_s = value->positive();
+  if (const auto value = block.find("relative_tolerance")) {
+    simulation.relative_tolerance = value->positive();
+    if (simulation.relative_tolerance > 1e-2 || simulation.relative_tolerance < 1e-14) {
+      value->fail("found " + value->text() + ", allowed is 1e-14 to 1e-2");
+    }
+  }
+  return simulation;
+}
+
+Scene read_scene_map(const YamlReader& root, const std::string& text,
+                     const std::optional<std::filesystem::path>& controller_file) {
+  root.allow_only({"title", "nodes", "masses", "elements", "supports", "prescribed", "dofs",
+                   "loads", "inputs", "outputs", "monitors", "compare", "controller", "floor",
+                   "simulation"});
+  Scene scene;
+  scene.text = text;
+  scene.hash = text_hash(text);
+  scene.title = root.require("title").text();
+  read_structure(root, scene);
+  read_signals(root, scene);
+  if (controller_file) {
+    scene.controller = read_controller(YamlReader::from_file(*controller_file), scene);
+  } else if (const auto block = root.find("controller")) {
+    scene.controller = read_controller(read_block(*block).reader, scene);
+  }
+  if (const auto block = root.find("simulation")) scene.simulation = read_simulation(*block);
+  return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& file,
+                 const std::optional<std::filesystem::path>& controller_file) {
+  const YamlReader root = YamlReader::from_file(file);
+  Scene scene = read_scene_map(root, file_text(file), controller_file);
+  scene.file = file.string();
+  return scene;
+}
+
+Scene parse_scene(const std::string& text, const std::string& source_name) {
+  Scene scene = read_scene_map(YamlReader::from_text(text, source_name), text, std::nullopt);
+  scene.file = source_name;
+  return scene;
+}
+
+std::optional<Block> read_floor(const std::filesystem::path& scene_file,
+                                const std::optional<std::filesystem::path>& floor_file) {
+  if (floor_file) return Block{YamlReader::from_file(*floor_file), file_text(*floor_file)};
+  const auto value = YamlReader::from_file(scene_file).find("floor");
+  if (!value) return std::nullopt;
+  return read_block(*value);
+}
+
+std::string text_hash(const std::string& text) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const unsigned char byte : text) hash = (hash ^ byte) * 1099511628211ULL;
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return digits;
+}
+
+}  // namespace stillframe

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/yaml/input_error.hpp"
+
+namespace YAML {
+class Node;
+}
+
+namespace stillframe {
+
+/// One value of a YAML file that knows where it stands and how it is called, so that every error can say so.
+/// All functions throw InputError "file:line:column: key: found ..., allowed ...".
+class YamlReader {
+ public:
+  /// Reads and parses a file. Errors: a missing or unreadable file, YAML syntax, a duplicate key.
+  static YamlReader from_file(const std::filesystem::path& path);
+  /// Parses text; source_name stands for the file in messages.
+  static YamlReader from_text(const std::string& text, const std::string& source_name);
+
+  /// The value of a key of this map; `require` fails if the key is absent, `find` answers nothing.
+  YamlReader require(const std::string& key) const;
+  std::optional<YamlReader> find(const std::string& key) const;
+  /// Fails on the first key of this map that is not in the list, naming the nearest one that is.
+  void allow_only(std::initializer_list<std::string_view> keys) const;
+
+  bool is_map() const;
+  bool is_sequence() const;
+  bool is_scalar() const;
+  /// The entries of this map, or the items of this sequence, in the order of the file.
+  std::vector<std::pair<std::string, YamlReader>> entries() const;
+  std::vector<YamlReader> items() const;
+
+  /// Scalars. number() takes any finite number; positive() and non_negative() say their bound; integer() takes
+  /// whole numbers from lowest up.
+  double number() const;
+  double positive() const;
+  double non_negative() const;
+  std::int64_t integer(std::int64_t lowest) const;
+  bool boolean() const;
+  std::string text() const;
+  /// A scalar that is one of the given words.
+  std::string one_of(std::initializer_list<std::string_view> words) const;
+
+  /// A sequence of `size` numbers (any number of them if size is negative), and a matrix as a sequence of rows.
+  Eigen::VectorXd vector(Eigen::Index size = -1) const;
+  Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index cols) const;
+
+  /// Throws InputError "place: key: message".
+  [[noreturn]] void fail(const std::string& message) const;
+  /// "file:line:column".
+  std::string place() const;
+  /// How the value is called, as in "elements.leg_1.stiffness".
+  const std::string& name() const { return name_; }
+  /// This value as YAML text.
+  std::string dump() const;
+  /// Folder of the file, against which paths inside it are resolved; empty for text.
+  std::filesystem::path folder() const;
+
+ private:
+  struct Source;
+  YamlReader(std::shared_ptr<const Source> source, const YAML::Node& node, std::string name);
+  [[noreturn]] void fail_found(const std::string& allowed) const;
+
+  std::shared_ptr<const Source> source_;
+  std::shared_ptr<const YAML::Node> node_;
+  std::string name_;
+};
+
+/// The candidate with the smallest edit distance to `word`, or an empty string if none is near.
+std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates);
+
+}  // namespace stillframe

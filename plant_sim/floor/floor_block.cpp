@@ -1,0 +1,174 @@
+#include "plant_sim/floor/floor_block.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace stillframe::floor {
+
+namespace {
+
+// 0.8 GB: more than any sensible run needs, and less than what brings a machine down.
+constexpr double most_values = 1e8;
+
+template <typename T>
+T value_or(const YamlReader& block, const std::string& key, T otherwise,
+           T (YamlReader::*read)() const) {
+  const auto value = block.find(key);
+  return value ? ((*value).*read)() : otherwise;
+}
+
+std::string text_of(double value) {
+  std::string text = std::to_string(value);
+  while (text.ends_with('0')) text.pop_back();
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
+double read_high_pass(const YamlReader& block, double sample_rate_hz) {
+  const auto value = block.find("high_pass_hz");
+  const double corner = value ? value->positive() : 0.5;
+  if (!(corner < 0.5 * sample_rate_hz)) {
+    const std::string message = "found " + text_of(corner) + ", allowed is a number below " +
+                                text_of(0.5 * sample_rate_hz) + ", half the control rate";
+    value ? value->fail(message) : block.fail("high_pass_hz (default): " + message);
+  }
+  return corner;
+}
+
+std::int64_t read_duration(const YamlReader& block, double sample_rate_hz, Eigen::Index channels) {
+  const YamlReader value = block.require("duration_s");
+  const double samples = std::round(value.positive() * sample_rate_hz);
+  const double most = std::floor(most_values / static_cast<double>(channels));
+  if (samples < 1.0 || samples > most) {
+    value.fail("found " + text_of(value.number()) + ", allowed is from " +
+               text_of(1.0 / sample_rate_hz) + " (one sample) to " +
+               text_of(most / sample_rate_hz));
+  }
+  return static_cast<std::int64_t>(samples);
+}
+
+RecordingSpec read_recording_block(const YamlReader& block, double sample_rate_hz) {
+  block.allow_only({"file", "scale", "start_s", "high_pass_hz", "axes"});
+  RecordingSpec spec{.block = block, .file = block.require("file").text(), .axes = {}};
+  if (spec.file.is_relative()) spec.file = (block.folder() / spec.file).lexically_normal();
+  spec.scale = value_or(block, "scale", 1.0, &YamlReader::positive);
+  spec.start_s = value_or(block, "start_s", 0.0, &YamlReader::non_negative);
+  spec.high_pass_hz = read_high_pass(block, sample_rate_hz);
+  const YamlReader axes = block.require("axes");
+  for (const auto& [column, value] : axes.entries()) {
+    const Eigen::Index axis = value.one_of({"x", "y", "z"})[0] - 'x';
+    for (const auto& other : spec.axes) {
+      if (other.axis == axis) {
+        value.fail("found '" + value.text() + "', which column " + other.column +
+                   " already moves; allowed is one column for each axis");
+      }
+    }
+    spec.axes.push_back({column, axis});
+  }
+  if (spec.axes.empty()) axes.fail("found nothing, allowed is a map as in {ax: x, ay: y, az: z}");
+  return spec;
+}
+
+void check_line(const YamlReader& value, const MultisinePlan& plan) {
+  const double line = value.positive(), spacing = 4.0 / plan.window_s;
+  const std::string found = "found " + text_of(line) + ", allowed is ";
+  if (!(line < 0.5 * plan.sample_rate_hz)) {
+    value.fail(found + "a line below " + text_of(0.5 * plan.sample_rate_hz) +
+               " Hz, half the control rate");
+  }
+  const double multiple = line / spacing;
+  if (std::abs(multiple - std::round(multiple)) > 1e-9 * multiple) {
+    value.fail(found + "a whole multiple of " + text_of(spacing) + " Hz (4 / window_s)");
+  }
+  const auto& lines = plan.frequencies_hz;
+  if (std::any_of(lines.begin(), lines.end(),
+                  [&](double other) { return std::abs(other - line) < 0.5 * spacing; })) {
+    value.fail(found + "each line once");
+  }
+}
+
+double read_whole_samples(const YamlReader& block, const std::string& key, double otherwise,
+                          double sample_rate_hz) {
+  const auto value = block.find(key);
+  const double seconds = value ? value->positive() : otherwise;
+  const double samples = seconds * sample_rate_hz;
+  if (samples < 0.5 || std::abs(samples - std::round(samples)) > 1e-9 * samples) {
+    const std::string message = "found " + text_of(seconds) +
+                                ", allowed is a whole number of samples at the control rate of " +
+                                text_of(sample_rate_hz) + " Hz";
+    value ? value->fail(message) : block.fail(key + " (default): " + message);
+  }
+  return seconds;
+}
+
+MultisinePlan read_multisine_block(const YamlReader& block, double sample_rate_hz,
+                                   Eigen::Index inputs) {
+  block.allow_only({"frequencies_hz", "amplitude", "ramp_s", "window_s"});
+  MultisinePlan plan;
+  plan.sample_rate_hz = sample_rate_hz;
+  plan.n_blocks = inputs;
+  plan.amplitude = block.require("amplitude").positive();
+  plan.ramp_s = read_whole_samples(block, "ramp_s", plan.ramp_s, sample_rate_hz);
+  plan.window_s = read_whole_samples(block, "window_s", plan.window_s, sample_rate_hz);
+  const YamlReader lines = block.require("frequencies_hz");
+  for (const auto& line : lines.items()) {
+    check_line(line, plan);
+    plan.frequencies_hz.push_back(line.number());
+  }
+  if (plan.frequencies_hz.empty()) lines.fail("found no line, allowed is one or more");
+  std::sort(plan.frequencies_hz.begin(), plan.frequencies_hz.end());
+  const double n = static_cast<double>(inputs);
+  if (n * n * (plan.ramp_s + plan.window_s) * sample_rate_hz > most_values) {
+    block.fail("the experiment is too long: " + text_of(n) + " blocks of " +
+               text_of(plan.ramp_s + plan.window_s) + " s on " + text_of(n) +
+               " inputs are more than " + text_of(most_values) + " values");
+  }
+  return plan;
+}
+
+WhiteSpec read_white_block(const YamlReader& block, double sample_rate_hz, Eigen::Index inputs) {
+  block.allow_only({"seed", "rms", "high_pass_hz", "duration_s"});
+  WhiteSpec spec;
+  if (const auto seed = block.find("seed")) {
+    spec.seed = static_cast<std::uint64_t>(seed->integer(0));
+  }
+  spec.rms = block.require("rms").positive();
+  spec.high_pass_hz = read_high_pass(block, sample_rate_hz);
+  spec.n_samples = read_duration(block, sample_rate_hz, inputs);
+  return spec;
+}
+
+StillSpec read_still_block(const YamlReader& block, double sample_rate_hz, Eigen::Index inputs) {
+  block.allow_only({"duration_s"});
+  return StillSpec{read_duration(block, sample_rate_hz, inputs)};
+}
+
+}  // namespace
+
+FloorSpec read_floor_block(const YamlReader& block, double sample_rate_hz, Eigen::Index inputs) {
+  if (!(sample_rate_hz > 0.0) || !std::isfinite(sample_rate_hz) || inputs < 1) {
+    throw std::invalid_argument(
+        "read_floor_block: expected a sample rate above 0 and at least one input");
+  }
+  block.allow_only({"recording", "multisine", "white", "still"});
+  const auto kinds = block.entries();
+  if (kinds.size() != 1) {
+    block.fail("found " + std::to_string(kinds.size()) +
+               " kinds of floor, allowed is exactly one of recording, multisine, white, still");
+  }
+  const auto& [kind, value] = kinds.front();
+  FloorSpec spec{.sample_rate_hz = sample_rate_hz, .inputs = inputs, .kind = StillSpec{}};
+  if (kind == "recording") {
+    spec.kind = read_recording_block(value, sample_rate_hz);
+  } else if (kind == "multisine") {
+    spec.kind = read_multisine_block(value, sample_rate_hz, inputs);
+  } else if (kind == "white") {
+    spec.kind = read_white_block(value, sample_rate_hz, inputs);
+  } else {
+    spec.kind = read_still_block(value, sample_rate_hz, inputs);
+  }
+  return spec;
+}
+
+}  // namespace stillframe::floor

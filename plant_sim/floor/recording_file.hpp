@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace stillframe::floor {
+
+/// A recording of acceleration as it stands in its file.
+struct RecordingFile {
+  double sample_rate_hz = 0.0;
+  std::vector<std::string> columns;  ///< names of the recorded axes, a column time_s left out
+  Eigen::MatrixXd acceleration;      ///< columns.size() x samples, m/s^2
+};
+
+/// Reads a CSV file: comment lines that begin with '#', a header of column names, rows of numbers.
+/// The comments state fs_hz=RATE, n=ROWS and units=m/s^2, and may state columns=NAMES; words
+/// without these keys are free. n guards against gaps; so does a column time_s, if there is one,
+/// whose steps must be even. Errors: InputError "file:line:column: ..." for a missing or empty
+/// file, a missing, doubtful or contradicting statement, a row of the wrong length, a value that is
+/// not a finite number, a gap.
+RecordingFile read_recording(const std::filesystem::path& path);
+
+}  // namespace stillframe::floor

@@ -1,0 +1,171 @@
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "core/control_loop.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "msgs/lcm_bus.hpp"
+#include "msgs/stop_signal.hpp"
+#include "plant_sim/floor/floor_block.hpp"
+#include "plant_sim/run_plant.hpp"
+#include "plant_sim/run_length.hpp"
+
+namespace stillframe {
+
+namespace {
+
+constexpr int exit_done = 0, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
+
+constexpr const char* description =
+    "The plant process of a stillframe run: the nonlinear frame and floor of a scene, integrated between\n"
+    "samples with the piezo forces held. It announces the run on LCM (SF_RUN_INFO), waits for a controller,\n"
+    "publishes what its instruments read (SF_MEASUREMENT) and takes piezo forces (SF_COMMAND).";
+
+constexpr const char* footer =
+    "Example, in two terminals of one private network (`stillframe run` does all of it):\n"
+    "  stillframe design scene.yaml --out gains.yaml\n"
+    "  stillframe-plant scene.yaml --gains gains.yaml --run-id 7\n"
+    "  stillframe-controller --gains gains.yaml --run-id 7\n"
+    "Exit codes: 0 done, 2 bad input, 3 refused, 4 the run failed.";
+
+struct Options {
+  std::filesystem::path scene, gains;
+  std::optional<std::filesystem::path> floor, controller;
+  std::string mode = "lock_step", loop = "active", lcm_url;
+  std::int64_t run_id = 1;
+  std::optional<double> duration_s;
+  double timeout_s = 10;
+  bool progress = false;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("scene", options.scene, "Scene file (YAML)")->required()->type_name("SCENE");
+  app.add_option("--gains", options.gains, "Gains file that the run announces, as the controller has it")
+      ->required()->type_name("FILE");
+  app.add_option("--controller", options.controller, "Controller block that replaces the scene's")->type_name("FILE");
+  app.add_option("--floor", options.floor, "Floor block that replaces the scene's")->type_name("FILE");
+  app.add_option("--mode", options.mode, "lock_step: as fast as the machine goes; wall_clock: at the sample rate")
+      ->check(CLI::IsMember({"lock_step", "wall_clock"}))->capture_default_str();
+  app.add_option("--loop", options.loop, "active, or passive: the controller commands zero force")
+      ->check(CLI::IsMember({"active", "passive"}))->capture_default_str();
+  app.add_option("--duration", options.duration_s, "Seconds of plant time (default: the scene's, or the floor's)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--run-id", options.run_id, "Number that ties the messages of one run together")->capture_default_str();
+  app.add_option("--lcm-url", options.lcm_url,
+                 "LCM provider (default: the environment's LCM_DEFAULT_URL, or udpm://239.255.76.67:7667?ttl=0)");
+  app.add_option("--timeout", options.timeout_s, "Seconds without a word from the controller before giving up")
+      ->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_flag("--progress", options.progress, "Print 'progress SAMPLE SAMPLES' lines to standard output");
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  if (!file) throw InputError(path.string() + ": cannot be read");
+  return text.str();
+}
+
+stillframe_msgs::run_info_t make_info(const Options& options, const Scene& scene, const Block& floor,
+                                      std::int64_t n_samples) {
+  stillframe_msgs::run_info_t info;
+  info.run_id = options.run_id;
+  info.format_version = 1;
+  info.program_version = STILLFRAME_VERSION;
+  info.scene_name = scene.title;
+  info.scene_hash = scene.hash;
+  info.scene_text = scene.text;
+  info.floor_text = floor.text;
+  info.gains_text = read_text(options.gains);
+  info.mode = options.mode;
+  info.loop = options.loop;
+  info.sample_rate_hz = scene.controller->sample_rate_hz;
+  info.delay_samples = scene.controller->delay_samples;
+  info.n_samples = n_samples;
+  for (const auto& signal : scene.inputs) info.floor_names.push_back(signal.name);
+  for (const auto& leg : scene.controller->legs) info.leg_names.push_back(leg);
+  for (const auto& signal : scene.outputs) info.frame_names.push_back(signal.name);
+  for (const auto& signal : scene.monitors) info.frame_names.push_back(signal.name);
+  info.n_floor = static_cast<std::int32_t>(info.floor_names.size());
+  info.n_legs = static_cast<std::int32_t>(info.leg_names.size());
+  info.n_frame = static_cast<std::int32_t>(info.frame_names.size());
+  return info;
+}
+
+int run(const Options& options) {
+  const Scene scene = read_scene(options.scene, options.controller);
+  require_loop_signals(scene);
+  const auto floor = read_floor(options.scene, options.floor);
+  if (!floor) throw InputError(scene.file + ": the key 'floor' is missing, and no --floor is given");
+  if (options.mode == "wall_clock" && scene.controller->delay_samples == 0) {
+    throw InputError(scene.controller->place +
+                     ": delay_samples: found 0, allowed is 1 in wall-clock mode: a command cannot take effect at "
+                     "the instant of its measurement");
+  }
+  const Model model = make_model(scene);
+  const auto spec = floor::read_floor_block(floor->reader, scene.controller->sample_rate_hz,
+                                            static_cast<Index>(scene.inputs.size()));
+  Plant plant(scene, model, floor::make_floor_source(spec));
+  const std::int64_t n = run_length(scene, spec, plant.floor_samples(), options.duration_s);
+  PlantLink link(lcm_url(options.lcm_url), make_info(options, scene, *floor, n));
+
+  catch_stop_signals();
+  PlantRunOptions run_options;
+  run_options.timeout_s = options.timeout_s;
+  if (options.progress) {
+    run_options.progress = [](std::int64_t k, std::int64_t total) {
+      std::printf("progress %lld %lld\n", static_cast<long long>(k), static_cast<long long>(total));
+      std::fflush(stdout);
+    };
+  }
+  PlantOutcome outcome;
+  outcome.reason = await_controller(link, options.timeout_s);
+  if (outcome.reason.empty()) {
+    outcome = options.mode == "wall_clock" ? run_wall_clock(plant, link, run_options)
+                                           : run_lock_step(plant, link, run_options);
+  }
+  if (outcome.ended) return exit_done;
+  spdlog::error("the run did not end as it should: {}", outcome.reason);
+  return exit_failed;
+}
+
+}  // namespace
+
+int plant_main(int argc, char** argv) {
+  CLI::App app{description, "stillframe-plant"};
+  Options options;
+  add_options(app, options);
+  app.footer(footer);
+  app.set_version_flag("--version", STILLFRAME_VERSION);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? exit_done : exit_bad_input;
+  }
+  spdlog::set_default_logger(spdlog::stderr_color_mt("plant"));
+  spdlog::set_pattern("%n: %^%v%$");
+  try {
+    return run(options);
+  } catch (const Refusal& refusal) {
+    spdlog::error("{}", refusal.what());
+    return exit_refused;
+  } catch (const InputError& error) {
+    spdlog::error("{}", error.what());
+    return exit_bad_input;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return exit_failed;
+  }
+}
+
+}  // namespace stillframe
+
+int main(int argc, char** argv) { return stillframe::plant_main(argc, argv); }

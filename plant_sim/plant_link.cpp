@@ -1,0 +1,99 @@
+#include "plant_sim/plant_link.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "msgs/channels.hpp"
+#include "msgs/lcm_bus.hpp"
+
+namespace stillframe {
+
+using namespace stillframe_msgs;
+
+namespace {
+
+void copy(const Eigen::VectorXd& from, std::int32_t& count, std::vector<double>& to) {
+  count = static_cast<std::int32_t>(from.size());
+  to.assign(from.begin(), from.end());
+}
+
+}  // namespace
+
+PlantLink::PlantLink(const std::string& url, run_info_t info)
+    : lcm_(open_lcm(url)),
+      info_(std::move(info)),
+      command_force_(Eigen::VectorXd::Zero(info_.n_legs)) {
+  lcm_->subscribe(channels::command, &PlantLink::on_command, this);
+  lcm_->subscribe(channels::run_state, &PlantLink::on_state, this);
+}
+
+template <class Message>
+void PlantLink::publish(const char* channel, const Message& message) {
+  bytes_.resize(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes_.data(), 0, static_cast<int>(bytes_.size()));
+  lcm_->publish(channel, bytes_.data(), static_cast<unsigned>(bytes_.size()));
+}
+
+void PlantLink::publish_info() { publish(channels::run_info, info_); }
+
+void PlantLink::publish_state(std::int32_t state, std::int64_t start_monotonic_ns,
+                              const std::string& text) {
+  run_state_t message;
+  message.run_id = info_.run_id;
+  message.source = "plant";
+  message.state = state;
+  message.start_monotonic_ns = start_monotonic_ns;
+  message.text = text;
+  publish(channels::run_state, message);
+}
+
+void PlantLink::publish_timing(const timing_t& timing) { publish(channels::timing, timing); }
+
+void PlantLink::publish_measurement(std::int64_t k, std::int64_t time_ns, const Reading& reading) {
+  measurement_.run_id = info_.run_id;
+  measurement_.seq = k;
+  measurement_.time_ns = time_ns;
+  copy(reading.floor_acceleration, measurement_.n_floor, measurement_.floor_acceleration);
+  copy(reading.sigma, measurement_.n_legs, measurement_.sigma);
+  copy(reading.applied_force, measurement_.n_legs, measurement_.applied_force);
+  copy(reading.frame_acceleration, measurement_.n_frame, measurement_.frame_acceleration);
+  measurement_bytes_.resize(static_cast<size_t>(measurement_.getEncodedSize()));
+  measurement_.encode(measurement_bytes_.data(), 0, static_cast<int>(measurement_bytes_.size()));
+  repeat_measurement();
+}
+
+void PlantLink::repeat_measurement() {
+  lcm_->publish(channels::measurement, measurement_bytes_.data(),
+                static_cast<unsigned>(measurement_bytes_.size()));
+}
+
+bool PlantLink::listen(int timeout_ms) noexcept { return handle_one(*lcm_, timeout_ms); }
+
+void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  if (!decode(*buffer, command_)) {
+    ++n_malformed_;
+    return;
+  }
+  if (command_.run_id != info_.run_id) return;
+  const bool finite = std::all_of(command_.force.begin(), command_.force.end(),
+                                  [](double force) { return std::isfinite(force); });
+  if (command_.n_legs != info_.n_legs || !finite) {
+    ++n_malformed_;
+    return;
+  }
+  if (command_.seq <= command_seq_) {
+    ++n_duplicate_;
+    return;
+  }
+  command_seq_ = command_.seq;
+  command_force_ = Eigen::Map<const Eigen::VectorXd>(command_.force.data(), info_.n_legs);
+}
+
+void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  run_state_t state;
+  if (!decode(*buffer, state) || state.run_id != info_.run_id || state.source != "controller") return;
+  if (state.state == run_state_t::READY) controller_ready_ = true;
+  if (state.state == run_state_t::FAILED) controller_failure_ = "the controller refused: " + state.text;
+}
+
+}  // namespace stillframe

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <lcm/lcm-cpp.hpp>
+
+#include "plant_sim/plant.hpp"
+#include "stillframe_msgs/command_t.hpp"
+#include "stillframe_msgs/measurement_t.hpp"
+#include "stillframe_msgs/run_info_t.hpp"
+#include "stillframe_msgs/run_state_t.hpp"
+#include "stillframe_msgs/timing_t.hpp"
+
+namespace stillframe {
+
+/// The plant's end of the bus for one run: it publishes measurements and the state of the run, and keeps the
+/// newest command. Construction is set-up.
+class PlantLink {
+ public:
+  /// Errors: InputError if LCM cannot be opened.
+  PlantLink(const std::string& url, stillframe_msgs::run_info_t info);
+
+  const stillframe_msgs::run_info_t& info() const { return info_; }
+  void publish_info();
+  void publish_state(std::int32_t state, std::int64_t start_monotonic_ns, const std::string& text);
+  void publish_timing(const stillframe_msgs::timing_t& timing);
+  /// Publishes a measurement, and again the same bytes.
+  void publish_measurement(std::int64_t k, std::int64_t time_ns, const Reading& reading);
+  void repeat_measurement();
+
+  /// Handles one message if one comes within timeout_ms.
+  bool listen(int timeout_ms) noexcept;
+
+  bool controller_ready() const { return controller_ready_; }
+  /// Why the controller gave up; empty while it has not.
+  const std::string& controller_failure() const { return controller_failure_; }
+
+  /// Sequence number that the newest command answers, -1 before the first, and its forces (N).
+  std::int64_t command_seq() const { return command_seq_; }
+  const Eigen::VectorXd& command_force() const { return command_force_; }
+  /// Commands that were refused: of a wrong size or not finite.
+  std::int64_t n_malformed() const { return n_malformed_; }
+  std::int64_t n_duplicate() const { return n_duplicate_; }
+
+ private:
+  void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  template <class Message>
+  void publish(const char* channel, const Message& message);
+
+  std::unique_ptr<lcm::LCM> lcm_;
+  stillframe_msgs::run_info_t info_;
+  stillframe_msgs::measurement_t measurement_;
+  stillframe_msgs::command_t command_;
+  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint8_t> measurement_bytes_;
+  bool controller_ready_ = false;
+  std::string controller_failure_;
+  std::int64_t command_seq_ = -1, n_malformed_ = 0, n_duplicate_ = 0;
+  Eigen::VectorXd command_force_;
+};
+
+}  // namespace stillframe

@@ -1,0 +1,169 @@
+#include "plant_sim/run_plant.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "msgs/clock.hpp"
+#include "msgs/stop_signal.hpp"
+
+namespace stillframe {
+
+using namespace stillframe_msgs;
+
+namespace {
+
+constexpr std::int64_t ns_per_ms = 1'000'000;
+
+/// What both ways of running share: counters, progress, the messages at both ends.
+class Run {
+ public:
+  Run(Plant& plant, PlantLink& link, const PlantRunOptions& options)
+      : plant_(plant), link_(link), options_(options), n_(link.info().n_samples) {
+    timing_.run_id = link.info().run_id;
+    timing_.source = "plant";
+    timing_.n_periods = timing_.n_late = timing_.n_lost = timing_.n_duplicate = 0;
+    timing_.worst_wake_up_ns = timing_.worst_compute_ns = timing_.wall_time_ns = 0;
+  }
+
+  void begin(std::int64_t start_ns) {
+    link_.publish_info();
+    link_.publish_state(run_state_t::RUNNING, start_ns, "");
+    began_ns_ = monotonic_ns();
+  }
+
+  void measure(std::int64_t k) {
+    const double period_ns = 1e9 / link_.info().sample_rate_hz;
+    link_.publish_measurement(k, std::llround(static_cast<double>(k) * period_ns), plant_.read());
+    ++timing_.n_periods;
+    const std::int64_t now = monotonic_ns();
+    if (options_.progress && now - reported_ns_ > 200 * ns_per_ms) {
+      reported_ns_ = now;
+      options_.progress(k, n_);
+    }
+  }
+
+  /// Answers the reason why the motion cannot go on, or an empty text.
+  std::string advance(const Eigen::VectorXd& force) {
+    const std::int64_t before = monotonic_ns();
+    std::string reason = plant_.advance(force);
+    timing_.worst_compute_ns = std::max(timing_.worst_compute_ns, monotonic_ns() - before);
+    return reason;
+  }
+
+  PlantOutcome end() {
+    timing_.wall_time_ns = monotonic_ns() - began_ns_;
+    timing_.n_duplicate = link_.n_duplicate();
+    if (options_.progress) options_.progress(n_, n_);
+    link_.publish_state(run_state_t::ENDED, 0, "");
+    link_.publish_timing(timing_);
+    return {.ended = true, .interrupted = false, .reason = ""};
+  }
+
+  PlantOutcome fail(const std::string& reason, bool interrupted = false) {
+    link_.publish_state(run_state_t::FAILED, 0, reason);
+    return {.ended = false, .interrupted = interrupted, .reason = reason};
+  }
+
+  timing_t& timing() { return timing_; }
+  std::int64_t n() const { return n_; }
+
+ private:
+  Plant& plant_;
+  PlantLink& link_;
+  const PlantRunOptions& options_;
+  std::int64_t n_;
+  timing_t timing_;
+  std::int64_t began_ns_ = 0, reported_ns_ = 0;
+};
+
+/// Waits until the command for sample k has come; answers why it will not.
+std::string await_command(PlantLink& link, std::int64_t k, double timeout_s) {
+  const std::int64_t begin = monotonic_ns();
+  std::int64_t asked = begin;
+  while (link.command_seq() < k) {
+    link.listen(50);
+    if (stop_requested()) return "interrupted";
+    if (!link.controller_failure().empty()) return link.controller_failure();
+    const std::int64_t now = monotonic_ns();
+    if (static_cast<double>(now - begin) > timeout_s * 1e9) {
+      return "no command for sample " + std::to_string(k) + " within " +
+             std::to_string(timeout_s) + " s";
+    }
+    if (now - asked > 200 * ns_per_ms) {
+      link.repeat_measurement();
+      asked = now;
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string await_controller(PlantLink& link, double timeout_s) {
+  const std::int64_t begin = monotonic_ns();
+  while (!link.controller_ready()) {
+    link.publish_info();
+    const std::int64_t asked = monotonic_ns();
+    while (!link.controller_ready() && monotonic_ns() - asked < 50 * ns_per_ms) {
+      link.listen(10);
+      if (stop_requested()) return "interrupted";
+      if (!link.controller_failure().empty()) return link.controller_failure();
+    }
+    if (static_cast<double>(monotonic_ns() - begin) > timeout_s * 1e9) {
+      return "no controller answered within " + std::to_string(timeout_s) +
+             " s; start one with: stillframe-controller --gains FILE";
+    }
+  }
+  return "";
+}
+
+PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions& options) {
+  Run run(plant, link, options);
+  const bool delayed = link.info().delay_samples == 1;
+  Eigen::VectorXd held = Eigen::VectorXd::Zero(link.info().n_legs);
+  run.begin(0);
+  for (std::int64_t k = 0; k < run.n(); ++k) {
+    run.measure(k);
+    std::string reason;
+    if (delayed) reason = run.advance(held);
+    const std::string missing = await_command(link, k, options.timeout_s);
+    if (!missing.empty()) return run.fail(missing, stop_requested());
+    held = link.command_force();
+    if (!delayed) reason = run.advance(held);
+    if (!reason.empty()) return run.fail(reason);
+  }
+  return run.end();
+}
+
+PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions& options) {
+  Run run(plant, link, options);
+  const double period_ns = 1e9 / link.info().sample_rate_hz;
+  // Both processes get time to settle before the first deadline.
+  const std::int64_t start = monotonic_ns() + 100 * ns_per_ms;
+  run.begin(start);
+  std::int64_t heard_ns = start;
+  std::int64_t last_seq = -1;
+  for (std::int64_t k = 0; k < run.n(); ++k) {
+    const std::int64_t deadline = start + std::llround(static_cast<double>(k) * period_ns);
+    sleep_until(deadline);
+    const std::int64_t now = monotonic_ns();
+    while (link.listen(0)) {
+    }
+    if (stop_requested()) return run.fail("interrupted", true);
+    if (!link.controller_failure().empty()) return run.fail(link.controller_failure());
+    run.timing().worst_wake_up_ns = std::max(run.timing().worst_wake_up_ns, now - deadline);
+    if (static_cast<double>(now - deadline) > period_ns) ++run.timing().n_late;
+    if (k > 0 && link.command_seq() < k - 1) ++run.timing().n_lost;
+    if (link.command_seq() != last_seq) heard_ns = now;
+    last_seq = link.command_seq();
+    if (static_cast<double>(now - heard_ns) > options.timeout_s * 1e9) {
+      return run.fail("no command for " + std::to_string(options.timeout_s) + " s");
+    }
+    run.measure(k);
+    const std::string reason = run.advance(link.command_force());
+    if (!reason.empty()) return run.fail(reason);
+  }
+  return run.end();
+}
+
+}  // namespace stillframe

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace stillframe::report {
+
+// Okabe and Ito's palette, which readers with any colour vision tell apart.
+inline constexpr const char* passive_colour = "'#D55E00'";
+inline constexpr const char* active_colour = "'#0072B2'";
+inline constexpr const char* floor_colour = "'#6E6E6E'";
+
+/// Borders, tics, grid and legend that all pictures share; the place of the legend is left to them.
+std::string frame_style();
+
+/// The edges of a panel as fractions of the picture.
+std::string margins(double left, double right, double bottom, double top);
+
+/// A logarithmic frequency axis, Hz, with the steps labelled that a reader looks for; empty titles
+/// are left out.
+std::string frequency_axis(double lowest_hz, double highest_hz, const std::string& title);
+
+/// Parts of a plot command, one a line.
+std::string joined(const std::vector<std::string>& parts);
+
+/// Errors: std::invalid_argument "plots: what" unless holds.
+void require(bool holds, const std::string& what);
+
+}  // namespace stillframe::report

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace stillframe::report {
+
+/// A one-sided power spectral density at the frequencies 0, df, 2 df, ... up to half the sample
+/// rate.
+struct Psd {
+  double sample_rate_hz = 0;  ///< Hz
+  double resolution_hz = 0;   ///< df, Hz
+  Eigen::VectorXd density;    ///< unit^2 / Hz
+
+  double frequency_hz(Eigen::Index k) const { return resolution_hz * static_cast<double>(k); }
+};
+
+/// Segment length for vibration spectra, s: the one-third-octave band at 1 Hz then spans nearly
+/// four bins.
+inline constexpr double default_segment_s = 16;
+
+/// The number of samples in default_segment_s, or all of them if there are fewer.
+Eigen::Index default_segment_length(Eigen::Index n_samples, double sample_rate_hz);
+
+/// Welch's estimate: segments with 50 % overlap, each less its mean, periodic Hann window, density
+/// scaling,
+///   S(f_k) = 2 / (f_s sum w^2) mean |sum_i w_i x_i e^{-2 pi j i k / n}|^2  (no 2 at 0 and f_s /
+///   2).
+/// x: signal, any unit; segment_length: samples.
+/// Source: P. D. Welch, IEEE Trans. Audio Electroacoustics 15 (1967); the scaling is that of
+/// scipy.signal.welch. Errors: std::invalid_argument for a segment shorter than 2 or longer than x,
+/// or a rate that is not positive.
+Psd welch(const Eigen::VectorXd& x, double sample_rate_hz, Eigen::Index segment_length);
+
+/// S_v = S_a / (2 pi f)^2, zero at f = 0.
+Psd velocity_from_acceleration(const Psd& acceleration);
+
+/// Root of the integral of the density from lower_hz to upper_hz; bins that the edges cut count in
+/// part.
+double band_rms(const Psd& psd, double lower_hz, double upper_hz);
+
+/// Root of the integral of the density from 0 to each frequency of the PSD, its bin counted whole.
+Eigen::VectorXd cumulative_rms(const Psd& psd);
+
+/// A one-third-octave band with base-10 frequencies. Source: IEC 61260-1.
+struct OctaveBand {
+  double nominal_hz = 0;  ///< as printed on instruments: 1, 1.25, 1.6, 2, ...
+  double centre_hz = 0;   ///< 10^(n / 10)
+  double lower_hz = 0;    ///< centre 10^(-1/20)
+  double upper_hz = 0;    ///< centre 10^(+1/20)
+};
+
+/// The twenty bands from 1 to 80 Hz.
+std::vector<OctaveBand> third_octave_bands();
+
+/// Rms velocity in each of third_octave_bands(), m/s, from the PSD of an acceleration in m/s^2.
+Eigen::VectorXd third_octave_velocity(const Psd& acceleration);
+
+}  // namespace stillframe::report

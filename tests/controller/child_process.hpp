@@ -1,0 +1,32 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace stillframe::test {
+
+/// A program run by a test, with what it prints; killed if the test leaves before it has ended.
+class ChildProcess {
+ public:
+  /// arguments[0] is the program, looked up in PATH. Errors: std::runtime_error.
+  explicit ChildProcess(std::vector<std::string> arguments);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  void signal(int number) const;
+  /// Waits for the end; the exit code, or minus the signal that ended it.
+  int wait();
+  /// What it printed, once it has ended.
+  const std::string& out() const { return out_; }
+  const std::string& err() const { return err_; }
+
+ private:
+  pid_t pid_ = -1;
+  int out_fd_ = -1, err_fd_ = -1;
+  std::string out_, err_;
+};
+
+}  // namespace stillframe::test

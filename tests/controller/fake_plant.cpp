@@ -1,0 +1,99 @@
+#include "tests/controller/fake_plant.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "msgs/channels.hpp"
+
+namespace stillframe::controller::toy {
+
+using namespace stillframe_msgs;
+
+FakePlant::FakePlant(run_info_t info) : info_(std::move(info)) {
+  if (!lcm_.good()) throw std::runtime_error("no LCM; run through scripts/private_network");
+  lcm_.subscribe(channels::command, &FakePlant::on_command, this)->setQueueCapacity(0);
+  lcm_.subscribe(channels::run_state, &FakePlant::on_state, this);
+  lcm_.subscribe(channels::timing, &FakePlant::on_timing, this);
+  const size_t m = frequencies_hz().size();
+  q_.assign(m, 1e-6);
+  v_.assign(m, 1e-5);
+  applied_.assign(m, 0.0);
+}
+
+int FakePlant::announce() {
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    lcm_.publish(channels::run_info, &info_);
+    take(20);
+    if (!states.empty()) return states.back().state;
+  }
+  return -1;
+}
+
+void FakePlant::publish_state(std::int32_t state, std::int64_t start_ns, const std::string& text) {
+  const run_state_t message{.run_id = info_.run_id,
+                            .source = "plant",
+                            .state = state,
+                            .start_monotonic_ns = start_ns,
+                            .text = text};
+  lcm_.publish(channels::run_state, &message);
+}
+
+void FakePlant::publish(const measurement_t& measurement) {
+  lcm_.publish(channels::measurement, &measurement);
+}
+
+void FakePlant::publish_raw(const std::string& channel, const void* data, size_t size) {
+  lcm_.publish(channel, data, static_cast<unsigned>(size));
+}
+
+std::optional<command_t> FakePlant::exchange(const measurement_t& measurement) {
+  for (int attempt = 0; attempt < 50; ++attempt) {
+    publish(measurement);
+    while (take(200)) {
+      if (!commands.empty() && commands.back().seq == measurement.seq) return commands.back();
+    }
+  }
+  return std::nullopt;
+}
+
+bool FakePlant::take(int timeout_ms) { return lcm_.handleTimeout(timeout_ms) > 0; }
+
+measurement_t FakePlant::measure(std::int64_t k) const {
+  measurement_t message{};
+  message.run_id = info_.run_id;
+  message.seq = k;
+  message.time_ns = static_cast<std::int64_t>(static_cast<double>(k) * 1e9 / info_.sample_rate_hz);
+  message.n_legs = info_.n_legs;
+  message.applied_force = applied_;
+  for (size_t i = 0; i < q_.size(); ++i) {
+    const double w = two_pi * frequencies_hz()[i];
+    message.sigma.push_back(w * w * q_[i] + applied_[i]);
+  }
+  return message;
+}
+
+void FakePlant::move(const std::vector<double>& force) {
+  for (size_t i = 0; i < q_.size(); ++i) {
+    toy::move(i, q_[i], v_[i], force[i], 1 / info_.sample_rate_hz);
+  }
+  applied_ = force;
+}
+
+void FakePlant::on_command(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
+  command_t message;
+  if (message.decode(bytes, 0, static_cast<int>(buffer->data_size)) < 0) return;
+  command_bytes.emplace_back(bytes, bytes + buffer->data_size);
+  commands.push_back(message);
+}
+
+void FakePlant::on_state(const lcm::ReceiveBuffer*, const std::string&,
+                         const run_state_t* message) {
+  if (message->source == "controller") states.push_back(*message);
+}
+
+void FakePlant::on_timing(const lcm::ReceiveBuffer*, const std::string&, const timing_t* message) {
+  if (message->source == "controller") timing = *message;
+}
+
+}  // namespace stillframe::controller::toy

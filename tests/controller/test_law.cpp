@@ -1,0 +1,189 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <complex>
+#include <random>
+
+#include "controller/law.hpp"
+#include "controller/tustin.hpp"
+#include "core/yaml/input_error.hpp"
+#include "tests/controller/allocation_count.hpp"
+#include "tests/controller/toy_plant.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Complex = std::complex<double>;
+
+// Gains whose matrices neither commute nor are symmetric: X = K M^-1 / w_d^2 with full K and M.
+Gains coupled_gains(double rate_hz, double leak_hz) {
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> normal;
+  const auto spd = [&](double scale) {
+    const MatrixXd R = MatrixXd::NullaryExpr(4, 4, [&] { return normal(random); });
+    return MatrixXd(scale * (R * R.transpose() + 0.5 * MatrixXd::Identity(4, 4)));
+  };
+  const MatrixXd K = spd(1e6), M = spd(10);
+  Gains gains = toy::gains(5, rate_hz, 1, leak_hz);
+  const double w_d = toy::two_pi * 5;
+  const MatrixXd X = K * M.inverse() / (w_d * w_d);
+  gains.K_P = X - MatrixXd::Identity(4, 4);
+  gains.K_I = 2 * toy::damping_ratio * w_d * X;
+  return gains;
+}
+
+// Tustin's warped frequency, at which the sampled response equals the continuous one exactly.
+Complex warped(Complex z, double T) { return 2.0 / T * (z - 1.0) / (z + 1.0); }
+
+MatrixXcd closed_form(const Gains& gains, Complex s) {
+  const double w_l = toy::two_pi * gains.leak_hz;
+  const MatrixXcd I = MatrixXcd::Identity(gains.n_legs(), gains.n_legs());
+  const MatrixXcd P = (gains.K_P * s + gains.K_I) / (s + w_l);
+  MatrixXcd C = gains.realisation == Realisation::naive_pi
+                    ? MatrixXcd(-(gains.K_P + gains.K_I / (s + w_l)))
+                    : MatrixXcd(-(I + P).inverse() * P);
+  if (gains.roll_off_hz) {
+    const double w_r = toy::two_pi * *gains.roll_off_hz;
+    C *= w_r / (s + w_r);
+  }
+  return C;
+}
+
+MatrixXcd response(const DiscreteLaw& law, Complex z) {
+  const MatrixXcd I = MatrixXcd::Identity(law.A.rows(), law.A.cols());
+  return law.C * (z * I - law.A).inverse() * law.B + law.D;
+}
+
+struct Case {
+  Realisation realisation;
+  double leak_hz;
+  std::optional<double> roll_off_hz;
+};
+
+class LawResponse : public testing::TestWithParam<Case> {};
+
+TEST_P(LawResponse, EqualsTheClosedFormAtTheWarpedFrequency) {
+  for (const double rate : {1000.0, 4000.0, 10000.0}) {
+    Gains gains = coupled_gains(rate, GetParam().leak_hz);
+    gains.realisation = GetParam().realisation;
+    gains.roll_off_hz = GetParam().roll_off_hz;
+    const DiscreteLaw law = law_from_gains(gains);
+    EXPECT_EQ(law.subtract_applied, gains.realisation == Realisation::implicit_feedthrough);
+    for (const double part : {1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.25, 0.4, 0.49}) {
+      const Complex z = std::polar(1.0, toy::two_pi * part);
+      const MatrixXcd expected = closed_form(gains, warped(z, gains.sample_time()));
+      // Rounding only: z I - A loses log10(1 / (2 pi 1e-5)), 4 to 5 digits of 16, I + K_P 2 more.
+      EXPECT_LT((response(law, z) - expected).norm(), 1e-9 * expected.norm())
+          << part << " of " << rate << " Hz";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, LawResponse,
+                         testing::Values(Case{Realisation::implicit_feedthrough, 0.05, {}},
+                                         Case{Realisation::implicit_feedthrough, 0.0, {}},
+                                         Case{Realisation::implicit_feedthrough, 2.0, 200.0},
+                                         Case{Realisation::naive_pi, 0.05, {}},
+                                         Case{Realisation::naive_pi, 1.0, 300.0}));
+
+TEST(Law, ImplicitOneIsStableAndHasItsStaticGain) {
+  for (const double rate : {1000.0, 10000.0}) {
+    const Gains gains = coupled_gains(rate, 0.05);
+    const DiscreteLaw law = law_from_gains(gains);
+    EXPECT_EQ(law.A.rows(), gains.n_legs());
+    EXPECT_LT(law.A.eigenvalues().cwiseAbs().maxCoeff(), 1.0);
+    const MatrixXd W =
+        toy::two_pi * gains.leak_hz * MatrixXd::Identity(4, 4) + gains.K_I;  // C'(0) = -W^-1 K_I
+    const MatrixXd expected = -W.inverse() * gains.K_I;
+    // Rounding of I - A, whose entries are of order 1e-3 at the least.
+    EXPECT_LT((response(law, 1.0).real() - expected).norm(), 1e-10);
+  }
+}
+
+TEST(Law, StepsAreTheMatrices) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const auto any = [&](Eigen::Index rows, Eigen::Index cols) {
+    return MatrixXd(MatrixXd::NullaryExpr(rows, cols, [&] { return normal(random); }));
+  };
+  for (const bool subtract : {true, false}) {
+    const DiscreteLaw matrices{0.2 * any(5, 5), any(5, 3), any(3, 5), any(3, 3), subtract};
+    Law law(matrices);
+    VectorXd x = VectorXd::Zero(5), force(3);
+    for (int k = 0; k < 100; ++k) {
+      const VectorXd sigma = any(3, 1), applied = any(3, 1);
+      const VectorXd e = subtract ? VectorXd(sigma - applied) : sigma;
+      const VectorXd expected = matrices.C * x + matrices.D * e;
+      law.step(sigma, applied, force);
+      x = matrices.A * x + matrices.B * e;
+      // A few roundings of numbers of order 10; the order of the sums is free.
+      EXPECT_LT((force - expected).norm(), 1e-13 * (1 + expected.norm()));
+      EXPECT_LT((law.state() - x).norm(), 1e-13 * (1 + x.norm()));
+    }
+    law.reset();
+    EXPECT_EQ(law.state().norm(), 0.0);
+  }
+}
+
+// An actuator at its limit must not wind the law up: after 1 s and after 100 s at the limit the law
+// comes back in the same way. A leakless sampled PI under the same load is a hundred times further
+// away.
+TEST(Law, SaturationDoesNotWindUp) {
+  const auto state_after = [](Realisation realisation, int seconds) {
+    Gains gains = toy::gains(5, 1000, 1, realisation == Realisation::naive_pi ? 0 : 0.05);
+    gains.realisation = realisation;
+    Law law(law_from_gains(gains));
+    const VectorXd sigma_p = VectorXd::Constant(4, 100.0), limit = VectorXd::Constant(4, -1.0);
+    VectorXd force(4);
+    for (int k = 0; k < 1000 * seconds; ++k) law.step(sigma_p + limit, limit, force);
+    return law.state();
+  };
+  const VectorXd early = state_after(Realisation::implicit_feedthrough, 1);
+  const VectorXd late = state_after(Realisation::implicit_feedthrough, 100);
+  // The law forgets as exp(-2 zeta w_d t), 1e-19 after one second; what is left is rounding.
+  EXPECT_LT((late - early).norm(), 1e-12 * early.norm());
+  const double growth =
+      state_after(Realisation::naive_pi, 100).norm() / state_after(Realisation::naive_pi, 1).norm();
+  EXPECT_NEAR(growth, 100, 0.1);  // the first sample of the trapezoid weighs 1/1000
+}
+
+TEST(Law, StepDoesNotAllocate) {
+  for (const Eigen::Index m : {1, 6, 24}) {
+    const MatrixXd A = 0.5 * MatrixXd::Identity(2 * m, 2 * m);
+    Law law(
+        {A, MatrixXd::Ones(2 * m, m), MatrixXd::Ones(m, 2 * m), MatrixXd::Identity(m, m), true});
+    const VectorXd sigma = VectorXd::Ones(m), applied = VectorXd::Zero(m);
+    VectorXd force(m);
+    const auto before = test::allocation_count();
+    for (int k = 0; k < 10; ++k) law.step(sigma, applied, force);
+    law.reset();
+    EXPECT_EQ(test::allocation_count(), before) << m << " legs";
+  }
+}
+
+TEST(Law, AllocationsAreSeenByTheCounter) {
+  const auto before = test::allocation_count();
+  const VectorXd vector = VectorXd::Ones(3);
+  EXPECT_EQ(vector.sum(), 3);
+  EXPECT_GT(test::allocation_count(), before);
+}
+
+TEST(Law, BadShapesAndSingularGainsAreRefused) {
+  EXPECT_THROW(Law({MatrixXd::Zero(2, 2), MatrixXd::Zero(2, 3), MatrixXd::Zero(3, 1),
+                    MatrixXd::Zero(3, 3), true}),
+               std::invalid_argument);
+  Gains gains = toy::gains(5);
+  gains.K_I = MatrixXd::Zero(3, 3);
+  EXPECT_THROW(law_from_gains(gains), std::invalid_argument);
+  gains = toy::gains(5);
+  gains.K_P = -MatrixXd::Identity(4, 4);
+  EXPECT_THROW(law_from_gains(gains), Refusal);
+  EXPECT_THROW(tustin({}, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace stillframe::controller

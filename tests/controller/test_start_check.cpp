@@ -1,0 +1,188 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <random>
+
+#include "controller/balance.hpp"
+#include "controller/law.hpp"
+#include "controller/start_check.hpp"
+#include "core/yaml/input_error.hpp"
+#include "tests/controller/loop_simulation.hpp"
+#include "tests/controller/toy_plant.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double radius_of(const MatrixXd& A) { return balanced(A).eigenvalues().cwiseAbs().maxCoeff(); }
+
+Gains naive(double design_hz, double rate_hz, int delay) {
+  Gains gains = toy::gains(design_hz, rate_hz, delay);
+  gains.realisation = Realisation::naive_pi;
+  return gains;
+}
+
+// How the toy loop grows a sample, measured by running it from a random state.
+double measured_growth(const Gains& gains, int settle, int measure) {
+  toy::LoopSimulation loop(gains, law_from_gains(gains), gains.delay_samples);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  loop.state() = VectorXd::NullaryExpr(loop.size(), [&] { return normal(random); });
+  double log_growth = 0;
+  for (int k = 0; k < settle + measure; ++k) {
+    loop.step();
+    const double norm = loop.state().norm();
+    if (k >= settle) log_growth += std::log(norm);
+    loop.state() /= norm;
+  }
+  return std::exp(log_growth / measure);
+}
+
+class Rates : public testing::TestWithParam<double> {};
+
+// THEORY fact 3: the sampled PI is a loop of gain K_P around its delay, at every rate.
+TEST_P(Rates, NaivePiIsUnstableWithTheLargestEigenvalueOfItsGain) {
+  for (const double design_hz : {1.0, 5.0, 10.0}) {
+    for (const int delay : {0, 1}) {
+      const Gains gains = naive(design_hz, GetParam(), delay);
+      const double radius = closed_loop_radius(gains);
+      // |z|^(delay + 1) is the gain K_P and half a sample of K_I, which is up to 5 % at 1 kHz.
+      const double gain = gains.K_P.diagonal().maxCoeff();
+      EXPECT_NEAR(std::pow(radius, delay + 1), gain, 0.05 * gain);
+      // The loop simulated in time grows by the same factor. 200 samples forget all other modes.
+      EXPECT_NEAR(measured_growth(gains, 400, 1000), radius, 0.01 * radius);
+      EXPECT_THROW(require_stable(gains), Refusal);
+    }
+  }
+}
+
+TEST_P(Rates, ImplicitFeedthroughIsStableEvenWithEverythingALittleWrong) {
+  for (const double design_hz : {1.0, 2.0, 5.0}) {
+    for (const int delay : {0, 1}) {
+      const Gains gains = toy::gains(design_hz, GetParam(), delay);
+      EXPECT_LT(closed_loop_radius(gains), largest_stable_radius);
+      EXPECT_NO_THROW(require_stable(gains));
+    }
+    const Gains gains = toy::gains(design_hz, GetParam(), 1);
+    for (const int delay : {0, 1, 2}) {
+      for (const toy::Imperfections& imperfect :
+           {toy::Imperfections{}, toy::Imperfections{.actuator_gain = 1.5},
+            toy::Imperfections{.actuator_lag_hz = 300}}) {
+        const toy::LoopSimulation loop(gains, law_from_gains(gains), delay, imperfect);
+        EXPECT_LT(radius_of(toy::step_matrix(loop)), 1)
+            << design_hz << " Hz, delay " << delay << ", gain " << imperfect.actuator_gain
+            << ", lag " << imperfect.actuator_lag_hz;
+      }
+    }
+  }
+}
+
+TEST_P(Rates, BothWaysGiveTheSameRadius) {
+  for (const int delay : {0, 1}) {
+    for (const double leak : {0.05, 1.0}) {
+      Gains gains = toy::gains(5, GetParam(), delay, leak);
+      for (const auto roll_off : {std::optional<double>{}, std::optional<double>{200}}) {
+        gains.roll_off_hz = roll_off;
+        const toy::LoopSimulation loop(gains, law_from_gains(gains), delay);
+        // Eigenvalues of balanced matrices of norm about 1e3: 1e-13, times what is left unbalanced.
+        EXPECT_NEAR(closed_loop_radius(gains), radius_of(toy::step_matrix(loop)), 1e-10);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rates, Rates, testing::Values(1000.0, 4000.0, 10000.0));
+
+// THEORY fact 3: the applied force one sample old makes the radius 1.2, a roll-off at 200 Hz mends
+// it.
+TEST(StartCheck, MisalignedAppliedForceIsUnstableAndARollOffMendsIt) {
+  Gains gains = toy::gains(5, 1000, 1);
+  const toy::Imperfections stale{.stale_samples = 1};
+  EXPECT_NEAR(radius_of(toy::step_matrix({gains, law_from_gains(gains), 1, stale})), 1.2, 0.05);
+  gains.roll_off_hz = 200;
+  EXPECT_LT(radius_of(toy::step_matrix({gains, law_from_gains(gains), 1, stale})), 1);
+}
+
+// Without a leak there is a pole at 1 to rounding, and a leak of 1 mHz is told from it at every
+// rate.
+TEST_P(Rates, NoLeakIsAPoleAtOne) {
+  for (const double design_hz : {1.0, 5.0, 10.0}) {
+    for (const int delay : {0, 1}) {
+      const Gains without = toy::gains(design_hz, GetParam(), delay, 0);
+      EXPECT_NEAR(closed_loop_radius(without), 1, 1e-12);  // measured: 2e-14 at worst
+      EXPECT_THROW(require_stable(without), Refusal);
+      EXPECT_LT(closed_loop_radius(toy::gains(design_hz, GetParam(), delay, 1e-3)),
+                largest_stable_radius);
+    }
+  }
+}
+
+std::string refusal(const Gains& gains) {
+  try {
+    require_stable(gains);
+  } catch (const Refusal& error) {
+    return error.what();
+  }
+  return {};
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(StartCheck, RefusalSaysWhyAndWhatMends) {
+  std::string text = refusal(naive(5, 1000, 0));
+  EXPECT_TRUE(contains(text, "K_P (largest eigenvalue 95.04)")) << text;
+  EXPECT_TRUE(contains(text, "realisation: implicit_feedthrough")) << text;
+  EXPECT_FALSE(contains(text, "sample_rate_hz")) << text;  // raising the rate does not help
+
+  text = refusal(toy::gains(5, 1000, 1, 0));
+  EXPECT_TRUE(contains(text, "static stiffness")) << text;
+  EXPECT_TRUE(contains(text, "What mends it: leak_hz: 0.05")) << text;
+
+  Gains both = naive(5, 1000, 1);
+  both.leak_hz = 0;
+  text = refusal(both);
+  EXPECT_TRUE(contains(text, "realisation: implicit_feedthrough with leak_hz: 0.05")) << text;
+
+  text = refusal(toy::gains(5, 120, 1));
+  EXPECT_TRUE(contains(text, "delay_samples: 0")) << text;
+  EXPECT_TRUE(contains(text, "sample_rate_hz: 240")) << text;
+
+  Gains hopeless = toy::gains(5, 1000, 1);
+  hopeless.K_P = -30 * MatrixXd::Identity(4, 4);
+  text = refusal(hopeless);
+  EXPECT_TRUE(contains(text, "No setting of the gains file mends it")) << text;
+}
+
+// What is named must really mend: apply each remedy by hand and simulate.
+TEST(StartCheck, RemediesAreStableInTheSimulation) {
+  const auto remedies = find_remedies(toy::gains(5, 120, 1));
+  ASSERT_FALSE(remedies.empty());
+  EXPECT_EQ(remedies.front().change, "delay_samples: 0");
+  const Gains mended = toy::gains(5, 120, 0);
+  EXPECT_NEAR(radius_of(toy::step_matrix({mended, law_from_gains(mended), 0})),
+              remedies.front().radius, 1e-10);
+}
+
+TEST(Balance, KeepsTheEigenvaluesAndLowersTheNorm) {
+  // Similar to a symmetric matrix by a diagonal of 20 decades: eigenvalues known from that one.
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  const MatrixXd R = MatrixXd::NullaryExpr(6, 6, [&] { return normal(random); });
+  const MatrixXd symmetric = R + R.transpose();
+  const VectorXd scale = Eigen::exp(VectorXd::LinSpaced(6, -23, 23).array());
+  const MatrixXd A = scale.asDiagonal() * symmetric * scale.cwiseInverse().asDiagonal();
+  VectorXd expected = symmetric.selfadjointView<Eigen::Lower>().eigenvalues();
+  VectorXd found = balanced(A).eigenvalues().real();
+  std::sort(found.begin(), found.end());
+  EXPECT_LT((found - expected).norm(), 1e-12 * expected.norm());  // well conditioned once balanced
+  EXPECT_GT((A.eigenvalues().real().norm() - expected.norm()), 0);
+  EXPECT_LT(balanced(A).norm(), 10 * symmetric.norm());
+}
+
+}  // namespace
+}  // namespace stillframe::controller

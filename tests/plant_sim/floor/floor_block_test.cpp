@@ -1,0 +1,199 @@
+#include "plant_sim/floor/floor_block.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+
+#include "tests/plant_sim/floor/scratch_folder.hpp"
+
+namespace stillframe::floor {
+namespace {
+
+using testing::message_of;
+using testing::ScratchFolder;
+
+FloorSpec read(const std::string& text, double rate = 1000.0, Eigen::Index inputs = 6) {
+  return read_floor_block(YamlReader::from_text(text, "floor.yaml"), rate, inputs);
+}
+
+TEST(FloorBlock, DefaultsAreAsDocumented) {
+  const auto recording =
+      std::get<RecordingSpec>(read("recording: {file: a.csv, axes: {c: z}}").kind);
+  EXPECT_EQ(recording.file, "a.csv");
+  EXPECT_EQ(recording.scale, 1.0);
+  EXPECT_EQ(recording.start_s, 0.0);
+  EXPECT_EQ(recording.high_pass_hz, 0.5);
+  ASSERT_EQ(recording.axes.size(), 1u);
+  EXPECT_EQ(recording.axes[0].column, "c");
+  EXPECT_EQ(recording.axes[0].axis, 2);
+  const auto plan =
+      std::get<MultisinePlan>(read("multisine: {frequencies_hz: [3, 1], amplitude: 2e-3}").kind);
+  EXPECT_EQ(plan.sample_rate_hz, 1000.0);
+  EXPECT_EQ(plan.frequencies_hz, (std::vector<double>{1.0, 3.0}));
+  EXPECT_EQ(plan.n_blocks, 6);
+  EXPECT_EQ(plan.ramp_s, 4.0);
+  EXPECT_EQ(plan.window_s, 8.0);
+  EXPECT_EQ(plan.amplitude, 2e-3);
+  const auto white = std::get<WhiteSpec>(read("white: {rms: 1e-4, duration_s: 1.5}").kind);
+  EXPECT_EQ(white.seed, 1u);
+  EXPECT_EQ(white.high_pass_hz, 0.5);
+  EXPECT_EQ(white.n_samples, 1500);
+  EXPECT_EQ(std::get<StillSpec>(read("still: {duration_s: 0.001}").kind).n_samples, 1);
+}
+
+struct BadText {
+  const char* name;
+  std::string text, message;
+};
+
+void PrintTo(const BadText& bad, std::ostream* out) { *out << bad.name; }
+
+class BadBlock : public ::testing::TestWithParam<BadText> {};
+
+TEST_P(BadBlock, IsRefusedWithLineAndColumn) {
+  EXPECT_EQ(message_of<InputError>([&] { read(GetParam().text); }),
+            "floor.yaml:" + GetParam().message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, BadBlock,
+    ::testing::Values(
+        BadText{"unknown_kind", "records: {}",
+                "1:1: records: unknown key (did you mean 'recording'?); allowed: recording, "
+                "multisine, white, still"},
+        BadText{"no_kind", "{}",
+                "1:1: found 0 kinds of floor, allowed is exactly one of recording, multisine, "
+                "white, still"},
+        BadText{"two_kinds", "still: {duration_s: 1}\nwhite: {rms: 1, duration_s: 1}",
+                "1:1: found 2 kinds of floor, allowed is exactly one of recording, multisine, "
+                "white, still"},
+        BadText{"unknown_key", "still: {duraton_s: 1}",
+                "1:9: still.duraton_s: unknown key (did you mean 'duration_s'?); allowed: "
+                "duration_s"},
+        BadText{"still_without_duration", "still: {}",
+                "1:8: still: the key 'duration_s' is missing"},
+        BadText{"shorter_than_a_sample", "still: {duration_s: 1e-4}",
+                "1:21: still.duration_s: found 0.0001, allowed is from 0.001 (one sample) to "
+                "16666.666"},
+        BadText{"too_long", "white: {rms: 1, duration_s: 1e9}",
+                "1:29: white.duration_s: found 1000000000, allowed is from 0.001 (one sample) to "
+                "16666.666"},
+        BadText{"white_without_rms", "white: {duration_s: 1}",
+                "1:8: white: the key 'rms' is missing"},
+        BadText{"negative_rms", "white: {rms: -1, duration_s: 1}",
+                "1:14: white.rms: found '-1', allowed is a number above 0"},
+        BadText{"negative_seed", "white: {rms: 1, duration_s: 1, seed: -1}",
+                "1:38: white.seed: found '-1', allowed is a whole number from 0 up"},
+        BadText{"corner_above_nyquist", "white: {rms: 1, duration_s: 1, high_pass_hz: 500}",
+                "1:46: white.high_pass_hz: found 500, allowed is a number below 500, half the "
+                "control rate"},
+        BadText{"no_lines", "multisine: {amplitude: 1, frequencies_hz: []}",
+                "1:43: multisine.frequencies_hz: found no line, allowed is one or more"},
+        BadText{"off_the_grid", "multisine:\n  amplitude: 1\n  frequencies_hz: [1, 1.25]",
+                "3:23: multisine.frequencies_hz[2]: found 1.25, allowed is a whole multiple of 0.5 "
+                "Hz (4 / window_s)"},
+        BadText{"above_nyquist", "multisine: {amplitude: 1, frequencies_hz: [500]}",
+                "1:44: multisine.frequencies_hz[1]: found 500, allowed is a line below 500 Hz, "
+                "half the control rate"},
+        BadText{"line_twice", "multisine: {amplitude: 1, frequencies_hz: [2, 3, 2.0]}",
+                "1:50: multisine.frequencies_hz[3]: found 2, allowed is each line once"},
+        BadText{"zero_line", "multisine: {amplitude: 1, frequencies_hz: [0]}",
+                "1:44: multisine.frequencies_hz[1]: found '0', allowed is a number above 0"},
+        BadText{"no_amplitude", "multisine: {frequencies_hz: [1]}",
+                "1:12: multisine: the key 'amplitude' is missing"},
+        BadText{"uneven_window", "multisine: {amplitude: 1, frequencies_hz: [1], window_s: 8.0001}",
+                "1:58: multisine.window_s: found 8.0001, allowed is a whole number of samples at "
+                "the control rate of 1000 Hz"},
+        BadText{"uneven_ramp", "multisine: {amplitude: 1, frequencies_hz: [1], ramp_s: 1e-4}",
+                "1:56: multisine.ramp_s: found 0.0001, allowed is a whole number of samples at the "
+                "control rate of 1000 Hz"},
+        BadText{"endless", "multisine: {amplitude: 1, frequencies_hz: [1], ramp_s: 4000}",
+                "1:12: multisine: the experiment is too long: 6 blocks of 4008 s on 6 inputs are "
+                "more than 100000000 values"},
+        BadText{"no_file", "recording: {axes: {a: x}}",
+                "1:12: recording: the key 'file' is missing"},
+        BadText{"no_axes", "recording: {file: a.csv}",
+                "1:12: recording: the key 'axes' is missing"},
+        BadText{"empty_axes", "recording: {file: a.csv, axes: {}}",
+                "1:32: recording.axes: found nothing, allowed is a map as in {ax: x, ay: y, az: "
+                "z}"},
+        BadText{"unknown_axis", "recording: {file: a.csv, axes: {a: up}}",
+                "1:36: recording.axes.a: found 'up', allowed is one of x, y, z"},
+        BadText{"axis_twice", "recording: {file: a.csv, axes: {a: x, b: x}}",
+                "1:42: recording.axes.b: found 'x', which column a already moves; allowed is one "
+                "column for each axis"},
+        BadText{"zero_scale", "recording: {file: a.csv, scale: 0, axes: {a: x}}",
+                "1:33: recording.scale: found '0', allowed is a number above 0"},
+        BadText{"negative_start", "recording: {file: a.csv, start_s: -1, axes: {a: x}}",
+                "1:35: recording.start_s: found '-1', allowed is a number that is not negative"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(FloorBlock, TheCallerMustGiveARateAndInputs) {
+  EXPECT_THROW(read("still: {duration_s: 1}", 0.0), std::invalid_argument);
+  EXPECT_THROW(read("still: {duration_s: 1}", 1000.0, 0), std::invalid_argument);
+}
+
+/// A recording of 3 s at 10 Hz beside a floor file that uses it.
+struct RecordingBlock : ::testing::Test {
+  RecordingBlock() {
+    std::string text = "# fs_hz=10 n=31 units=m/s^2\nax,ay\n";
+    for (int k = 0; k < 31; ++k) text += "1,2\n";
+    csv = folder.write("a.csv", text);
+  }
+  std::string refused(const std::string& block, double rate = 100.0) {
+    const auto yaml = folder.write("f.yaml", block);
+    const std::string message = message_of<InputError>(
+        [&] { make_floor_source(read_floor_block(YamlReader::from_file(yaml), rate, 6)); });
+    const std::string prefix = yaml.string() + ":";
+    return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
+  }
+  ScratchFolder folder;
+  std::filesystem::path csv;
+};
+
+TEST_F(RecordingBlock, ThePathIsResolvedAgainstTheFileThatNamesIt) {
+  const auto yaml = folder.write("f.yaml", "recording: {file: a.csv, axes: {ay: y}}");
+  const auto source = make_floor_source(read_floor_block(YamlReader::from_file(yaml), 100.0, 6));
+  EXPECT_EQ(source->meaning(), FloorChannels::translations);
+  EXPECT_EQ(source->channels(), 3);
+  EXPECT_EQ(source->n_samples(), 301);
+  Eigen::VectorXd w(3);
+  source->sample(150, w);
+  EXPECT_EQ(w(0), 0.0);
+  EXPECT_NE(w(1), 0.0);
+  EXPECT_EQ(w(2), 0.0);
+}
+
+TEST_F(RecordingBlock, AMissingRecordingIsNamedWhereItIsAskedFor) {
+  EXPECT_EQ(refused("recording:\n  file: b.csv\n  axes: {ax: x}"),
+            "2:9: recording.file: found '" + (folder.path() / "b.csv").string() +
+                "', which is missing or no file");
+}
+
+TEST_F(RecordingBlock, AColumnThatIsNotThereIsNamed) {
+  EXPECT_EQ(refused("recording: {file: a.csv, axes: {ax_: x}}"),
+            "1:38: recording.axes.ax_: 'ax_' is no column of " + csv.string() +
+                " (did you mean 'ax'?); allowed: ax, ay");
+}
+
+TEST_F(RecordingBlock, AStartTooNearTheEndIsRefused) {
+  EXPECT_EQ(refused("recording: {file: a.csv, start_s: 2, axes: {ax: x}}"),
+            "1:35: recording.start_s: found 1.100000 s of " + csv.string() +
+                " from start_s on, allowed is more than 2 s");
+}
+
+TEST_F(RecordingBlock, ARateOfNoSimpleRatioIsRefused) {
+  EXPECT_EQ(refused("recording: {file: a.csv, axes: {ax: x}}", 100.0001),
+            "1:19: recording.file: found a recording at 10.000000 Hz, allowed is a rate whose "
+            "ratio to the control rate of 100.000100 Hz is one of whole numbers up to 10000");
+}
+
+TEST_F(RecordingBlock, AnUnsoundRecordingIsRefusedWithItsOwnPlace) {
+  folder.write("a.csv", "# fs_hz=10 n=2 units=m/s^2\nax\n1\nnan\n");
+  EXPECT_EQ(refused("recording: {file: a.csv, axes: {ax: x}}"),
+            csv.string() + ":4:1: ax: found 'nan', allowed is a finite number");
+}
+
+}  // namespace
+}  // namespace stillframe::floor

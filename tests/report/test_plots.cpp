@@ -1,0 +1,230 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+#include "core/yaml/input_error.hpp"
+#include "report/comparison.hpp"
+#include "report/gnuplot.hpp"
+#include "report/plots.hpp"
+#include "report/spectra.hpp"
+#include "tests/report/expect_error.hpp"
+#include "tests/report/sample_log.hpp"
+#include "tests/report/toy_frame.hpp"
+
+namespace stillframe::report {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using std::filesystem::path;
+
+/// Width and height from the header of a PNG file, 0 x 0 if it is none.
+std::pair<unsigned, unsigned> png_size(const path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  unsigned char header[24] = {};
+  stream.read(reinterpret_cast<char*>(header), sizeof header);
+  if (std::string(header + 1, header + 4) != "PNG") return {0, 0};
+  const auto number = [&](int at) {
+    return header[at] << 24U | header[at + 1] << 16U | header[at + 2] << 8U | header[at + 3];
+  };
+  return {number(16), number(20)};
+}
+
+class Plots : public ::testing::Test {
+ protected:
+  /// Where pictures are kept to be looked at, if the environment says so.
+  path picture(const std::string& name) const {
+    const char* folder = std::getenv("STILLFRAME_TEST_PICTURES");
+    return folder != nullptr ? path(folder) / name : folder_ / name;
+  }
+
+  void expect_picture(const path& file) const {
+    EXPECT_EQ(png_size(file), (std::pair<unsigned, unsigned>(1600, 1000)));
+    EXPECT_FALSE(std::filesystem::exists(file.string() + ".part"));
+  }
+
+  ScratchFolder folder_;
+};
+
+/// Toy responses as a run would leave them, with a scatter of 0.05 dB on the measured ones.
+SingularValuePlot toy_singular_values() {
+  const toy::Frame frame;
+  const SampledPlant plant = sample_and_hold(frame.plant(), 2.5e-4);
+  const SampledLoop open = open_loop(plant);
+  const SampledLoop closed =
+      close_loop(plant, frame.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, 2.5e-4), 0);
+  SingularValuePlot plot;
+  plot.title = "toy_frame at 4000 Hz, lock-step: floor to frame";
+  for (int i = 0; i <= 600; ++i)
+    plot.frequencies_hz.push_back(std::pow(10, -0.3 + 2.6 * i / 600.0));
+  plot.open_predicted = predicted_singular_values(open, plot.frequencies_hz);
+  plot.closed_predicted = predicted_singular_values(closed, plot.frequencies_hz);
+  for (int i = 0; i < 40; ++i) {
+    const double f = std::round(2 * std::pow(10, 2.0 * i / 39)) / 2;
+    if (plot.open_measured.frequencies_hz.empty() || f > plot.open_measured.frequencies_hz.back()) {
+      plot.open_measured.frequencies_hz.push_back(f);
+    }
+  }
+  plot.closed_measured.frequencies_hz = plot.open_measured.frequencies_hz;
+  std::srand(1);
+  const auto scattered = [&](const SampledLoop& loop) {
+    const MatrixXd exact = predicted_singular_values(loop, plot.open_measured.frequencies_hz);
+    const MatrixXd scatter = MatrixXd::Random(exact.rows(), exact.cols());
+    return MatrixXd(exact.array() * (1 + 0.006 * scatter.array()));
+  };
+  plot.open_measured.singular_values = scattered(open);
+  plot.closed_measured.singular_values = scattered(closed);
+  plot.target_frequency_hz = 5;
+  plot.target_damping = 0.7;
+  return plot;
+}
+
+TEST_F(Plots, SingularValues) {
+  const path file = picture("singular_values.png");
+  plot_singular_values(toy_singular_values(), file);
+  expect_picture(file);
+}
+
+TEST_F(Plots, SingularValuesWithoutMeasurement) {
+  SingularValuePlot plot = toy_singular_values();
+  plot.open_measured = {};
+  plot.closed_measured = {};
+  plot.closed_predicted.resize(0, 0);
+  plot.title = "It's a $name with \"quotes\", _underscores_ and {braces}";
+  const path file = picture("singular values, it's predicted.png");
+  plot_singular_values(plot, file);
+  expect_picture(file);
+}
+
+TEST_F(Plots, Differences) {
+  const SingularValuePlot values = toy_singular_values();
+  std::srand(2);
+  const MatrixXd noise = 0.05 * MatrixXd::Random(values.open_measured.singular_values.rows(), 3);
+  const path file = picture("differences.png");
+  MatrixXd closed = -0.5 * noise;
+  closed.bottomRows(4).setConstant(std::nan(""));
+  plot_differences({.title = "Measured against the sampled-data prediction",
+                    .frequencies_hz = values.open_measured.frequencies_hz,
+                    .open_db = noise,
+                    .closed_db = closed},
+                   file);
+  expect_picture(file);
+}
+
+/// Noise of the floor, and what a lightly damped and a well isolated frame make of it.
+HistoryPlot toy_histories() {
+  HistoryPlot plot{.title = "mikb_floor_200hz times 8.9: acceleration of floor and frame",
+                   .sample_rate_hz = 1000,
+                   .axes = {}};
+  std::srand(3);
+  int i = 0;
+  for (const char* axis : {"x", "y", "z"}) {
+    const Index n = 60000;
+    const VectorXd noise = 2e-3 * VectorXd::Random(n);
+    VectorXd floor(n), passive(n), active(n);
+    double low = 0, x = 0, v = 0, slow = 0;
+    const double omega = 2 * toy::pi * (13.9 + 10 * i++);
+    for (Index k = 0; k < n; ++k) {
+      low += 0.3 * (noise(k) - low);
+      const double a = -omega * omega * x - 2 * 0.01 * omega * v - low;
+      v += 1e-3 * a;
+      x += 1e-3 * v;
+      slow += 0.01 * (low - slow);
+      floor(k) = low;
+      passive(k) = a + low;
+      active(k) = slow;
+    }
+    plot.axes.push_back({axis, floor, passive, active});
+  }
+  return plot;
+}
+
+TEST_F(Plots, Histories) {
+  const path file = picture("histories.png");
+  plot_histories(toy_histories(), file);
+  expect_picture(file);
+}
+
+TEST_F(Plots, ThirdOctaves) {
+  OctavePlot plot{.title = "One-third-octave velocity of floor and frame", .axes = {}};
+  for (const AxisHistory& history : toy_histories().axes) {
+    const auto bands = [](const VectorXd& a) {
+      return third_octave_velocity(welch(a, 1000, 16000));
+    };
+    plot.axes.push_back(
+        {history.axis, bands(history.floor), bands(history.passive), bands(history.active)});
+  }
+  path file = picture("third_octaves.png");
+  plot_third_octaves(plot, file);
+  expect_picture(file);
+  // Six legs, and no active run.
+  const auto three = plot.axes;
+  plot.axes.insert(plot.axes.end(), three.begin(), three.end());
+  for (AxisBands& axis : plot.axes) {
+    axis.active.resize(0);
+    axis.axis = "leg_" + axis.axis;
+  }
+  file = picture("third_octaves_six.png");
+  plot_third_octaves(plot, file);
+  expect_picture(file);
+}
+
+TEST_F(Plots, EnvelopeKeepsEveryPeak) {
+  VectorXd x = VectorXd::Zero(1003);
+  x(0) = 1;
+  x(500) = -2;
+  x(1002) = 3;
+  const MatrixXd parts = envelope(x, 10);
+  ASSERT_EQ(parts.rows(), 10);
+  EXPECT_EQ(parts(0, 2), 1);
+  EXPECT_EQ(parts.col(1).minCoeff(), -2);
+  EXPECT_EQ(parts(9, 2), 3);
+  EXPECT_NEAR(parts(0, 0), 49.5, 0.51);
+  const MatrixXd all = envelope(x, 5000);
+  EXPECT_EQ(all.rows(), 1003);
+  EXPECT_EQ(all.col(1), x);
+  EXPECT_EQ(all(7, 0), 7);
+}
+
+TEST_F(Plots, NumbersAndTextSurviveGnuplot) {
+  EXPECT_EQ(std::stod(plot_number(-1.25e-7)), -1.25e-7);
+  EXPECT_EQ(plot_number(std::nan("")), "NaN");
+  EXPECT_EQ(plot_text("it's"), "'it''s'");
+}
+
+TEST_F(Plots, RefusesShapesThatDoNotMatch) {
+  SingularValuePlot plot = toy_singular_values();
+  plot.frequencies_hz.pop_back();
+  expect_error<std::invalid_argument>([&] { plot_singular_values(plot, folder_ / "a.png"); },
+                                      "open loop, predicted: 601 rows for 600 frequencies");
+  expect_error<std::invalid_argument>([&] { plot_third_octaves({}, folder_ / "a.png"); },
+                                      "one to six");
+  expect_error<std::invalid_argument>(
+      [&] {
+        plot_third_octaves({"", {{"x", VectorXd::Zero(3), {}, {}}}}, folder_ / "a.png");
+      },
+      "3 one-third-octave bands, expected 20");
+}
+
+TEST_F(Plots, FailuresAreSaidAndLeaveNothingBehind) {
+  expect_error<InputError>([&] { run_gnuplot("plot nonsense(", folder_ / "a.png"); },
+                           "gnuplot failed: line");
+  expect_error<InputError>([&] { run_gnuplot("plot x", folder_ / "none" / "a.png"); },
+                           "no such folder");
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(Plots, SaysWhatToInstallWithoutGnuplot) {
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", folder_.path().c_str(), 1);
+  expect_error<InputError>([&] { run_gnuplot("plot x", folder_ / "a.png"); },
+                           "install it with 'apt-get install gnuplot-nox'");
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+}  // namespace
+}  // namespace stillframe::report

@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "report/spectra.hpp"
+#include "tests/report/expect_error.hpp"
+
+namespace stillframe::report {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double pi = std::numbers::pi;
+
+double uniform(std::mt19937_64& random) {
+  return std::ldexp(static_cast<double>(random() >> 11), -53);
+}
+
+/// Gaussian noise of a given rms (Box and Muller), the same on every library.
+VectorXd noise(Index n, double rms, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  return VectorXd::NullaryExpr(n, [&](Index) {
+    return rms * std::sqrt(-2 * std::log(1 - uniform(random))) * std::cos(2 * pi * uniform(random));
+  });
+}
+
+VectorXd sine(Index n, double rate, double frequency, double amplitude) {
+  return VectorXd::NullaryExpr(n, [=](Index k) {
+    return amplitude * std::sin(2 * pi * frequency * static_cast<double>(k) / rate + 0.3);
+  });
+}
+
+/// Welch's estimate as its definition reads: direct sums, no FFT, one frequency and segment after
+/// another.
+VectorXd direct_welch(const VectorXd& x, double rate, Index n) {
+  VectorXd result = VectorXd::Zero(n / 2 + 1);
+  int n_segments = 0;
+  for (Index start = 0; start + n <= x.size(); start += (n + 1) / 2) ++n_segments;
+  double window_power = 0;
+  for (Index i = 0; i < n; ++i) window_power += std::pow(std::sin(pi * double(i) / double(n)), 4);
+  for (int s = 0; s < n_segments; ++s) {
+    const Index start = s * ((n + 1) / 2);
+    double mean = 0;
+    for (Index i = 0; i < n; ++i) mean += x(start + i) / double(n);
+    for (Index k = 0; k <= n / 2; ++k) {
+      std::complex<double> sum = 0;
+      for (Index i = 0; i < n; ++i) {
+        const double w = std::pow(std::sin(pi * double(i) / double(n)), 2);
+        sum += w * (x(start + i) - mean) * std::polar(1.0, -2 * pi * double(k * i % n) / double(n));
+      }
+      const bool two_sided = k == 0 || 2 * k == n;
+      result(k) += (two_sided ? 1 : 2) * std::norm(sum) / (rate * window_power * n_segments);
+    }
+  }
+  return result;
+}
+
+TEST(Welch, AgreesWithDirectSumsForEvenAndOddSegments) {
+  const VectorXd x = noise(300, 1, 5).array() + 0.5;
+  for (const Index n : {64, 63, 50, 7}) {
+    const Psd psd = welch(x, 200, n);
+    const VectorXd expected = direct_welch(x, 200, n);
+    ASSERT_EQ(psd.density.size(), expected.size());
+    // Sums of 64 terms in another order: rounding.
+    EXPECT_LT((psd.density - expected).cwiseAbs().maxCoeff(), 1e-13) << n;
+    EXPECT_DOUBLE_EQ(psd.resolution_hz, 200.0 / static_cast<double>(n));
+  }
+}
+
+TEST(Welch, ParsevalOfOneSegment) {
+  // The integral of the estimate is sum (w (x - mean))^2 / sum w^2, exactly.
+  for (const Index n : {128, 127}) {
+    const VectorXd x = noise(n, 2, 9);
+    double power = 0, window_power = 0;
+    for (Index i = 0; i < n; ++i) {
+      const double w = std::pow(std::sin(pi * double(i) / double(n)), 2);
+      power += std::pow(w * (x(i) - x.mean()), 2);
+      window_power += w * w;
+    }
+    const Psd psd = welch(x, 1000, n);
+    // Rounding of 128 terms.
+    EXPECT_NEAR(band_rms(psd, 0, 500), std::sqrt(power / window_power), 1e-12);
+    EXPECT_NEAR(cumulative_rms(psd).tail(1)(0), std::sqrt(power / window_power), 1e-12);
+  }
+}
+
+TEST(Welch, LevelOfWhiteNoise) {
+  const double rate = 1000, rms = 3e-4;
+  const Index n = 400000, segment = 4000;
+  const Psd psd = welch(noise(n, rms, 1), rate, segment);
+  const double level = rms * rms / (rate / 2);
+  // 199 half-overlapping Hann segments: relative variance (1 + 2 (1/6)^2) / 199 a bin; neighbouring
+  // bins correlate, which doubles the variance of the mean over 1999 of them: sqrt(1.056 / 199 * 2
+  // / 1999) = 0.23 %, four times that.
+  EXPECT_NEAR(psd.density.segment(1, 1999).mean() / level, 1, 0.0092);
+  const double deviation =
+      std::sqrt((psd.density.segment(2, 1996).array() / level - 1).square().mean());
+  // The scatter itself, 7.3 %, known to about 1 / sqrt(2 * 1000) = 2.2 %; four times that.
+  EXPECT_NEAR(deviation / std::sqrt(1.056 / 199), 1, 0.09);
+}
+
+TEST(Welch, RefusesSegmentsThatDoNotFit) {
+  const VectorXd x = VectorXd::Zero(10);
+  expect_error<std::invalid_argument>([&] { welch(x, 1, 11); }, "must be 2 to 10, got 11");
+  expect_error<std::invalid_argument>([&] { welch(x, 1, 1); }, "got 1");
+  expect_error<std::invalid_argument>([&] { welch(x, 0, 4); }, "rate");
+  EXPECT_EQ(default_segment_length(10, 1), 10);
+  EXPECT_EQ(default_segment_length(100000, 1000), 16000);
+}
+
+TEST(BandRms, CountsCutBinsInPart) {
+  // 1 unit^2/Hz at 0, 1, ..., 8 Hz.
+  const Psd psd{.sample_rate_hz = 16, .resolution_hz = 1, .density = VectorXd::Ones(9)};
+  EXPECT_DOUBLE_EQ(band_rms(psd, 2.5, 5.5), std::sqrt(3.0));
+  EXPECT_DOUBLE_EQ(band_rms(psd, 2.75, 5.0), std::sqrt(2.25));
+  EXPECT_DOUBLE_EQ(band_rms(psd, 3.1, 3.2), std::sqrt(3.2 - 3.1));
+  EXPECT_DOUBLE_EQ(band_rms(psd, 20, 30), 0);
+  // Neighbouring bands leave nothing out and count nothing twice.
+  const double parts = std::pow(band_rms(psd, 0, 3.3), 2) + std::pow(band_rms(psd, 3.3, 8), 2);
+  EXPECT_NEAR(parts, 9, 1e-14);
+}
+
+TEST(ThirdOctaves, BandsTouchAndCarryTheirNames) {
+  const auto bands = third_octave_bands();
+  ASSERT_EQ(bands.size(), 20u);
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    // IEC 61260-1 rounds names to within 1.5 % of the exact centres.
+    EXPECT_NEAR(bands[i].nominal_hz / bands[i].centre_hz, 1, 0.015);
+    EXPECT_NEAR(bands[i].lower_hz * bands[i].upper_hz, std::pow(bands[i].centre_hz, 2), 1e-9);
+    const double below = i == 0 ? std::pow(10, -0.05) : bands[i - 1].upper_hz;
+    EXPECT_NEAR(bands[i].lower_hz, below, 1e-12 * below);
+  }
+  EXPECT_NEAR(bands.back().centre_hz, 79.43282347, 1e-8);
+  EXPECT_NEAR(bands.back().upper_hz, 89.12509381, 1e-8);
+}
+
+TEST(ThirdOctaves, SineGivesItsVelocityInOneBand) {
+  const double rate = 1000, amplitude = 2e-3;
+  const auto bands = third_octave_bands();
+  for (const std::size_t i : {3u, 9u, 14u, 19u}) {
+    const double f = bands[i].centre_hz;
+    const VectorXd x = sine(64000, rate, f, amplitude);
+    const VectorXd velocity = third_octave_velocity(welch(x, rate, 16000));
+    const double expected = amplitude / (2 * pi * f) / std::sqrt(2.0);
+    // Dividing at bin centres widens the Hann lobe of +-2 bins of 1/16 Hz: second order, (0.1 Hz /
+    // f)^2.
+    EXPECT_NEAR(velocity(static_cast<Index>(i)) / expected, 1,
+                std::max(1e-4, 2 * std::pow(0.1 / f, 2)))
+        << f;
+    for (std::size_t other = 0; other < bands.size(); ++other) {
+      // Side lobes of the Hann window fall with the cube of the distance, and grow as 1 / f
+      // downwards.
+      if (other == i) continue;
+      EXPECT_LT(velocity(static_cast<Index>(other)), 0.02 * expected) << f;
+    }
+  }
+}
+
+TEST(ThirdOctaves, WhiteAccelerationHasAClosedForm) {
+  // S_a = 1: the velocity in a band is sqrt((1/f_1 - 1/f_2) / (2 pi)^2).
+  Psd psd{.sample_rate_hz = 1000, .resolution_hz = 1.0 / 64, .density = VectorXd::Ones(32001)};
+  const VectorXd velocity = third_octave_velocity(psd);
+  const auto bands = third_octave_bands();
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const double exact = std::sqrt(1 / bands[i].lower_hz - 1 / bands[i].upper_hz) / (2 * pi);
+    // The midpoint rule over bins, relative (df / f)^2 / 4 inside and (df / f)^2 at the cut edges.
+    EXPECT_NEAR(velocity(static_cast<Index>(i)) / exact, 1,
+                std::pow(psd.resolution_hz / bands[i].lower_hz, 2) * 2);
+  }
+}
+
+TEST(Velocity, PsdIsDividedByOmegaSquared) {
+  const Psd psd{.sample_rate_hz = 8, .resolution_hz = 1, .density = VectorXd::Constant(5, 3)};
+  const Psd velocity = velocity_from_acceleration(psd);
+  EXPECT_EQ(velocity.density(0), 0);
+  EXPECT_DOUBLE_EQ(velocity.density(2), 3 / (16 * pi * pi));
+}
+
+}  // namespace
+}  // namespace stillframe::report
