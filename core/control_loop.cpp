@@ -12,9 +12,8 @@ namespace {
 void require_accelerations(const std::vector<SceneSignal>& signals, const std::string& what) {
   for (const SceneSignal& signal : signals) {
     if (signal.quantity != Quantity::acceleration) {
-      throw InputError(signal.place + ": " + what + " '" + signal.name +
-                       "': found a " + unit_of(signal.quantity) +
-                       " signal, a control loop needs accelerations");
+      throw InputError(signal.place + ": " + what + " '" + signal.name + "': found a " +
+                       unit_of(signal.quantity) + " signal, a control loop needs accelerations");
     }
   }
 }
@@ -43,7 +42,8 @@ std::vector<SceneSignal> joined(std::vector<SceneSignal> a, const std::vector<Sc
 void require_loop_signals(const Scene& scene) {
   if (!scene.controller) throw InputError(scene.file + ": the key 'controller' is missing");
   if (scene.inputs.empty()) throw InputError(scene.file + ": the key 'inputs' is missing or empty");
-  if (scene.outputs.empty()) throw InputError(scene.file + ": the key 'outputs' is missing or empty");
+  if (scene.outputs.empty())
+    throw InputError(scene.file + ": the key 'outputs' is missing or empty");
   require_accelerations(scene.inputs, "input");
   require_accelerations(scene.outputs, "output");
   require_accelerations(scene.monitors, "monitor");
@@ -61,9 +61,9 @@ ControlLoop make_control_loop(const Scene& scene, const Model& model) {
   // A driving stress acts on the dofs as -E^T sigma_a, E = D_dF^(e) of the legs.
   const Eigen::MatrixXd E = -loop.plant.B.rightCols(loop.n_legs).transpose();
   loop.legs = leg_matrices(loop.plant.M, loop.plant.K, E);
-  loop.gains = design_gains(loop.legs, 2 * std::numbers::pi * controller.target_hz,
-                            controller.damping_ratio, controller.order,
-                            2 * std::numbers::pi * controller.leak_hz);
+  loop.gains =
+      design_gains(loop.legs, 2 * std::numbers::pi * controller.target_hz, controller.damping_ratio,
+                   controller.order, 2 * std::numbers::pi * controller.leak_hz);
   return loop;
 }
 

@@ -10,8 +10,9 @@
 
 namespace stillframe {
 
-/// The generalised plant of a scene with a controller (deck, section 11.2): inputs w (the scene's accelerations)
-/// then u (driving stresses of the legs); outputs y (the scene's outputs) then sigma of the legs.
+/// The generalised plant of a scene with a controller (deck, section 11.2): inputs w (the scene's
+/// accelerations) then u (driving stresses of the legs); outputs y (the scene's outputs) then sigma
+/// of the legs.
 struct ControlLoop {
   LinearModel plant;
   Eigen::Index n_w = 0, n_y = 0, n_legs = 0;
@@ -24,12 +25,13 @@ struct ControlLoop {
   Eigen::MatrixXcd closed(std::complex<double> s) const;
 };
 
-/// Linearises a scene's loop and designs its gains. Errors: InputError if the scene has no controller, no
-/// inputs or no outputs, or an input that is no acceleration; Refusal as design_gains and leg_matrices.
+/// Linearises a scene's loop and designs its gains. Errors: InputError if the scene has no
+/// controller, no inputs or no outputs, or an input that is no acceleration; Refusal as
+/// design_gains and leg_matrices.
 ControlLoop make_control_loop(const Scene& scene, const Model& model);
 
-/// Checks that a scene has a controller, acceleration inputs and acceleration outputs, as a loop needs them.
-/// Errors: InputError.
+/// Checks that a scene has a controller, acceleration inputs and acceleration outputs, as a loop
+/// needs them. Errors: InputError.
 void require_loop_signals(const Scene& scene);
 
 }  // namespace stillframe

@@ -8,7 +8,6 @@ namespace stillframe {
 
 namespace {
 
-
 Vector4 rotation_part(const PartMap& map, const Eigen::VectorXd& x) noexcept {
   Vector4 part = Vector4::Zero();
   for (size_t i = 0; i < 4; ++i) {
@@ -40,9 +39,8 @@ void add_inertia_forces(const Model& model, Data& data) noexcept {
     const Vector4 rate = rotation_part(node.rotation, data.x_dot);
     const Vector4 acceleration = rotation_part(node.rotation, data.x_ddot_0);
     const Eigen::Matrix<double, 3, 4> L = body_rate_matrix(lambda);
-    const Vector4 force =
-        -8.0 * body_rate_matrix(rate).transpose() * (mass.inertia * (L * rate)) -
-        4.0 * L.transpose() * (mass.inertia * (L * acceleration));
+    const Vector4 force = -8.0 * body_rate_matrix(rate).transpose() * (mass.inertia * (L * rate)) -
+                          4.0 * L.transpose() * (mass.inertia * (L * acceleration));
     for_each_column(node.rotation, 4, [&](Index c, Index i) { data.f(c) += force(i); });
   }
 }
@@ -84,7 +82,8 @@ void mass_matrix(const Model& model, Data& data) noexcept {
       const Vector4 dual = 2.0 * (L.transpose() * momentum);
       for (Index b = 0; b < model.n_d; ++b) {
         double sum = 0;
-        for_each_column(node.rotation, 4, [&](Index c, Index i) { sum += dual(i) * data.DF(c, b); });
+        for_each_column(node.rotation, 4,
+                        [&](Index c, Index i) { sum += dual(i) * data.DF(c, b); });
         data.M_dd(b, a) += sum;
       }
     }
@@ -111,7 +110,8 @@ Eigen::MatrixXd project_mass(const Model& model, const Data& data, const Eigen::
 
 DynamicsStatus accelerations(const Model& model, Data& data, const MotionState& state,
                              const Eigen::VectorXd& sigma_a, Eigen::VectorXd& q_d_ddot) noexcept {
-  if (!solve_positions(model, data, state.q_d, state.q_r)) return DynamicsStatus::position_not_found;
+  if (!solve_positions(model, data, state.q_d, state.q_r))
+    return DynamicsStatus::position_not_found;
   geometric_transfer_functions(model, data);
   velocities(model, data, state.q_d_dot, state.q_r_dot, state.q_r_ddot);
   stress_resultants(model, data, state, sigma_a);
@@ -146,8 +146,7 @@ double kinetic_energy(const Model& model, const Data& data) {
     });
     if (!mass.has_inertia) continue;
     const Vector4 lambda = euler_parameters(rotation_part(node.rotation, data.x));
-    const Vector3 omega =
-        2.0 * body_rate_matrix(lambda) * rotation_part(node.rotation, data.x_dot);
+    const Vector3 omega = 2.0 * body_rate_matrix(lambda) * rotation_part(node.rotation, data.x_dot);
     energy += 0.5 * omega.dot(mass.inertia * omega);
   }
   return energy;

@@ -1,9 +1,8 @@
 #include "core/frequency_response.hpp"
 
-#include <cmath>
-
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <cmath>
 
 namespace stillframe {
 
@@ -16,24 +15,30 @@ MatrixXcd transfer_function(const LinearModel& model, Complex s) {
   Eigen::VectorXcd position = Eigen::VectorXcd::Zero(n_u);
   for (Index j = 0; j < n_u; ++j) {
     switch (model.inputs[static_cast<size_t>(j)].quantity) {
-      case Quantity::position: position(j) = 1.0; break;
-      case Quantity::velocity: position(j) = 1.0 / s; break;
-      case Quantity::acceleration: position(j) = 1.0 / (s * s); break;
-      default: break;
+      case Quantity::position:
+        position(j) = 1.0;
+        break;
+      case Quantity::velocity:
+        position(j) = 1.0 / s;
+        break;
+      case Quantity::acceleration:
+        position(j) = 1.0 / (s * s);
+        break;
+      default:
+        break;
     }
   }
   const auto w = position.asDiagonal();
   const MatrixXcd H = s * s * model.M.cast<Complex>() + s * model.D.cast<Complex>() +
                       (model.K + model.G).cast<Complex>();
   const MatrixXcd drive =
-      model.B.cast<Complex>() -
-      (s * s * model.M_r.cast<Complex>() + s * model.D_r.cast<Complex>() +
-       (model.K_r + model.G_r).cast<Complex>()) *
-          w;
-  const MatrixXcd Y = model.Y_p.cast<Complex>() + s * model.Y_v.cast<Complex>() +
-                      s * s * model.Y_a.cast<Complex>();
-  const MatrixXcd R = model.R_p.cast<Complex>() + s * model.R_v.cast<Complex>() +
-                      s * s * model.R_a.cast<Complex>();
+      model.B.cast<Complex>() - (s * s * model.M_r.cast<Complex>() + s * model.D_r.cast<Complex>() +
+                                 (model.K_r + model.G_r).cast<Complex>()) *
+                                    w;
+  const MatrixXcd Y =
+      model.Y_p.cast<Complex>() + s * model.Y_v.cast<Complex>() + s * s * model.Y_a.cast<Complex>();
+  const MatrixXcd R =
+      model.R_p.cast<Complex>() + s * model.R_v.cast<Complex>() + s * s * model.R_a.cast<Complex>();
   return Y * H.partialPivLu().solve(drive) + R * w + model.D_u.cast<Complex>();
 }
 

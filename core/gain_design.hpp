@@ -1,8 +1,7 @@
 #pragma once
 
-#include <complex>
-
 #include <Eigen/Core>
+#include <complex>
 
 #include "core/scene/scene.hpp"
 
@@ -27,16 +26,18 @@ struct ForceFeedback {
   Eigen::MatrixXcd operator()(std::complex<double> s) const;
 };
 
-/// X = I + K_P = K M^-1 / omega_d^2 (exact) or M^-1 K / omega_d^2 (deck), K_I = 2 zeta omega_d X. Only the exact
-/// order puts all poles of every pair (M, K) on s^2 + 2 zeta omega_d s + omega_d^2. omega_d in rad/s.
-/// Source: deck, section 11.2; THEORY section 4, fact 1.
+/// X = I + K_P = K M^-1 / omega_d^2 (exact) or M^-1 K / omega_d^2 (deck), K_I = 2 zeta omega_d X.
+/// Only the exact order puts all poles of every pair (M, K) on s^2 + 2 zeta omega_d s + omega_d^2.
+/// omega_d in rad/s. Source: deck, section 11.2; THEORY section 4, fact 1.
 ForceFeedback design_gains(const LegMatrices& legs, double omega_d, double zeta, GainOrder order,
                            double leak);
 
-/// The 3 m poles of the continuous closed loop: 2 m of the frame on its legs and m of the law; without a leak
-/// the latter are zero, as a pure integrator cancels the static spring (THEORY section 4, fact 2). Computed from
+/// The 3 m poles of the continuous closed loop: 2 m of the frame on its legs and m of the law;
+/// without a leak the latter are zero, as a pure integrator cancels the static spring (THEORY
+/// section 4, fact 2). Computed from
 ///   q'' = -M^-1 (K q + sigma_a),  X sigma_a' = -(omega_l + K_I) sigma_a - K_P K q' - K_I K q
-/// in the state (K q, K q' / omega_scale, sigma_a), all in N, so that no entry is far larger than a frequency.
+/// in the state (K q, K q' / omega_scale, sigma_a), all in N, so that no entry is far larger than a
+/// frequency.
 Eigen::VectorXcd closed_loop_poles(const LegMatrices& legs, const ForceFeedback& gains,
                                    double omega_scale);
 

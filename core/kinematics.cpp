@@ -1,5 +1,6 @@
 #include "core/kinematics.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -23,7 +24,8 @@ void gather(const ModelElement& item, const Eigen::VectorXd& x, LocalVector& loc
   }
 }
 
-/// Columns of a local matrix, turned into the node's own basis, added to the columns of the moving coordinates.
+/// Columns of a local matrix, turned into the node's own basis, added to the columns of the moving
+/// coordinates.
 template <class Add>
 void scatter_columns(const ModelElement& item, LocalJacobian& local, const Add& add) noexcept {
   Index at = 0;
@@ -81,12 +83,16 @@ void factorise(const Model& model, Data& data) noexcept {
   data.J.compute(data.D.topLeftCorner(model.n_c, model.n_c));
 }
 
-/// J^-1 b in place.
-template <class Vector>
-void solve_conditions(const Data& data, Vector&& b) noexcept {
-  data.J.permutationP().applyThisOnTheLeft(b);
-  data.J.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(b);
-  data.J.matrixLU().triangularView<Eigen::Upper>().solveInPlace(b);
+/// J^-1 b in place. Eigen permutes in place with a mask that it allocates, so the rows go by way of
+/// work space.
+template <class Matrix>
+void solve_conditions(Data& data, Matrix& b) noexcept {
+  auto permuted = data.permuted.leftCols(b.cols());
+  permuted = b;
+  const auto& target = data.J.permutationP().indices();
+  for (Index i = 0; i < b.rows(); ++i) b.row(target(i)) = permuted.row(i);
+  data.J.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(b);
+  data.J.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(b);
 }
 
 }  // namespace
@@ -107,7 +113,8 @@ Data::Data(const Model& model)
       f_dd(Eigen::VectorXd::Zero(model.n_d)),
       x_ddot(Eigen::VectorXd::Zero(model.n_x)),
       condition(Eigen::VectorXd::Zero(model.n_c)),
-      conditions(Eigen::MatrixXd::Zero(model.n_c, model.n_d)) {
+      conditions(Eigen::MatrixXd::Zero(model.n_c, model.n_d)),
+      permuted(Eigen::MatrixXd::Zero(model.n_c, std::max<Index>(model.n_d, 1))) {
   const bool square = model.n_c == model.n_e - model.n_redundant;
   if (square) factorise(model, *this);
 }
@@ -138,10 +145,13 @@ bool solve_positions(const Model& model, Data& data, const Eigen::VectorXd& q_d,
     const double step = data.condition.lpNorm<Eigen::Infinity>();
     const double size = data.x.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(step)) return false;
-    // Displacements carry a relative rounding of a few epsilon; below that a step is noise.
-    if (step <= 8 * epsilon * size || step < 1e-300) return true;
+    // Displacements carry a relative rounding of a few epsilon; below that a step is noise. On the
+    // way to displacements that are exactly zero the size shrinks with the step, so that 1e-30 (m,
+    // rad), far below all motion that counts, ends it.
+    if (step <= 8 * epsilon * size || step < 1e-30) return true;
     if (step > 0.25 * last_step) {
-      // With fresh factors only the rounding of a badly conditioned J stops Newton's method so close.
+      // With fresh factors only the rounding of a badly conditioned J stops Newton's method so
+      // close.
       if (fresh && step <= 1e-8 * size) return true;
       factorise(model, data);
       fresh = true;
@@ -188,7 +198,8 @@ void velocities(const Model& model, Data& data, const Eigen::VectorXd& q_d_dot,
   }
   data.e_dot.tail(model.n_redundant).noalias() = data.D.bottomRows(model.n_redundant) * data.x_dot;
 
-  // J x_ddot_0 = -D2(x_dot, x_dot) - D_r q_r_ddot: the conditions differentiated twice with q_d_ddot = 0.
+  // J x_ddot_0 = -D2(x_dot, x_dot) - D_r q_r_ddot: the conditions differentiated twice with
+  // q_d_ddot = 0.
   data.condition.noalias() = -data.D.topRightCorner(n_c, n_r) * q_r_ddot;
   LocalVector u, rate;
   LocalDeformation second;
@@ -211,15 +222,15 @@ void velocities(const Model& model, Data& data, const Eigen::VectorXd& q_d_dot,
 Eigen::MatrixXd prescribed_transfer_functions(const Model& model, const Data& data,
                                               const Eigen::MatrixXd& patterns) {
   Eigen::MatrixXd DF_r = Eigen::MatrixXd::Zero(model.n_x, patterns.cols());
-  DF_r.topRows(model.n_c) =
-      data.J.solve(-data.D.topRightCorner(model.n_c, model.n_r) * patterns);
+  DF_r.topRows(model.n_c) = data.J.solve(-data.D.topRightCorner(model.n_c, model.n_r) * patterns);
   DF_r.bottomRows(model.n_r) = patterns;
   return DF_r;
 }
 
 Eigen::MatrixXd stress_hessian(const Model& model, const Data& data, const Eigen::VectorXd& sigma) {
-  // Every moving coordinate's unit rate, gathered as an element sees it, would be simple and slow; instead the
-  // local matrix is turned by the same scatter, once for its columns and once for its rows.
+  // Every moving coordinate's unit rate, gathered as an element sees it, would be simple and slow;
+  // instead the local matrix is turned by the same scatter, once for its columns and once for its
+  // rows.
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(model.n_x, model.n_x);
   LocalVector u;
   for (const ModelElement& item : model.elements) {

@@ -7,7 +7,8 @@
 
 namespace stillframe {
 
-/// Work space of one moving model, allocated once; every function below writes only what its comment says.
+/// Work space of one moving model, allocated once; every function below writes only what its
+/// comment says.
 struct Data {
   explicit Data(const Model& model);
 
@@ -15,7 +16,8 @@ struct Data {
   Eigen::VectorXd x;  ///< n_x, m and (Euler parameters) 1
   Eigen::VectorXd e;  ///< n_e, m
   Eigen::MatrixXd D;  ///< n_e x n_x
-  Eigen::PartialPivLU<Eigen::MatrixXd> J;  ///< n_c x n_c, D of the conditions to the dependent coordinates
+  Eigen::PartialPivLU<Eigen::MatrixXd>
+      J;  ///< n_c x n_c, D of the conditions to the dependent coordinates
 
   // First-order geometric transfer functions to q^d.
   Eigen::MatrixXd DF;    ///< n_x x n_d, D_d F^(x)
@@ -26,18 +28,20 @@ struct Data {
   Eigen::VectorXd x_ddot_0;      ///< n_x
 
   // Dynamics (core/dynamics.hpp).
-  Eigen::MatrixXd M_dd;                        ///< n_d x n_d
-  Eigen::VectorXd sigma, f, f_dd, x_ddot;      ///< n_e, n_x, n_d, n_x
-  Eigen::VectorXd condition;                   ///< n_c, work space
-  Eigen::MatrixXd conditions;                  ///< n_c x n_d, work space
+  Eigen::MatrixXd M_dd;                    ///< n_d x n_d
+  Eigen::VectorXd sigma, f, f_dd, x_ddot;  ///< n_e, n_x, n_d, n_x
+  Eigen::VectorXd condition;               ///< n_c, work space
+  Eigen::MatrixXd conditions;              ///< n_c x n_d, work space
+  Eigen::MatrixXd permuted;                ///< n_c x max(n_d, 1), work space
 };
 
 /// Writes e and D for the present x. hot: noexcept, no allocation.
 void assemble(const Model& model, Data& data) noexcept;
 
-/// Writes x for given q^d (n_d) and q^r (n_r): Newton's method on e^0 = 0, e^m = q^m, starting from the present x
-/// with the present factors of J, which are renewed only when they converge slowly. Answers false if it does not
-/// converge (a configuration that cannot be reached). hot: noexcept, no allocation.
+/// Writes x for given q^d (n_d) and q^r (n_r): Newton's method on e^0 = 0, e^m = q^m, starting from
+/// the present x with the present factors of J, which are renewed only when they converge slowly.
+/// Answers false if it does not converge (a configuration that cannot be reached). hot: noexcept,
+/// no allocation.
 bool solve_positions(const Model& model, Data& data, const Eigen::VectorXd& q_d,
                      const Eigen::VectorXd& q_r) noexcept;
 
@@ -48,7 +52,8 @@ void geometric_transfer_functions(const Model& model, Data& data) noexcept;
 void velocities(const Model& model, Data& data, const Eigen::VectorXd& q_d_dot,
                 const Eigen::VectorXd& q_r_dot, const Eigen::VectorXd& q_r_ddot) noexcept;
 
-/// D_r F (n_x x k) for k patterns of prescribed motion (n_r x k), after geometric_transfer_functions. set-up.
+/// D_r F (n_x x k) for k patterns of prescribed motion (n_r x k), after
+/// geometric_transfer_functions. set-up.
 Eigen::MatrixXd prescribed_transfer_functions(const Model& model, const Data& data,
                                               const Eigen::MatrixXd& patterns);
 

@@ -18,20 +18,25 @@ bool is_motion(Quantity quantity) {
 std::string unit_of(Quantity quantity) {
   switch (quantity) {
     case Quantity::position:
-    case Quantity::deformation: return "m";
-    case Quantity::velocity: return "m/s";
-    case Quantity::acceleration: return "m/s^2";
+    case Quantity::deformation:
+      return "m";
+    case Quantity::velocity:
+      return "m/s";
+    case Quantity::acceleration:
+      return "m/s^2";
     case Quantity::force:
-    case Quantity::stress: return "N";
+    case Quantity::stress:
+      return "N";
   }
   return "";
 }
 
 namespace {
 
-/// Derivatives of all deformations: D_q e (n_e x k) for columns D_q x (n_x x k). The dynamic deformations among
-/// the conditions are set exactly, the zero ones are zero.
-MatrixXd deformation_transfer(const Model& model, const Data& data, const MatrixXd& DF, bool of_dofs) {
+/// Derivatives of all deformations: D_q e (n_e x k) for columns D_q x (n_x x k). The dynamic
+/// deformations among the conditions are set exactly, the zero ones are zero.
+MatrixXd deformation_transfer(const Model& model, const Data& data, const MatrixXd& DF,
+                              bool of_dofs) {
   MatrixXd DF_e = MatrixXd::Zero(model.n_e, DF.cols());
   DF_e.bottomRows(model.n_redundant) = data.D.bottomRows(model.n_redundant) * DF;
   if (of_dofs) {
@@ -43,7 +48,8 @@ MatrixXd deformation_transfer(const Model& model, const Data& data, const Matrix
   return DF_e;
 }
 
-/// Stress resultants with those of the conditions from the equations of reaction: what holds the loads.
+/// Stress resultants with those of the conditions from the equations of reaction: what holds the
+/// loads.
 VectorXd reaction_stresses(const Model& model, const Data& data) {
   VectorXd sigma = VectorXd::Zero(model.n_e);
   sigma.tail(model.n_redundant) = model.preload.tail(model.n_redundant);
@@ -61,7 +67,8 @@ void require_equilibrium(const Model& model, const Data& data) {
       model.preload.lpNorm<Eigen::Infinity>() + model.load.lpNorm<Eigen::Infinity>();
   Index worst = 0;
   const double largest = residual.cwiseAbs().maxCoeff(&worst);
-  // A person writes preloads with about nine digits at best; the residual is stated against their size.
+  // A person writes preloads with about nine digits at best; the residual is stated against their
+  // size.
   if (largest > 1e-9 * scale) {
     throw Refusal("the scene as written is not in equilibrium: a generalised force of " +
                   std::to_string(residual(worst)) + " N is left at dof " +

@@ -1,10 +1,11 @@
 #include "core/modes.hpp"
 
-#include <algorithm>
-#include <numbers>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <iterator>
+#include <numbers>
+#include <vector>
 
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
@@ -13,15 +14,21 @@ namespace stillframe {
 
 namespace {
 
+/// Real matrices have exact conjugates; each stands behind its own, also where moduli are equal.
 Eigen::VectorXcd sorted_eigenvalues(const Eigen::MatrixXd& A) {
-  Eigen::VectorXcd values = A.eigenvalues();
-  std::sort(values.begin(), values.end(), [](const auto& a, const auto& b) {
-    // Conjugates have equal moduli only up to rounding; a bound of 1e-12 keeps a pair together.
-    const double difference = std::abs(a) - std::abs(b);
-    if (std::abs(difference) > 1e-12 * std::abs(a)) return difference < 0;
-    return a.imag() > b.imag();
-  });
-  return values;
+  const Eigen::VectorXcd values = A.eigenvalues();
+  std::vector<std::complex<double>> upper;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(upper),
+               [](const auto& value) { return value.imag() >= 0; });
+  std::stable_sort(upper.begin(), upper.end(),
+                   [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); });
+  Eigen::VectorXcd sorted = Eigen::VectorXcd::Zero(values.size());
+  Index next = 0;
+  for (const std::complex<double>& value : upper) {
+    sorted(next++) = value;
+    if (value.imag() > 0) sorted(next++) = std::conj(value);
+  }
+  return sorted;
 }
 
 }  // namespace
@@ -32,7 +39,8 @@ Modes modes(const LinearModel& model) {
   if (Eigen::LLT<Eigen::MatrixXd>(model.M).info() != Eigen::Success) {
     throw Refusal("the mass matrix is not positive definite: a dof moves no mass");
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (K + K.transpose()), model.M);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (K + K.transpose()),
+                                                                         model.M);
   Modes result;
   result.shapes = solver.eigenvectors();
   result.natural_frequencies_hz.resize(n);

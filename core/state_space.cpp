@@ -1,8 +1,7 @@
 #include "core/state_space.hpp"
 
-#include <stdexcept>
-
 #include <Eigen/Cholesky>
+#include <stdexcept>
 
 namespace stillframe {
 
@@ -30,7 +29,8 @@ void check_signals(const LinearModel& model, Index n_w, Index n_y) {
   }
   for (size_t i = static_cast<size_t>(n_y); i < model.outputs.size(); ++i) {
     if (model.outputs[i].quantity != Quantity::stress) {
-      throw std::invalid_argument("loop_plant: output '" + model.outputs[i].name + "' is no stress");
+      throw std::invalid_argument("loop_plant: output '" + model.outputs[i].name +
+                                  "' is no stress");
     }
   }
 }
@@ -73,8 +73,10 @@ LoopPlant loop_plant(const LinearModel& model, Index n_w, Index n_y) {
     return C;
   };
   plant.C_y = state_rows(0, n_y);
-  plant.D_yw = model.Y_a.topRows(n_y) * plant.B_w.middleRows(n, n) + model.R_a.topLeftCorner(n_y, n_w);
-  plant.D_yu = model.Y_a.topRows(n_y) * plant.B_u.middleRows(n, n) + model.D_u.topRightCorner(n_y, m);
+  plant.D_yw =
+      model.Y_a.topRows(n_y) * plant.B_w.middleRows(n, n) + model.R_a.topLeftCorner(n_y, n_w);
+  plant.D_yu =
+      model.Y_a.topRows(n_y) * plant.B_u.middleRows(n, n) + model.D_u.topRightCorner(n_y, m);
   plant.C_sigma = state_rows(n_y, model.Y_p.rows() - n_y);
   return plant;
 }

@@ -1,8 +1,8 @@
 #include "msgs/lcm_bus.hpp"
 
-#include <cstdlib>
-
 #include <poll.h>
+
+#include <cstdlib>
 
 #include "core/yaml/input_error.hpp"
 
@@ -18,10 +18,11 @@ std::string lcm_url(const std::string& given) {
 std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
   auto lcm = std::make_unique<lcm::LCM>(url);
   if (!lcm->good()) {
-    throw InputError("LCM cannot be opened at '" + url +
-                     "'; allowed is a provider as in udpm://239.255.76.67:7667?ttl=0. If multicast has no "
-                     "route, either run inside a private network, scripts/private_network COMMAND, or give "
-                     "it one: sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo");
+    throw InputError(
+        "LCM cannot be opened at '" + url +
+        "'; allowed is a provider as in udpm://239.255.76.67:7667?ttl=0. If multicast has no "
+        "route, either run inside a private network, scripts/private_network COMMAND, or give "
+        "it one: sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo");
   }
   return lcm;
 }

@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/model/model.hpp"
 #include "core/scene/scene.hpp"
@@ -11,12 +10,13 @@
 
 namespace stillframe {
 
-/// A floor source on the prescribed coordinates of a model: q''^r held over each sample, and its exact integrals
-/// q'^r and q^r carried along from sample to sample. Set-up: construction; the rest is hot.
+/// A floor source on the prescribed coordinates of a model: q''^r held over each sample, and its
+/// exact integrals q'^r and q^r carried along from sample to sample. Set-up: construction; the rest
+/// is hot.
 class FloorMotion {
  public:
-  /// A source of translations moves every prescribed coordinate; a source of inputs moves the scene's inputs.
-  /// Errors: InputError if the model has no prescribed coordinates to move.
+  /// A source of translations moves every prescribed coordinate; a source of inputs moves the
+  /// scene's inputs. Errors: InputError if the model has no prescribed coordinates to move.
   FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene& scene, const Model& model);
 
   /// Takes sample k: writes the held acceleration q''^r.

@@ -1,11 +1,11 @@
 #include "plant_sim/integrator.hpp"
 
-#include <cmath>
-#include <stdexcept>
-
 #include <arkode/arkode_erkstep.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
+
+#include <cmath>
+#include <stdexcept>
 
 namespace stillframe {
 
@@ -47,10 +47,10 @@ struct Integrator::Impl {
   static int weights(N_Vector y, N_Vector weight, void* user) noexcept {
     const auto& self = *static_cast<const Impl*>(user);
     const auto state = view(y);
-    const double position =
-        self.relative_tolerance * (state.head(self.n).lpNorm<Eigen::Infinity>() + self.position_floor);
-    const double velocity =
-        self.relative_tolerance * (state.tail(self.n).lpNorm<Eigen::Infinity>() + self.velocity_floor);
+    const double position = self.relative_tolerance *
+                            (state.head(self.n).lpNorm<Eigen::Infinity>() + self.position_floor);
+    const double velocity = self.relative_tolerance *
+                            (state.tail(self.n).lpNorm<Eigen::Infinity>() + self.velocity_floor);
     if (!(position > 0) || !(velocity > 0)) return -1;
     view(weight).head(self.n).setConstant(1.0 / position);
     view(weight).tail(self.n).setConstant(1.0 / velocity);
@@ -89,8 +89,7 @@ Integrator::Status Integrator::advance(Eigen::VectorXd& y, double duration,
   self.position_floor = acceleration_scale * duration * duration + 1e-290;
   self.velocity_floor = acceleration_scale * duration + 1e-290;
   view(self.y) = y;
-  if (ERKStepReset(self.memory, 0.0, self.y) < 0 ||
-      ERKStepSetInitStep(self.memory, duration) < 0 ||
+  if (ERKStepReset(self.memory, 0.0, self.y) < 0 || ERKStepSetInitStep(self.memory, duration) < 0 ||
       ERKStepSetStopTime(self.memory, duration) < 0) {
     return Status::failed;
   }

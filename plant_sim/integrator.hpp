@@ -1,24 +1,23 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <memory>
 
-#include <Eigen/Core>
-
 namespace stillframe {
 
-/// SUNDIALS ARKODE's explicit Runge-Kutta pair of Dormand and Prince, 5(4), over one held sample at a time. A
-/// one-step method loses neither order nor step size at the jumps of held inputs.
-/// Set-up: construction. hot: advance() does not allocate.
+/// SUNDIALS ARKODE's explicit Runge-Kutta pair of Dormand and Prince, 5(4), over one held sample at
+/// a time. A one-step method loses neither order nor step size at the jumps of held inputs. Set-up:
+/// construction. hot: advance() does not allocate.
 class Integrator {
  public:
-  /// dy/dt = f(t, y), false if it cannot be evaluated there; t counts from the start of the sample, s. Must not
-  /// throw: it is called from C.
+  /// dy/dt = f(t, y), false if it cannot be evaluated there; t counts from the start of the sample,
+  /// s. Must not throw: it is called from C.
   using RightHandSide = std::function<bool(double t, const Eigen::Ref<const Eigen::VectorXd>& y,
                                            Eigen::Ref<Eigen::VectorXd> dy_dt)>;
 
-  /// y = (n positions, n velocities). relative_tolerance: local error of each half against its largest entry.
-  /// Errors: std::runtime_error if SUNDIALS cannot be set up.
+  /// y = (n positions, n velocities). relative_tolerance: local error of each half against its
+  /// largest entry. Errors: std::runtime_error if SUNDIALS cannot be set up.
   Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance);
   ~Integrator();
   Integrator(const Integrator&) = delete;
@@ -26,8 +25,8 @@ class Integrator {
 
   enum class Status { ok, right_hand_side_failed, too_many_steps, failed };
 
-  /// Integrates y from 0 to duration (s). acceleration_scale (m/s^2) sets what counts as a small error while y
-  /// itself is small: the motion that such an acceleration makes within the sample.
+  /// Integrates y from 0 to duration (s). acceleration_scale (m/s^2) sets what counts as a small
+  /// error while y itself is small: the motion that such an acceleration makes within the sample.
   Status advance(Eigen::VectorXd& y, double duration, double acceleration_scale) noexcept;
 
   /// Steps taken and right-hand sides evaluated since construction.

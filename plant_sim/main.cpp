@@ -1,3 +1,7 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -6,17 +10,13 @@
 #include <sstream>
 #include <string>
 
-#include <CLI/CLI.hpp>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
-
 #include "core/control_loop.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/floor/floor_block.hpp"
-#include "plant_sim/run_plant.hpp"
 #include "plant_sim/run_length.hpp"
+#include "plant_sim/run_plant.hpp"
 
 namespace stillframe {
 
@@ -25,8 +25,10 @@ namespace {
 constexpr int exit_done = 0, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
 
 constexpr const char* description =
-    "The plant process of a stillframe run: the nonlinear frame and floor of a scene, integrated between\n"
-    "samples with the piezo forces held. It announces the run on LCM (SF_RUN_INFO), waits for a controller,\n"
+    "The plant process of a stillframe run: the nonlinear frame and floor of a scene, integrated "
+    "between\n"
+    "samples with the piezo forces held. It announces the run on LCM (SF_RUN_INFO), waits for a "
+    "controller,\n"
     "publishes what its instruments read (SF_MEASUREMENT) and takes piezo forces (SF_COMMAND).";
 
 constexpr const char* footer =
@@ -38,7 +40,7 @@ constexpr const char* footer =
 
 struct Options {
   std::filesystem::path scene, gains;
-  std::optional<std::filesystem::path> floor, controller;
+  std::optional<std::filesystem::path> floor, controller, pace_by_log;
   std::string mode = "lock_step", loop = "active", lcm_url;
   std::int64_t run_id = 1;
   std::optional<double> duration_s;
@@ -48,22 +50,39 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("scene", options.scene, "Scene file (YAML)")->required()->type_name("SCENE");
-  app.add_option("--gains", options.gains, "Gains file that the run announces, as the controller has it")
-      ->required()->type_name("FILE");
-  app.add_option("--controller", options.controller, "Controller block that replaces the scene's")->type_name("FILE");
-  app.add_option("--floor", options.floor, "Floor block that replaces the scene's")->type_name("FILE");
-  app.add_option("--mode", options.mode, "lock_step: as fast as the machine goes; wall_clock: at the sample rate")
-      ->check(CLI::IsMember({"lock_step", "wall_clock"}))->capture_default_str();
+  app.add_option("--gains", options.gains,
+                 "Gains file that the run announces, as the controller has it")
+      ->required()
+      ->type_name("FILE");
+  app.add_option("--controller", options.controller, "Controller block that replaces the scene's")
+      ->type_name("FILE");
+  app.add_option("--floor", options.floor, "Floor block that replaces the scene's")
+      ->type_name("FILE");
+  app.add_option("--mode", options.mode,
+                 "lock_step: as fast as the machine goes; wall_clock: at the sample rate")
+      ->check(CLI::IsMember({"lock_step", "wall_clock"}))
+      ->capture_default_str();
   app.add_option("--loop", options.loop, "active, or passive: the controller commands zero force")
-      ->check(CLI::IsMember({"active", "passive"}))->capture_default_str();
-  app.add_option("--duration", options.duration_s, "Seconds of plant time (default: the scene's, or the floor's)")
+      ->check(CLI::IsMember({"active", "passive"}))
+      ->capture_default_str();
+  app.add_option("--duration", options.duration_s,
+                 "Seconds of plant time (default: the scene's, or the floor's)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--run-id", options.run_id, "Number that ties the messages of one run together")->capture_default_str();
+  app.add_option("--run-id", options.run_id, "Number that ties the messages of one run together")
+      ->capture_default_str();
   app.add_option("--lcm-url", options.lcm_url,
-                 "LCM provider (default: the environment's LCM_DEFAULT_URL, or udpm://239.255.76.67:7667?ttl=0)");
-  app.add_option("--timeout", options.timeout_s, "Seconds without a word from the controller before giving up")
-      ->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_flag("--progress", options.progress, "Print 'progress SAMPLE SAMPLES' lines to standard output");
+                 "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
+                 "udpm://239.255.76.67:7667?ttl=0)");
+  app.add_option("--timeout", options.timeout_s,
+                 "Seconds without a word from the controller before giving up")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--pace-by-log", options.pace_by_log,
+                 "Lock-step: wait whenever the lcm-logger (--flush-interval=1) that writes this log falls behind, so "
+                 "that it loses nothing")
+      ->check(CLI::ExistingFile);
+  app.add_flag("--progress", options.progress,
+               "Print 'progress SAMPLE SAMPLES' lines to standard output");
 }
 
 std::string read_text(const std::filesystem::path& path) {
@@ -74,8 +93,8 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-stillframe_msgs::run_info_t make_info(const Options& options, const Scene& scene, const Block& floor,
-                                      std::int64_t n_samples) {
+stillframe_msgs::run_info_t make_info(const Options& options, const Scene& scene,
+                                      const Block& floor, std::int64_t n_samples) {
   stillframe_msgs::run_info_t info;
   info.run_id = options.run_id;
   info.format_version = 1;
@@ -104,10 +123,12 @@ int run(const Options& options) {
   const Scene scene = read_scene(options.scene, options.controller);
   require_loop_signals(scene);
   const auto floor = read_floor(options.scene, options.floor);
-  if (!floor) throw InputError(scene.file + ": the key 'floor' is missing, and no --floor is given");
+  if (!floor)
+    throw InputError(scene.file + ": the key 'floor' is missing, and no --floor is given");
   if (options.mode == "wall_clock" && scene.controller->delay_samples == 0) {
     throw InputError(scene.controller->place +
-                     ": delay_samples: found 0, allowed is 1 in wall-clock mode: a command cannot take effect at "
+                     ": delay_samples: found 0, allowed is 1 in wall-clock mode: a command cannot "
+                     "take effect at "
                      "the instant of its measurement");
   }
   const Model model = make_model(scene);
@@ -116,6 +137,8 @@ int run(const Options& options) {
   Plant plant(scene, model, floor::make_floor_source(spec));
   const std::int64_t n = run_length(scene, spec, plant.floor_samples(), options.duration_s);
   PlantLink link(lcm_url(options.lcm_url), make_info(options, scene, *floor, n));
+
+  if (options.pace_by_log) link.pace_by(*options.pace_by_log);
 
   catch_stop_signals();
   PlantRunOptions run_options;

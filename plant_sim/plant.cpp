@@ -11,13 +11,17 @@ namespace {
 
 std::string reason_of(Integrator::Status status, const std::string& where) {
   switch (status) {
-    case Integrator::Status::ok: return "";
+    case Integrator::Status::ok:
+      return "";
     case Integrator::Status::right_hand_side_failed:
-      return where + ": the equations of motion cannot be evaluated there (a position that the elements cannot "
-                     "reach, or a mass matrix that became singular)";
+      return where +
+             ": the equations of motion cannot be evaluated there (a position that the elements "
+             "cannot "
+             "reach, or a mass matrix that became singular)";
     case Integrator::Status::too_many_steps:
       return where + ": the integrator needs more than 100000 steps within one sample";
-    case Integrator::Status::failed: return where + ": the integrator cannot go on";
+    case Integrator::Status::failed:
+      return where + ": the integrator cannot go on";
   }
   return where;
 }
@@ -36,6 +40,7 @@ Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::Floo
           [this](double t, const Eigen::Ref<const Eigen::VectorXd>& y,
                  Eigen::Ref<Eigen::VectorXd> dy_dt) { return right_hand_side(t, y, dy_dt); },
           scene.simulation.relative_tolerance),
+      x_dot_before_(Eigen::VectorXd::Zero(model.n_x)),
       y_(Eigen::VectorXd::Zero(2 * model.n_d)),
       y_rate_(Eigen::VectorXd::Zero(2 * model.n_d)),
       sigma_a_(Eigen::VectorXd::Zero(model.n_e)),
@@ -46,8 +51,7 @@ Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::Floo
   for (Index i = 0; i < n_frame; ++i) {
     const SceneSignal& signal = i < n_outputs ? scene.outputs[static_cast<size_t>(i)]
                                               : scene.monitors[static_cast<size_t>(i - n_outputs)];
-    frame_rows_.row(i) =
-        model.translation_row(model.node_index(signal.node), signal.direction);
+    frame_rows_.row(i) = model.translation_row(model.node_index(signal.node), signal.direction);
   }
   for (const std::string& leg : scene.controller->legs) {
     leg_rows_.push_back(model.elastic_row(leg));
@@ -71,28 +75,31 @@ bool Plant::right_hand_side(double t, const Eigen::Ref<const Eigen::VectorXd>& y
 }
 
 const Reading& Plant::read() noexcept {
-  // data_ holds the end of the last sample with the inputs that were held over it; before the first sample it
-  // holds the scene as written, at rest.
-  reading_.frame_acceleration.noalias() = frame_rows_ * data_.x_ddot;
+  // data_ holds the end of the last sample; before the first sample it holds the scene as written,
+  // at rest. Directions are fixed in space, so a mean acceleration along one is the change of
+  // velocity along it.
+  reading_.frame_acceleration.noalias() =
+      frame_rows_ * (data_.x_dot - x_dot_before_) / sample_time_;
   floor_.along_inputs(reading_.floor_acceleration);
   for (size_t i = 0; i < leg_rows_.size(); ++i) {
     const Index row = leg_rows_[i];
     reading_.applied_force(static_cast<Index>(i)) = sigma_a_(row);
-    reading_.sigma(static_cast<Index>(i)) =
-        k_ == 0 ? 0.0 : data_.sigma(row) - model_.preload(row);
+    reading_.sigma(static_cast<Index>(i)) = k_ == 0 ? 0.0 : data_.sigma(row) - model_.preload(row);
   }
   return reading_;
 }
 
 std::string Plant::advance(const Eigen::VectorXd& force) {
-  const double limit = scene_.controller->force_limit_n.value_or(
-      std::numeric_limits<double>::infinity());
+  const double limit =
+      scene_.controller->force_limit_n.value_or(std::numeric_limits<double>::infinity());
   for (size_t i = 0; i < leg_rows_.size(); ++i) {
     sigma_a_(leg_rows_[i]) = std::clamp(force(static_cast<Index>(i)), -limit, limit);
   }
+  x_dot_before_ = data_.x_dot;
   floor_.take(k_);
   const std::string where = "plant at t = " + std::to_string(time()) + " s";
-  // The accelerations at the end of the last sample scale the error of this one; after rest they are zero.
+  // The accelerations at the end of the last sample scale the error of this one; after rest they
+  // are zero.
   if (q_d_ddot_.isZero(0) && !right_hand_side(0.0, y_, y_rate_)) {
     return reason_of(Integrator::Status::right_hand_side_failed, where);
   }

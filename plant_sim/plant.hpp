@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/dynamics.hpp"
 #include "core/scene/scene.hpp"
@@ -17,21 +16,22 @@ struct Reading {
   Eigen::VectorXd floor_acceleration;  ///< m/s^2, along the scene's inputs
   Eigen::VectorXd sigma;               ///< N, equilibrium value removed
   Eigen::VectorXd applied_force;       ///< N
-  Eigen::VectorXd frame_acceleration;  ///< m/s^2, the scene's outputs, then its monitors
+  Eigen::VectorXd frame_acceleration;  ///< m/s^2, mean over the last sample: outputs, then monitors
 };
 
 /// The nonlinear frame and floor with the forces of the legs held over each sample.
 /// Set-up: construction. read() and advance() do not allocate.
 class Plant {
  public:
-  /// scene and model must outlive the plant. Errors: InputError as require_loop_signals and FloorMotion.
+  /// scene and model must outlive the plant. Errors: InputError as require_loop_signals and
+  /// FloorMotion.
   Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::FloorSource> floor);
 
   /// The instruments at the present instant.
   const Reading& read() noexcept;
 
-  /// Moves on by one sample with the leg forces given (m, N; limited to the scene's force limit) and the floor's
-  /// next sample. Answers an empty text, or why the motion cannot go on.
+  /// Moves on by one sample with the leg forces given (m, N; limited to the scene's force limit)
+  /// and the floor's next sample. Answers an empty text, or why the motion cannot go on.
   std::string advance(const Eigen::VectorXd& force);
 
   double time() const { return static_cast<double>(k_) * sample_time_; }
@@ -54,6 +54,7 @@ class Plant {
   Integrator integrator_;
   Eigen::MatrixXd frame_rows_;  ///< n_frame x n_x
   std::vector<Index> leg_rows_;
+  Eigen::VectorXd x_dot_before_;  ///< n_x, at the start of the last sample
   Eigen::VectorXd y_, y_rate_, sigma_a_, q_d_ddot_;
   Reading reading_;
   std::int64_t k_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "msgs/channels.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -31,8 +32,23 @@ template <class Message>
 void PlantLink::publish(const char* channel, const Message& message) {
   bytes_.resize(static_cast<size_t>(message.getEncodedSize()));
   message.encode(bytes_.data(), 0, static_cast<int>(bytes_.size()));
-  lcm_->publish(channel, bytes_.data(), static_cast<unsigned>(bytes_.size()));
+  send(channel, bytes_);
 }
+
+void PlantLink::send(const char* channel, const std::vector<std::uint8_t>& bytes) {
+  lcm_->publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
+  if (pacer_) pacer_->sent(bytes.size(), std::strlen(channel));
+}
+
+void PlantLink::pace_by(const std::filesystem::path& log) {
+  pacer_.emplace(log, [this] { send(channels::logger_check, {}); });
+}
+
+void PlantLink::begin_pacing() {
+  if (pacer_) pacer_->begin();
+}
+
+bool PlantLink::wait_for_log() noexcept { return !pacer_ || pacer_->wait(); }
 
 void PlantLink::publish_info() { publish(channels::run_info, info_); }
 
@@ -63,13 +79,13 @@ void PlantLink::publish_measurement(std::int64_t k, std::int64_t time_ns, const 
 }
 
 void PlantLink::repeat_measurement() {
-  lcm_->publish(channels::measurement, measurement_bytes_.data(),
-                static_cast<unsigned>(measurement_bytes_.size()));
+  send(channels::measurement, measurement_bytes_);
 }
 
 bool PlantLink::listen(int timeout_ms) noexcept { return handle_one(*lcm_, timeout_ms); }
 
-void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string&) {
+void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+  if (pacer_) pacer_->sent(buffer->data_size, channel.size());
   if (!decode(*buffer, command_)) {
     ++n_malformed_;
     return;
@@ -91,9 +107,11 @@ void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string&)
 
 void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
   run_state_t state;
-  if (!decode(*buffer, state) || state.run_id != info_.run_id || state.source != "controller") return;
+  if (!decode(*buffer, state) || state.run_id != info_.run_id || state.source != "controller")
+    return;
   if (state.state == run_state_t::READY) controller_ready_ = true;
-  if (state.state == run_state_t::FAILED) controller_failure_ = "the controller refused: " + state.text;
+  if (state.state == run_state_t::FAILED)
+    controller_failure_ = "the controller refused: " + state.text;
 }
 
 }  // namespace stillframe

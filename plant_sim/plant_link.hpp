@@ -1,13 +1,15 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <filesystem>
+#include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-#include <lcm/lcm-cpp.hpp>
-
+#include "plant_sim/log_pacer.hpp"
 #include "plant_sim/plant.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
@@ -17,8 +19,8 @@
 
 namespace stillframe {
 
-/// The plant's end of the bus for one run: it publishes measurements and the state of the run, and keeps the
-/// newest command. Construction is set-up.
+/// The plant's end of the bus for one run: it publishes measurements and the state of the run, and
+/// keeps the newest command. Construction is set-up.
 class PlantLink {
  public:
   /// Errors: InputError if LCM cannot be opened.
@@ -31,6 +33,12 @@ class PlantLink {
   /// Publishes a measurement, and again the same bytes.
   void publish_measurement(std::int64_t k, std::int64_t time_ns, const Reading& reading);
   void repeat_measurement();
+
+  /// In lock-step: keeps the run from outrunning the logger that writes this file.
+  void pace_by(const std::filesystem::path& log);
+  void begin_pacing();
+  /// Answers false if the logger does not catch up.
+  bool wait_for_log() noexcept;
 
   /// Handles one message if one comes within timeout_ms.
   bool listen(int timeout_ms) noexcept;
@@ -51,8 +59,10 @@ class PlantLink {
   void on_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   template <class Message>
   void publish(const char* channel, const Message& message);
+  void send(const char* channel, const std::vector<std::uint8_t>& bytes);
 
   std::unique_ptr<lcm::LCM> lcm_;
+  std::optional<LogPacer> pacer_;
   stillframe_msgs::run_info_t info_;
   stillframe_msgs::measurement_t measurement_;
   stillframe_msgs::command_t command_;

@@ -86,8 +86,8 @@ std::string await_command(PlantLink& link, std::int64_t k, double timeout_s) {
     if (!link.controller_failure().empty()) return link.controller_failure();
     const std::int64_t now = monotonic_ns();
     if (static_cast<double>(now - begin) > timeout_s * 1e9) {
-      return "no command for sample " + std::to_string(k) + " within " +
-             std::to_string(timeout_s) + " s";
+      return "no command for sample " + std::to_string(k) + " within " + std::to_string(timeout_s) +
+             " s";
     }
     if (now - asked > 200 * ns_per_ms) {
       link.repeat_measurement();
@@ -122,7 +122,9 @@ PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions&
   const bool delayed = link.info().delay_samples == 1;
   Eigen::VectorXd held = Eigen::VectorXd::Zero(link.info().n_legs);
   run.begin(0);
+  link.begin_pacing();
   for (std::int64_t k = 0; k < run.n(); ++k) {
+    if (!link.wait_for_log()) return run.fail("the logger does not write what it is sent");
     run.measure(k);
     std::string reason;
     if (delayed) reason = run.advance(held);

@@ -11,9 +11,9 @@ namespace stillframe {
 
 /// How a run of the plant ended.
 struct PlantOutcome {
-  bool ended = false;      ///< all samples were made
+  bool ended = false;  ///< all samples were made
   bool interrupted = false;
-  std::string reason;      ///< why it did not end
+  std::string reason;  ///< why it did not end
 };
 
 struct PlantRunOptions {
@@ -21,16 +21,19 @@ struct PlantRunOptions {
   std::function<void(std::int64_t k, std::int64_t n)> progress;  ///< called a few times a second
 };
 
-/// Publishes run_info until the controller is ready. Answers an empty text, or why there will be no run.
+/// Publishes run_info until the controller is ready. Answers an empty text, or why there will be no
+/// run.
 std::string await_controller(PlantLink& link, double timeout_s);
 
-/// One command for each measurement, as fast as the machine goes: with delay 0 the command of sample k is awaited
-/// before the plant moves on from k, with delay 1 the plant moves while the controller computes, and awaits it
-/// then. A measurement that stays unanswered for 200 ms is published again.
+/// One command for each measurement, as fast as the machine goes: with delay 0 the command of
+/// sample k is awaited before the plant moves on from k, with delay 1 the plant moves while the
+/// controller computes, and awaits it then. A measurement that stays unanswered for 200 ms is
+/// published again.
 PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions& options);
 
-/// Sample k at t_0 + k T_s on CLOCK_MONOTONIC. The newest command of an earlier sample holds from there on; where
-/// none came in time the last one is held. A plant that is late catches up without skipping any sample.
+/// Sample k at t_0 + k T_s on CLOCK_MONOTONIC. The newest command of an earlier sample holds from
+/// there on; where none came in time the last one is held. A plant that is late catches up without
+/// skipping any sample.
 PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions& options);
 
 }  // namespace stillframe

@@ -26,6 +26,17 @@ std::string frequency_axis(double lowest_hz, double highest_hz, const std::strin
          "]\nset xtics (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)\n" + label;
 }
 
+std::string surround(const Surroundings& around) {
+  return frame_style() + "set multiplot\n" + margins(0.09, 0.965, 0.1, 0.9) +
+         "unset border\nunset tics\nunset grid\nset xrange [0:1]\nset yrange [0:1]\n" +
+         "set label 1 " + plot_text(around.title) +
+         " at screen 0.5,0.965 center noenhanced font ',22'\n" + "set label 2 " +
+         plot_text(around.left_label) + " at screen 0.02,0.53 center rotate noenhanced\n" +
+         "set key at screen 0.53,0.03 maxrows 1\nplot NaN notitle, \\\n  " + joined(around.legend) +
+         "\nunset key\nunset label\nset xtics\nset ytics\nset autoscale\n" + frame_style() +
+         "unset key\n";
+}
+
 std::string joined(const std::vector<std::string>& parts) {
   std::string list;
   for (const std::string& part : parts) list += (list.empty() ? "" : ", \\\n  ") + part;

@@ -20,6 +20,16 @@ std::string margins(double left, double right, double bottom, double top);
 /// are left out.
 std::string frequency_axis(double lowest_hz, double highest_hz, const std::string& title);
 
+/// What belongs to a picture of several panels and to no panel.
+struct Surroundings {
+  std::string title;                ///< above all panels
+  std::string left_label;           ///< along the left edge
+  std::vector<std::string> legend;  ///< below them: keyentry commands
+};
+
+/// Begins a picture of several panels, its surroundings drawn as a panel of their own without axes.
+std::string surround(const Surroundings& around);
+
 /// Parts of a plot command, one a line.
 std::string joined(const std::vector<std::string>& parts);
 

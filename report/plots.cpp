@@ -17,8 +17,8 @@ namespace {
 /// One panel over the whole picture, the legend below it in the given number of rows.
 std::string one_panel(const std::string& title, int n_key_rows) {
   const double key_height = 0.035 * n_key_rows;
-  std::string script = frame_style() + margins(0.09, 0.965, 0.115 + key_height, 0.92);
-  script += "set key at screen 0.53," + plot_number(0.02 + 0.5 * key_height) + " maxrows " +
+  std::string script = frame_style() + margins(0.09, 0.965, 0.125 + key_height, 0.92);
+  script += "set key at screen 0.53," + plot_number(0.015 + 0.5 * key_height) + " maxrows " +
             std::to_string(n_key_rows) + "\n";
   if (!title.empty()) script += "set title " + plot_text(title) + " noenhanced font ',22'\n";
   return script;
@@ -109,7 +109,8 @@ void plot_singular_values(const SingularValuePlot& plot, const std::filesystem::
 
 void plot_differences(const DifferencePlot& plot, const std::filesystem::path& path) {
   const auto [lowest, highest] = frequency_range({&plot.frequencies_hz});
-  std::string script = one_panel(plot.title, 1) + frequency_axis(lowest, highest, "frequency (Hz)");
+  std::string script =
+      one_panel(plot.title, 1) + frequency_axis(0.92 * lowest, 1.08 * highest, "frequency (Hz)");
   script += "set ylabel 'measured less predicted singular value (dB)'\n";
   const std::string allowed = plot_number(plot.allowed_db);
   script += "set yrange [*<-" + plot_number(1.25 * plot.allowed_db) + ":" +

@@ -1,56 +1,11 @@
-#include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
+#include "report/table.hpp"
 #include "report/verdict.hpp"
 
 namespace stillframe::report {
 
 namespace {
-
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
-  char buffer[256];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
-  va_end(arguments);
-  return buffer;
-}
-
-/// Rows of cells, the first row the header; text columns to the left, the others to the right.
-class Table {
- public:
-  Table(std::vector<std::string> header, std::size_t n_text_columns)
-      : rows_{std::move(header)}, n_text_columns_(n_text_columns) {}
-
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-
-  std::string print() const {
-    std::vector<std::size_t> width(rows_.front().size(), 0);
-    for (const auto& row : rows_) {
-      for (std::size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
-    }
-    std::string page;
-    for (const auto& row : rows_) page += line(row, width);
-    return page;
-  }
-
- private:
-  std::string line(const std::vector<std::string>& row,
-                   const std::vector<std::size_t>& width) const {
-    std::string result;
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      const std::string padding(width[c] - row[c].size(), ' ');
-      result += "  " + (c < n_text_columns_ ? row[c] + padding : padding + row[c]);
-    }
-    result.erase(result.find_last_not_of(' ') + 1);
-    return result + "\n";
-  }
-
-  std::vector<std::vector<std::string>> rows_;
-  std::size_t n_text_columns_;
-};
 
 std::string count(std::int64_t n) { return std::to_string(n); }
 
@@ -60,10 +15,10 @@ std::string runs_text(const std::vector<RunSummary>& runs) {
               2);
   std::string notes;
   for (const RunSummary& run : runs) {
-    table.add({run.loop, run.mode, text("%g", run.sample_rate_hz), count(run.delay_samples),
+    table.add({run.loop, run.mode, cell("%g", run.sample_rate_hz), count(run.delay_samples),
                count(run.n_samples), count(run.n_lost), count(run.n_duplicates),
                count(run.n_commands), count(run.n_saturated),
-               run.real_time_factor > 0 ? text("%.2f", run.real_time_factor) : "unknown"});
+               run.real_time_factor > 0 ? cell("%.2f", run.real_time_factor) : "unknown"});
     if (run.n_damaged > 0 || run.unread_bytes > 0) {
       notes += "  the log of the " + run.loop + " run is damaged: " + count(run.n_damaged) +
                " unreadable messages, " + count(run.unread_bytes) + " bytes at its end\n";
@@ -77,31 +32,31 @@ std::string runs_text(const std::vector<RunSummary>& runs) {
 std::string identification_text(const IdentificationSummary& id) {
   Table table({"measured against the sampled-data prediction", "largest dB", "at Hz", "allowed dB"},
               1);
-  const std::string allowed = text("%.3f", id.allowed_db);
-  table.add({"singular values, open loop", text("%.4f", id.open_largest_db),
-             text("%g", id.open_at_hz), allowed});
-  table.add({"singular values, closed loop", text("%.4f", id.closed_largest_db),
-             text("%g", id.closed_at_hz), allowed});
-  table.add({text("reduction by the loop, above %.4g Hz", id.reduction_above_hz),
-             text("%.4f", id.reduction_largest_error_db), "", allowed});
-  return text("Identification: %d frequencies, %g to %g Hz, values above %g dB: %s\n",
+  const std::string allowed = cell("%.3f", id.allowed_db);
+  table.add({"singular values, open loop", cell("%.4f", id.open_largest_db),
+             cell("%g", id.open_at_hz), allowed});
+  table.add({"singular values, closed loop", cell("%.4f", id.closed_largest_db),
+             cell("%g", id.closed_at_hz), allowed});
+  table.add({cell("reduction by the loop, above %.4g Hz", id.reduction_above_hz),
+             cell("%.4f", id.reduction_largest_error_db), "", allowed});
+  return cell("Identification: %d frequencies, %g to %g Hz, values above %g dB: %s\n",
               id.n_frequencies, id.lowest_hz, id.highest_hz, id.floor_db,
               id.pass() ? "pass" : "FAIL") +
          table.print() +
-         text("  closed loop below open loop at %d of %d frequencies above %.4g Hz\n",
+         cell("  closed loop below open loop at %d of %d frequencies above %.4g Hz\n",
               id.n_closed_below_open, id.n_reduction_frequencies, id.reduction_above_hz);
 }
 
 /// Four significant digits without an exponent where that is readable.
 std::string level(double value) {
-  return value != 0 && (std::abs(value) < 1e-3 || std::abs(value) >= 1e5) ? text("%.3e", value)
-                                                                          : text("%.4g", value);
+  return value != 0 && (std::abs(value) < 1e-3 || std::abs(value) >= 1e5) ? cell("%.3e", value)
+                                                                          : cell("%.4g", value);
 }
 
 std::string ratio(const std::optional<MotionLevel>& signal,
                   const std::optional<MotionLevel>& reference, double MotionLevel::*value) {
   if (!signal || !reference || !((*reference).*value > 0)) return "-";
-  return text("%.4f", (*signal).*value / ((*reference).*value));
+  return cell("%.4f", (*signal).*value / ((*reference).*value));
 }
 
 std::string axes_text(const std::vector<AxisLevels>& axes) {
@@ -122,7 +77,7 @@ std::string axes_text(const std::vector<AxisLevels>& axes) {
                  level(1e6 * signal->largest_band_velocity),
                  is_floor ? "" : ratio(signal, axis.floor, band),
                  is_active ? ratio(signal, axis.passive, band) : "",
-                 text("%g", signal->largest_band_hz), signal->vibration_class});
+                 cell("%g", signal->largest_band_hz), signal->vibration_class});
     }
   }
   return "Acceleration, 1-80 Hz, and the largest one-third-octave rms velocity\n" + table.print();
@@ -134,8 +89,8 @@ std::string timing_text(const std::vector<TimingSummary>& timing) {
               2);
   for (const TimingSummary& t : timing) {
     table.add({t.loop, t.source, count(t.n_periods), count(t.n_late), count(t.n_lost),
-               count(t.n_duplicates), text("%.1f", t.worst_wake_up_us),
-               text("%.1f", t.worst_compute_us)});
+               count(t.n_duplicates), cell("%.1f", t.worst_wake_up_us),
+               cell("%.1f", t.worst_compute_us)});
   }
   return "Timing\n" + table.print();
 }

@@ -15,7 +15,8 @@ Vector3 difference(const LocalVector& u) {
   return u.segment<3>(q_position) - u.segment<3>(p_position);
 }
 
-/// The four bending deformations are sign * (R_end n) . l; this table says which end, axis and sign.
+/// The four bending deformations are sign * (R_end n) . l; this table says which end, axis and
+/// sign.
 struct Bending {
   int rotation;
   bool about_z;
@@ -94,7 +95,8 @@ void Beam::second_derivative(const LocalVector& u, const LocalVector& v, const L
   const Vector3 dv = difference(v), dw = difference(w);
   result(0) = span.second(dv, dw);
 
-  /// R n and its derivatives in the directions v, w and (v, w), for the end whose rotation starts at r.
+  /// R n and its derivatives in the directions v, w and (v, w), for the end whose rotation starts
+  /// at r.
   struct Rotated {
     Vector3 value, in_v, in_w, in_vw;
     Rotated(const LocalVector& u, const LocalVector& v, const LocalVector& w, int r,
@@ -142,8 +144,9 @@ void Beam::hessian(const LocalVector& u, const LocalDeformation& sigma,
   H.block<4, 4>(q_rotation, q_rotation) +=
       torsion * (rotated_hessian(pz, n_y_) - rotated_hessian(py, n_z_));
   const Eigen::Matrix4d mixed =
-      torsion * (d_rotated_d_lambda(lambda_p, n_z_).transpose() * d_rotated_d_lambda(lambda_q, n_y_) -
-                 d_rotated_d_lambda(lambda_p, n_y_).transpose() * d_rotated_d_lambda(lambda_q, n_z_));
+      torsion *
+      (d_rotated_d_lambda(lambda_p, n_z_).transpose() * d_rotated_d_lambda(lambda_q, n_y_) -
+       d_rotated_d_lambda(lambda_p, n_y_).transpose() * d_rotated_d_lambda(lambda_q, n_z_));
   H.block<4, 4>(p_rotation, q_rotation) += mixed;
   H.block<4, 4>(q_rotation, p_rotation) += mixed.transpose();
 

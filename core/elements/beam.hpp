@@ -4,17 +4,20 @@
 
 namespace stillframe {
 
-/// Spatial beam between two nodes with position and rotation: six deformations, all of length unit (m),
+/// Spatial beam between two nodes with position and rotation: six deformations, all of length unit
+/// (m),
 ///   e_1 = l - l_0                                          elongation
 ///   e_2 = l_0 (R_p n_z . R_q n_y - R_p n_y . R_q n_z) / 2  torsion
 ///   e_3 = -R_p n_z . l,  e_4 = R_q n_z . l                 bending in the n_x-n_z plane
 ///   e_5 =  R_p n_y . l,  e_6 = -R_q n_y . l                bending in the n_x-n_y plane
-/// with n_x along the undeformed beam (deck, section 2, in three dimensions). A rigid beam has all six zero.
-/// Local coordinates: translation p (3), rotation p (4), translation q (3), rotation q (4).
+/// with n_x along the undeformed beam (deck, section 2, in three dimensions). A rigid beam has all
+/// six zero. Local coordinates: translation p (3), rotation p (4), translation q (3), rotation q
+/// (4).
 class Beam final : public Element {
  public:
-  /// l_0_vector: from p to q in the scene as written, m; any n_y perpendicular to it is as good as another
-  /// for a rigid beam, so one is chosen. Errors: std::invalid_argument if the length is not positive.
+  /// l_0_vector: from p to q in the scene as written, m; any n_y perpendicular to it is as good as
+  /// another for a rigid beam, so one is chosen. Errors: std::invalid_argument if the length is not
+  /// positive.
   Beam(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector);
 
   void deformations(const LocalVector& u, LocalDeformation& e) const noexcept override;

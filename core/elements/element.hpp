@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace stillframe {
 
@@ -14,7 +13,8 @@ struct NodePart {
   Eigen::Index size() const { return rotation ? 4 : 3; }
 };
 
-/// Largest numbers of deformations and of local coordinates of any element: local arrays live on the stack.
+/// Largest numbers of deformations and of local coordinates of any element: local arrays live on
+/// the stack.
 inline constexpr int max_deformations = 6, max_local = 14;
 using LocalDeformation = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_deformations, 1>;
 using LocalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_local, 1>;
@@ -22,9 +22,9 @@ using LocalJacobian =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_deformations, max_local>;
 using LocalHessian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_local, max_local>;
 
-/// A finite element as its deformation functions e = D(u) of the displacements u of its node parts, in
-/// global axes, in the order of parts() (deck, section 2). Immutable. hot: noexcept, no allocation.
-/// Every e(0) is 0: the scene as written is the undeformed state.
+/// A finite element as its deformation functions e = D(u) of the displacements u of its node parts,
+/// in global axes, in the order of parts() (deck, section 2). Immutable. hot: noexcept, no
+/// allocation. Every e(0) is 0: the scene as written is the undeformed state.
 class Element {
  public:
   virtual ~Element() = default;

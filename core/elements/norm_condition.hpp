@@ -5,7 +5,8 @@
 namespace stillframe {
 
 /// The condition that the Euler parameters of a rotation node have norm one, as an element with one
-/// deformation e = (lambda^T lambda - 1) / 2 = delta_0 + delta^T delta / 2, always zero. Dimensionless.
+/// deformation e = (lambda^T lambda - 1) / 2 = delta_0 + delta^T delta / 2, always zero.
+/// Dimensionless.
 class NormCondition final : public Element {
  public:
   explicit NormCondition(Eigen::Index node) : Element({{node, true}}, 1) {}

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-// Rotations by Euler parameters lambda = (lambda_0, v), lambda^T lambda = 1. A rotation node stores the
-// displacement delta = lambda - (1, 0, 0, 0), so that small rotations keep all their digits.
+// Rotations by Euler parameters lambda = (lambda_0, v), lambda^T lambda = 1. A rotation node stores
+// the displacement delta = lambda - (1, 0, 0, 0), so that small rotations keep all their digits.
 namespace stillframe {
 
 using Vector3 = Eigen::Vector3d;
@@ -39,7 +39,8 @@ inline Eigen::Matrix<double, 3, 4> d_rotated_d_lambda(const Vector4& lambda, con
   return derivative;
 }
 
-/// Second derivative of h . (R n) to lambda, 4 x 4 and constant: entry (i, j) is 2 h . B(e_i, e_j) n.
+/// Second derivative of h . (R n) to lambda, 4 x 4 and constant: entry (i, j) is 2 h . B(e_i, e_j)
+/// n.
 inline Eigen::Matrix4d rotated_hessian(const Vector3& h, const Vector3& n) {
   Eigen::Matrix4d hessian = Eigen::Matrix4d::Zero();
   const Vector3 mixed = 2.0 * n.cross(h);

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <cmath>
-
 #include <Eigen/Core>
+#include <cmath>
 
 namespace stillframe {
 
 /// The vector between two points of an element and the elongation e = l - l_0 with its derivatives.
-/// e is written as (l^2 - l_0^2) / (l + l_0) with l^2 - l_0^2 = (2 l_0 + d) . d, d = u_q - u_p, so that a
-/// picometre survives on a metre (THEORY section 2). hot: noexcept, no allocation.
+/// e is written as (l^2 - l_0^2) / (l + l_0) with l^2 - l_0^2 = (2 l_0 + d) . d, d = u_q - u_p, so
+/// that a picometre survives on a metre (THEORY section 2). hot: noexcept, no allocation.
 struct Span {
   Eigen::Vector3d l_vector, direction;
   double length = 0, elongation = 0;

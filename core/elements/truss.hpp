@@ -4,11 +4,12 @@
 
 namespace stillframe {
 
-/// Spatial truss between two translational nodes: one deformation, the elongation e_1 = l - l_0 in m.
+/// Spatial truss between two translational nodes: one deformation, the elongation e_1 = l - l_0 in
+/// m.
 class Truss final : public Element {
  public:
-  /// l_0_vector: from node p to node q in the scene as written, m. Errors: std::invalid_argument if its length
-  /// is not positive.
+  /// l_0_vector: from node p to node q in the scene as written, m. Errors: std::invalid_argument if
+  /// its length is not positive.
   Truss(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector);
 
   void deformations(const LocalVector& u, LocalDeformation& e) const noexcept override;

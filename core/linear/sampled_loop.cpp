@@ -1,11 +1,12 @@
 #include "core/linear/sampled_loop.hpp"
 
-#include <stdexcept>
-#include <string>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <stdexcept>
+#include <string>
 #include <unsupported/Eigen/MatrixFunctions>
+
+#include "core/linear/balance.hpp"
 
 namespace stillframe {
 
@@ -19,15 +20,18 @@ SampledPlant sample_and_hold(const LoopPlant& plant, double sample_time) {
                                 std::to_string(sample_time));
   }
   const Index n = plant.A.rows(), p = plant.B_w.cols(), m = plant.B_u.cols();
-  MatrixXd augmented = MatrixXd::Zero(n + p + m, n + p + m);
-  augmented.topRows(n) << plant.A, plant.B_w, plant.B_u;
+  const Index n_y = plant.C_y.rows(), total = n + p + m + n_y;
+  MatrixXd augmented = MatrixXd::Zero(total, total);
+  augmented.topLeftCorner(n, n + p + m) << plant.A, plant.B_w, plant.B_u;
+  augmented.bottomLeftCorner(n_y, n + p + m) << plant.C_y, plant.D_yw, plant.D_yu;
   const MatrixXd exponential = (augmented * sample_time).exp();
+  const MatrixXd mean = exponential.bottomLeftCorner(n_y, n + p + m) / sample_time;
   return {.Phi = exponential.topLeftCorner(n, n),
           .Gamma_w = exponential.block(0, n, n, p),
           .Gamma_u = exponential.block(0, n + p, n, m),
-          .C_y = plant.C_y,
-          .D_yw = plant.D_yw,
-          .D_yu = plant.D_yu,
+          .C_y = mean.leftCols(n),
+          .D_yw = mean.middleCols(n, p),
+          .D_yu = mean.rightCols(m),
           .C_sigma = plant.C_sigma,
           .n_exogenous = plant.n_exogenous,
           .sample_time = sample_time};
@@ -47,8 +51,8 @@ void check_shapes(const SampledPlant& plant, const DiscreteLaw& law, int delay_s
   }
 }
 
-/// Writes xi in the order [exogenous plant states | plant states | law | applied | pending commands], so that
-/// the feedback part is one trailing block.
+/// Writes xi in the order [exogenous plant states | plant states | law | applied | pending
+/// commands], so that the feedback part is one trailing block.
 Eigen::PermutationMatrix<Eigen::Dynamic> exogenous_first(Index n, Index n_exogenous, Index total) {
   Eigen::VectorXi target(total);
   for (Index i = 0; i < total; ++i) {
@@ -58,11 +62,14 @@ Eigen::PermutationMatrix<Eigen::Dynamic> exogenous_first(Index n, Index n_exogen
   return Eigen::PermutationMatrix<Eigen::Dynamic>(target);
 }
 
-SampledLoop reorder(SampledLoop loop, Index n_plant) {
+/// The same system in balanced states, the exogenous ones first. Unbalanced, a frame that moves
+/// micrometres under forces of newtons has a spectral radius wrong in the second digit.
+SampledLoop arranged(SampledLoop loop, Index n_plant) {
   const auto P = exogenous_first(n_plant, loop.n_exogenous, loop.A.rows());
-  loop.A = P * loop.A * P.transpose();
-  loop.B = P * loop.B;
-  loop.C = loop.C * P.transpose();
+  const Eigen::VectorXd S = balancing_scales(P * loop.A * P.transpose());
+  loop.A = S.cwiseInverse().asDiagonal() * (P * loop.A * P.transpose()) * S.asDiagonal();
+  loop.B = S.cwiseInverse().asDiagonal() * (P * loop.B);
+  loop.C = loop.C * P.transpose() * S.asDiagonal();
   return loop;
 }
 
@@ -75,7 +82,8 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law, int de
   const Index i_law = n, i_applied = n + n_law, i_pending = i_applied + m;
   const Index total = i_pending + m * delay_samples;
 
-  // e = C_e xi is the law's input, u = C_u xi its command, f = C_f xi the force held over the coming interval.
+  // e = C_e xi is the law's input, u = C_u xi its command, f = C_f xi the force held over the
+  // coming interval.
   MatrixXd C_e = MatrixXd::Zero(m, total);
   C_e.leftCols(n) = plant.C_sigma;
   if (!law.subtract_applied) C_e.middleCols(i_applied, m).setIdentity();
@@ -106,19 +114,20 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law, int de
   }
   loop.B = MatrixXd::Zero(total, p);
   loop.B.topRows(n) = plant.Gamma_w;
-  loop.C = plant.C_y * loop.A.topRows(n) + plant.D_yu * C_f;
-  loop.D = plant.C_y * plant.Gamma_w + plant.D_yw;
-  return reorder(std::move(loop), n);
+  loop.C = plant.D_yu * C_f;
+  loop.C.leftCols(n) += plant.C_y;
+  loop.D = plant.D_yw;
+  return arranged(std::move(loop), n);
 }
 
 SampledLoop open_loop(const SampledPlant& plant) {
   SampledLoop loop{.A = plant.Phi,
                    .B = plant.Gamma_w,
-                   .C = plant.C_y * plant.Phi,
-                   .D = plant.C_y * plant.Gamma_w + plant.D_yw,
+                   .C = plant.C_y,
+                   .D = plant.D_yw,
                    .n_exogenous = plant.n_exogenous,
                    .sample_time = plant.sample_time};
-  return reorder(std::move(loop), plant.Phi.rows());
+  return arranged(std::move(loop), plant.Phi.rows());
 }
 
 double spectral_radius(const SampledLoop& loop) {

@@ -73,17 +73,19 @@ class Builder {
         throw InputError(dof.place + ": node '" + dof.node + "' has no free rotation");
       }
       const auto component = static_cast<size_t>(dof.euler_parameter);
-      if (node.rotation_dof[component] >= 0) throw InputError(dof.place + ": this dof is named twice");
+      if (node.rotation_dof[component] >= 0)
+        throw InputError(dof.place + ": this dof is named twice");
       node.rotation_kind[component] = CoordinateKind::dynamic;
       node.rotation_dof[component] = static_cast<Index>(i);
     }
   }
 
-  void claim(const std::string& node, const Eigen::Vector3d& direction, CoordinateKind kind, Index dof,
-             const std::string& place) {
+  void claim(const std::string& node, const Eigen::Vector3d& direction, CoordinateKind kind,
+             Index dof, const std::string& place) {
     NodePlan& target = plan(node);
     for (const Eigen::Vector3d& other : target.directions) {
-      // Directions are unit vectors written with a few digits; 1e-6 is an error of a micrometre on a metre.
+      // Directions are unit vectors written with a few digits; 1e-6 is an error of a micrometre on
+      // a metre.
       if (std::abs(other.dot(direction)) > 1e-6) {
         throw InputError(place + ": node '" + node +
                          "': the directions of its supports, prescribed motions and dofs must be "
@@ -143,7 +145,8 @@ class Builder {
     }
     dof_index_.assign(scene_.dofs.size(), -1);
     Index next = 0;
-    for (const auto kind : {CoordinateKind::dependent, CoordinateKind::dynamic, CoordinateKind::prescribed}) {
+    for (const auto kind :
+         {CoordinateKind::dependent, CoordinateKind::dynamic, CoordinateKind::prescribed}) {
       const Index first = next;
       for (size_t n = 0; n < plans_.size(); ++n) {
         const NodePlan& p = plans_[n];
@@ -155,7 +158,7 @@ class Builder {
           if (p.rotation_kind[i] == kind) take(node.rotation.column[i], p.rotation_dof[i], next);
         }
       }
-      (kind == CoordinateKind::dependent   ? model_.n_c
+      (kind == CoordinateKind::dependent ? model_.n_c
        : kind == CoordinateKind::dynamic ? model_.n_xd
                                          : model_.n_r) = next - first;
     }
@@ -168,7 +171,8 @@ class Builder {
   }
 
   void place_elements() {
-    std::map<std::string, Index> dynamic_element;  // the scene's dof that is this element's deformation
+    std::map<std::string, Index>
+        dynamic_element;  // the scene's dof that is this element's deformation
     for (size_t i = 0; i < scene_.dofs.size(); ++i) {
       const SceneDof& dof = scene_.dofs[i];
       if (dof.element.empty()) continue;
@@ -176,7 +180,8 @@ class Builder {
         throw InputError(dof.place + ": this dof is named twice");
       }
       if (scene_element(dof.element).rigid) {
-        throw InputError(dof.place + ": '" + dof.element + "' is rigid, its deformation can be no dof");
+        throw InputError(dof.place + ": '" + dof.element +
+                         "' is rigid, its deformation can be no dof");
       }
     }
     for (size_t n = 0; n < plans_.size(); ++n) {
@@ -215,7 +220,8 @@ class Builder {
     model_.elements.push_back(std::move(item));
   }
 
-  /// Rows: conditions first (zero and dynamic deformations in the order of the elements), redundant ones last.
+  /// Rows: conditions first (zero and dynamic deformations in the order of the elements), redundant
+  /// ones last.
   void number_deformations(const std::map<std::string, Index>& dynamic_element) {
     const auto is_condition = [&](const ModelElement& item) {
       return !item.elastic || dynamic_element.contains(item.name);
@@ -229,7 +235,8 @@ class Builder {
           item.row[static_cast<size_t>(i)] = row++;
         }
         const auto dof = dynamic_element.find(item.name);
-        if (dof != dynamic_element.end()) dof_index_[static_cast<size_t>(dof->second)] = item.row[0];
+        if (dof != dynamic_element.end())
+          dof_index_[static_cast<size_t>(dof->second)] = item.row[0];
       }
       if (!conditions) model_.n_redundant = row - first;
     }
@@ -249,8 +256,8 @@ class Builder {
     if (model_.n_d == 0) throw InputError(scene_.dofs_place + ": dofs: at least one is needed");
     for (size_t i = 0; i < scene_.dofs.size(); ++i) {
       const SceneDof& dof = scene_.dofs[i];
-      Model::Dof resolved{.name = {}, .unit = "m", .is_deformation = !dof.element.empty(),
-                          .index = dof_index_[i]};
+      Model::Dof resolved{
+          .name = {}, .unit = "m", .is_deformation = !dof.element.empty(), .index = dof_index_[i]};
       if (resolved.is_deformation) {
         resolved.name = "e(" + dof.element + ")";
       } else if (dof.direction) {
@@ -271,9 +278,10 @@ class Builder {
     model_.load = Eigen::VectorXd::Zero(model_.n_x);
     for (const SceneLoad& load : scene_.loads) {
       for (int axis = 0; axis < 3; ++axis) {
-        model_.load += load.force(axis) *
-                       model_.translation_row(model_.node_index(load.node), Eigen::Vector3d::Unit(axis))
-                           .transpose();
+        model_.load +=
+            load.force(axis) *
+            model_.translation_row(model_.node_index(load.node), Eigen::Vector3d::Unit(axis))
+                .transpose();
       }
     }
   }

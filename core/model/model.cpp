@@ -41,8 +41,8 @@ Eigen::VectorXd Model::prescribed_pattern(Index node, const Eigen::Vector3d& dir
                                           const std::string& place) const {
   const Eigen::RowVectorXd row = translation_row(node, direction);
   const Eigen::VectorXd pattern = row.tail(n_r).transpose();
-  // The direction is a unit vector, so what the prescribed coordinates miss of it is compared with 1; 1e-9 is far
-  // above the rounding of a basis and far below any angle that a person would write.
+  // The direction is a unit vector, so what the prescribed coordinates miss of it is compared with
+  // 1; 1e-9 is far above the rounding of a basis and far below any angle that a person would write.
   if (std::abs(pattern.norm() - 1.0) > 1e-9) {
     throw InputError(place + ": node '" + nodes[static_cast<size_t>(node)].name +
                      "' is not prescribed along this direction; add it under 'prescribed'");

@@ -1,11 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "core/elements/element.hpp"
 #include "core/scene/scene.hpp"
@@ -77,15 +76,16 @@ struct Model {
   Index elastic_row(const std::string& element) const;
   /// Row vector (n_x) that takes the translation of a node along a unit direction out of x.
   Eigen::RowVectorXd translation_row(Index node, const Eigen::Vector3d& direction) const;
-  /// q^r (n_r) that moves a node by one along a direction. Errors: InputError at `place` if the node is not
-  /// prescribed along it.
+  /// q^r (n_r) that moves a node by one along a direction. Errors: InputError at `place` if the
+  /// node is not prescribed along it.
   Eigen::VectorXd prescribed_pattern(Index node, const Eigen::Vector3d& direction,
                                      const std::string& place) const;
 };
 
-/// Builds and validates a model from a scene: partition counted and checked for singularity in the scene as
-/// written. Errors: InputError naming place, nodes and elements (conditions missing or too many, directions at a
-/// node that are not perpendicular, a free motion that no dof or element takes up, a dof used twice).
+/// Builds and validates a model from a scene: partition counted and checked for singularity in the
+/// scene as written. Errors: InputError naming place, nodes and elements (conditions missing or too
+/// many, directions at a node that are not perpendicular, a free motion that no dof or element
+/// takes up, a dof used twice).
 Model make_model(const Scene& scene);
 
 }  // namespace stillframe

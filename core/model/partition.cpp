@@ -1,9 +1,8 @@
 #include "core/model/partition.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <map>
-
-#include <Eigen/SVD>
 
 #include "core/kinematics.hpp"
 #include "core/yaml/input_error.hpp"
@@ -14,7 +13,8 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-/// The names whose entries carry a vector: those above a tenth of the largest, at most six, largest first.
+/// The names whose entries carry a vector: those above a tenth of the largest, at most six, largest
+/// first.
 Names carriers(const Eigen::VectorXd& vector, const Names& names) {
   std::map<std::string, double> weight;
   for (Index i = 0; i < vector.size(); ++i) {
@@ -63,7 +63,8 @@ Names row_owners(const Model& model) {
 
 std::string motion_text(const Model& model, const Eigen::MatrixXd& null_space) {
   const Names owners = column_owners(model);
-  return quoted(carriers(null_space.rowwise().norm(), Names(owners.begin(), owners.begin() + model.n_c)));
+  return quoted(
+      carriers(null_space.rowwise().norm(), Names(owners.begin(), owners.begin() + model.n_c)));
 }
 
 }  // namespace
@@ -73,26 +74,33 @@ void check_partition(const Model& model, const std::string& place) {
   assemble(model, data);
   const Index n_conditions = model.n_e - model.n_redundant;
   const Eigen::MatrixXd J = data.D.topLeftCorner(n_conditions, model.n_c);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::VectorXd values = svd.singularValues();
-  // Rounding leaves singular values of about 1e-16 of the largest; a sound scene written with six digits may be
-  // within 1e-6 of a singular one and must pass, so the bound lies between the two.
-  const double bound = values.size() > 0 ? 1e-11 * values(0) : 0.0;
-  const Index rank = (values.array() > bound).count();
+  Eigen::MatrixXd U = Eigen::MatrixXd::Identity(n_conditions, n_conditions);
+  Eigen::MatrixXd V = Eigen::MatrixXd::Identity(model.n_c, model.n_c);
+  Index rank = 0;
+  if (J.size() > 0) {  // Eigen decomposes no empty matrix
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::VectorXd& values = svd.singularValues();
+    // Rounding leaves singular values of about 1e-16 of the largest; a sound scene written with six
+    // digits may be within 1e-6 of a singular one and must pass, so the bound lies between the two.
+    rank = (values.array() > 1e-11 * values(0)).count();
+    U = svd.matrixU();
+    V = svd.matrixV();
+  }
   if (rank < model.n_c) {
-    throw InputError(place + ": the partition leaves " + std::to_string(model.n_c - rank) +
-                     " free motion(s) that no dof, element or support takes up, in which these move: " +
-                     motion_text(model, svd.matrixV().rightCols(model.n_c - rank)) +
-                     "; add a dof, an element or a support there");
+    throw InputError(
+        place + ": the partition leaves " + std::to_string(model.n_c - rank) +
+        " free motion(s) that no dof, element or support takes up, in which these move: " +
+        motion_text(model, V.rightCols(model.n_c - rank)) +
+        "; add a dof, an element or a support there");
   }
   if (rank < n_conditions) {
-    const Eigen::MatrixXd left = svd.matrixU().rightCols(n_conditions - rank);
+    const Eigen::MatrixXd left = U.rightCols(n_conditions - rank);
     const Names owners = row_owners(model);
-    throw InputError(
-        place + ": the conditions are " + std::to_string(n_conditions - rank) +
-        " too many (overconstrained): not independent are those of " +
-        quoted(carriers(left.rowwise().norm(), Names(owners.begin(), owners.begin() + n_conditions))) +
-        "; take away a dof, or a rigid element or a support among them");
+    throw InputError(place + ": the conditions are " + std::to_string(n_conditions - rank) +
+                     " too many (overconstrained): not independent are those of " +
+                     quoted(carriers(left.rowwise().norm(),
+                                     Names(owners.begin(), owners.begin() + n_conditions))) +
+                     "; take away a dof, or a rigid element or a support among them");
   }
 }
 

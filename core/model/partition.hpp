@@ -4,9 +4,9 @@
 
 namespace stillframe {
 
-/// Checks that the partition of a model is sound in the scene as written: as many conditions as dependent
-/// coordinates, and J = [D^(c)D^(0); D^(c)D^(m)] not singular. Errors: InputError at `place` that names the free
-/// motion or the redundant conditions.
+/// Checks that the partition of a model is sound in the scene as written: as many conditions as
+/// dependent coordinates, and J = [D^(c)D^(0); D^(c)D^(m)] not singular. Errors: InputError at
+/// `place` that names the free motion or the redundant conditions.
 void check_partition(const Model& model, const std::string& place);
 
 }  // namespace stillframe

@@ -1,12 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
-// A scene as a person wrote it, checked key by key; names are not resolved yet. `place` is "file:line:column".
+// A scene as a person wrote it, checked key by key; names are not resolved yet. `place` is
+// "file:line:column".
 namespace stillframe {
 
 struct SceneNode {
@@ -39,8 +39,8 @@ struct SceneConstraint {
   bool rotation = false;
 };
 
-/// A degree of freedom: the deformation of an element, a translation of a node along a direction, or the
-/// Euler parameter lambda_1, lambda_2 or lambda_3 of a node.
+/// A degree of freedom: the deformation of an element, a translation of a node along a direction,
+/// or the Euler parameter lambda_1, lambda_2 or lambda_3 of a node.
 struct SceneDof {
   std::string place, element, node;
   std::optional<Eigen::Vector3d> direction;
@@ -55,7 +55,8 @@ struct SceneLoad {
 
 enum class Quantity { position, velocity, acceleration, force, stress, deformation };
 
-/// An input or output of the linear models: a quantity of a node along a direction, or of an element.
+/// An input or output of the linear models: a quantity of a node along a direction, or of an
+/// element.
 struct SceneSignal {
   std::string name, place, node, element;
   Quantity quantity = Quantity::position;

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "core/scene/controller_block.hpp"
-#include "core/scene/structure.hpp"
 #include "core/scene/signals.hpp"
+#include "core/scene/structure.hpp"
 
 namespace stillframe {
 

@@ -9,16 +9,17 @@
 
 namespace stillframe {
 
-/// A block of a scene: written in the scene as a map, or in a file of its own whose path stands in the scene
-/// or on the command line. text is the YAML it came from.
+/// A block of a scene: written in the scene as a map, or in a file of its own whose path stands in
+/// the scene or on the command line. text is the YAML it came from.
 struct Block {
   YamlReader reader;
   std::string text;
 };
 
-/// Reads and checks a scene; every name that a key refers to exists and every value is in its range.
-/// docs/scene.md is the reference of the keys. controller_file, if given, replaces the scene's controller block.
-/// Errors: InputError with file, line, column, key, what was found and what is allowed.
+/// Reads and checks a scene; every name that a key refers to exists and every value is in its
+/// range. docs/scene.md is the reference of the keys. controller_file, if given, replaces the
+/// scene's controller block. Errors: InputError with file, line, column, key, what was found and
+/// what is allowed.
 Scene read_scene(const std::filesystem::path& file,
                  const std::optional<std::filesystem::path>& controller_file = std::nullopt);
 

@@ -1,9 +1,8 @@
 #include "core/scene/structure.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Eigenvalues>
 
 namespace stillframe {
 
@@ -111,7 +110,8 @@ SceneElement read_element(const std::string& name, const YamlReader& value, cons
   return element;
 }
 
-/// `key` holds the directions (and the word rotation where that is allowed); one constraint for each node.
+/// `key` holds the directions (and the word rotation where that is allowed); one constraint for
+/// each node.
 void read_constraints(const YamlReader& list, const char* key, bool rotation_allowed,
                       const Scene& scene, std::vector<SceneConstraint>& constraints) {
   for (const YamlReader& value : list.items()) {

@@ -5,8 +5,8 @@
 
 namespace stillframe {
 
-/// Reads what the scene is made of: nodes, masses, elements, supports, prescribed motions, dofs and loads.
-/// Errors: InputError.
+/// Reads what the scene is made of: nodes, masses, elements, supports, prescribed motions, dofs and
+/// loads. Errors: InputError.
 void read_structure(const YamlReader& root, Scene& scene);
 
 /// A direction: x, y, z or three numbers of any length but zero; answers the unit vector.

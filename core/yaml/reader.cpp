@@ -1,5 +1,7 @@
 #include "core/yaml/reader.hpp"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -7,8 +9,6 @@
 #include <numeric>
 #include <set>
 #include <sstream>
-
-#include <yaml-cpp/yaml.h>
 
 namespace stillframe {
 
@@ -31,7 +31,8 @@ std::string shape_of(const YAML::Node& node) {
   return "'" + node.Scalar() + "'";
 }
 
-/// yaml-cpp keeps the last of two equal keys without a word; a person would never know which one counts.
+/// yaml-cpp keeps the last of two equal keys without a word; a person would never know which one
+/// counts.
 void refuse_duplicate_keys(const std::string& file, const YAML::Node& node) {
   if (node.IsMap()) {
     std::set<std::string> seen;
@@ -138,8 +139,8 @@ std::vector<std::pair<std::string, YamlReader>> YamlReader::entries() const {
   std::vector<std::pair<std::string, YamlReader>> result;
   for (const auto& entry : *node_) {
     const std::string& key = entry.first.Scalar();
-    result.emplace_back(
-        key, YamlReader(source_, entry.second, name_.empty() ? key : name_ + "." + key));
+    result.emplace_back(key,
+                        YamlReader(source_, entry.second, name_.empty() ? key : name_ + "." + key));
   }
   return result;
 }
@@ -216,7 +217,8 @@ Eigen::VectorXd YamlReader::vector(Eigen::Index size) const {
 }
 
 Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols) const {
-  const std::string allowed = std::to_string(rows) + " rows of " + std::to_string(cols) + " numbers";
+  const std::string allowed =
+      std::to_string(rows) + " rows of " + std::to_string(cols) + " numbers";
   if (!node_->IsSequence()) fail_found(allowed);
   const auto lines = items();
   if (static_cast<Eigen::Index>(lines.size()) != rows) fail_found(allowed);

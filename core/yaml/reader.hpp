@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
@@ -10,8 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "core/yaml/input_error.hpp"
 
 namespace YAML {
@@ -20,8 +19,8 @@ class Node;
 
 namespace stillframe {
 
-/// One value of a YAML file that knows where it stands and how it is called, so that every error can say so.
-/// All functions throw InputError "file:line:column: key: found ..., allowed ...".
+/// One value of a YAML file that knows where it stands and how it is called, so that every error
+/// can say so. All functions throw InputError "file:line:column: key: found ..., allowed ...".
 class YamlReader {
  public:
   /// Reads and parses a file. Errors: a missing or unreadable file, YAML syntax, a duplicate key.
@@ -42,8 +41,8 @@ class YamlReader {
   std::vector<std::pair<std::string, YamlReader>> entries() const;
   std::vector<YamlReader> items() const;
 
-  /// Scalars. number() takes any finite number; positive() and non_negative() say their bound; integer() takes
-  /// whole numbers from lowest up.
+  /// Scalars. number() takes any finite number; positive() and non_negative() say their bound;
+  /// integer() takes whole numbers from lowest up.
   double number() const;
   double positive() const;
   double non_negative() const;
@@ -53,7 +52,8 @@ class YamlReader {
   /// A scalar that is one of the given words.
   std::string one_of(std::initializer_list<std::string_view> words) const;
 
-  /// A sequence of `size` numbers (any number of them if size is negative), and a matrix as a sequence of rows.
+  /// A sequence of `size` numbers (any number of them if size is negative), and a matrix as a
+  /// sequence of rows.
   Eigen::VectorXd vector(Eigen::Index size = -1) const;
   Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index cols) const;
 

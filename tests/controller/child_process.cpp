@@ -48,6 +48,12 @@ ChildProcess::~ChildProcess() {
 
 void ChildProcess::signal(int number) const { kill(pid_, number); }
 
+void ChildProcess::suspend() const {
+  signal(SIGSTOP);
+  int status = 0;
+  waitpid(pid_, &status, WUNTRACED);
+}
+
 int ChildProcess::wait() {
   int status = 0;
   waitpid(pid_, &status, 0);

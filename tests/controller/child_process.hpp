@@ -17,6 +17,8 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   void signal(int number) const;
+  /// Stops it with SIGSTOP and returns once it stands still; SIGCONT lets it go on.
+  void suspend() const;
   /// Waits for the end; the exit code, or minus the signal that ended it.
   int wait();
   /// What it printed, once it has ended.

@@ -6,7 +6,7 @@
 
 #include "controller/answer.hpp"
 #include "controller/safety.hpp"
-#include "tests/controller/allocation_count.hpp"
+#include "tests/support/allocation_count.hpp"
 #include "tests/controller/toy_plant.hpp"
 
 namespace stillframe::controller {

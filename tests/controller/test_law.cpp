@@ -8,7 +8,7 @@
 #include "controller/law.hpp"
 #include "controller/tustin.hpp"
 #include "core/yaml/input_error.hpp"
-#include "tests/controller/allocation_count.hpp"
+#include "tests/support/allocation_count.hpp"
 #include "tests/controller/toy_plant.hpp"
 
 namespace stillframe::controller {

@@ -1,1 +1,129 @@
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "report/comparison.hpp"
+#include "tests/report/expect_error.hpp"
+#include "tests/report/toy_frame.hpp"
+
+namespace stillframe::report {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+class Comparison : public ::testing::Test {
+ protected:
+  static constexpr double sample_time = 2.5e-4;
+  toy::Frame frame_;
+  SampledPlant plant_ = sample_and_hold(frame_.plant(), sample_time);
+  SampledLoop open_ = open_loop(plant_);
+  SampledLoop closed_ =
+      close_loop(plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, sample_time), 0);
+  std::vector<double> frequencies_ = {1, 4, 12, 20, 29, 50, 100, 400};
+
+  /// What a faultless measurement of a loop would give.
+  FrequencyResponse exact(const SampledLoop& loop) const {
+    FrequencyResponse response;
+    response.frequencies_hz = frequencies_;
+    for (const double f : frequencies_) response.T.push_back(transfer(loop, 2 * toy::pi * f));
+    response.singular_values = singular_values(response.T);
+    return response;
+  }
+};
+
+TEST_F(Comparison, OpenLoopSingularValuesAreThoseOfTheModes) {
+  // By hand: |T| of a mode under a held input, (1 - cos w T)|z + 1| / |z^2 - 2 z cos w T + 1|.
+  const MatrixXd predicted = predicted_singular_values(open_, frequencies_);
+  for (std::size_t l = 0; l < frequencies_.size(); ++l) {
+    const std::complex<double> z = std::polar(1.0, 2 * toy::pi * frequencies_[l] * sample_time);
+    std::vector<double> expected;
+    for (const double mode : frame_.modes_hz) {
+      const double c = std::cos(2 * toy::pi * mode * sample_time);
+      expected.push_back((1 - c) * std::abs(z + 1.0) / std::abs(z * z - 2.0 * c * z + 1.0));
+    }
+    std::sort(expected.rbegin(), expected.rend());
+    for (Index i = 0; i < 3; ++i) {
+      // 1 - cos of 0.02 loses four digits to cancellation on both ways.
+      EXPECT_NEAR(predicted(static_cast<Index>(l), i) / expected[static_cast<std::size_t>(i)], 1,
+                  1e-9);
+    }
+  }
+}
+
+TEST_F(Comparison, FaultlessMeasurementDiffersByNothing) {
+  const PredictionError error = compare(exact(closed_), closed_);
+  EXPECT_EQ(error.largest_db, 0);
+  EXPECT_GT(error.n_compared, 12);
+}
+
+TEST_F(Comparison, FindsTheLargestDeviationAndItsSign) {
+  FrequencyResponse measured = exact(open_);
+  measured.singular_values(2, 1) *= std::pow(10, 0.15 / 20);
+  measured.singular_values(5, 2) *= std::pow(10, -0.31 / 20);
+  const PredictionError error = compare(measured, open_);
+  EXPECT_NEAR(error.largest_db, 0.31, 1e-12);
+  EXPECT_EQ(error.at_frequency_hz, 50);
+  EXPECT_NEAR(error.difference_db(2, 1), 0.15, 1e-12);
+  EXPECT_NEAR(error.difference_db(5, 2), -0.31, 1e-12);
+}
+
+TEST_F(Comparison, ValuesBelowTheFloorAreLeftOut) {
+  FrequencyResponse measured = exact(open_);
+  const MatrixXd predicted_db = decibels(measured.singular_values);
+  // At 400 Hz some values lie below -50 dB and some do not.
+  ASSERT_LT(predicted_db(7, 2), -50);
+  measured.singular_values(7, 2) *= 10;
+  const PredictionError error = compare(measured, open_);
+  EXPECT_TRUE(std::isnan(error.difference_db(7, 2)));
+  EXPECT_EQ(error.largest_db, 0);
+  EXPECT_EQ(error.n_compared, (predicted_db.array() >= -50).count());
+  EXPECT_NEAR(compare(measured, open_, -200).largest_db, 20, 1e-12);
+}
+
+TEST_F(Comparison, MeasurementThatIsNotFiniteNeverPasses) {
+  FrequencyResponse measured = exact(open_);
+  measured.singular_values(0, 0) = 0;
+  EXPECT_TRUE(std::isinf(compare(measured, open_).largest_db));
+}
+
+TEST_F(Comparison, ReductionIsJudgedAboveTheLimitOnly) {
+  FrequencyResponse open = exact(open_), closed = exact(closed_);
+  closed.singular_values(1, 0) *= 100;
+  ReductionCheck check = check_reduction(open, closed, open_, closed_, 10);
+  EXPECT_EQ(check.n_frequencies, 6);
+  EXPECT_EQ(check.largest_error_db, 0);
+  closed.singular_values(3, 1) *= std::pow(10, 0.25 / 20);
+  check = check_reduction(open, closed, open_, closed_, 10);
+  EXPECT_NEAR(check.largest_error_db, 0.25, 1e-12);
+  EXPECT_EQ(check.at_frequency_hz, 20);
+}
+
+TEST_F(Comparison, ClosedAboveOpenIsSeenAtOnePairOfOneFrequency) {
+  const FrequencyResponse open = exact(open_);
+  FrequencyResponse closed = exact(closed_);
+  // At every frequency but the last the toy's loop isolates; there holding the force undoes it.
+  EXPECT_EQ(check_reduction(open, closed, open_, closed_, 10).n_below, 6);
+  EXPECT_TRUE(check_reduction(open, closed, open_, closed_, 10).closed_below_open());
+  closed.singular_values(4, 2) = 1.01 * open.singular_values(4, 2);
+  const ReductionCheck check = check_reduction(open, closed, open_, closed_, 10);
+  EXPECT_EQ(check.n_below, 5);
+  EXPECT_FALSE(check.closed_below_open());
+  EXPECT_NEAR(check.least_reduction_db, -20 * std::log10(1.01), 1e-12);
+  EXPECT_FALSE(check_reduction(open, closed, open_, closed_, 1000).closed_below_open());
+}
+
+TEST_F(Comparison, RefusesWhatDoesNotBelongTogether) {
+  FrequencyResponse open = exact(open_);
+  open.singular_values.conservativeResize(Eigen::NoChange, 2);
+  expect_error<std::invalid_argument>([&] { compare(open, open_); },
+                                      "the loop has 3 singular values");
+  FrequencyResponse closed = exact(closed_);
+  closed.frequencies_hz[0] = 2;
+  expect_error<std::invalid_argument>(
+      [&] { check_reduction(exact(open_), closed, open_, closed_, 10); }, "other frequencies");
+}
+
+}  // namespace
+}  // namespace stillframe::report

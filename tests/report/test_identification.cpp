@@ -140,6 +140,16 @@ TEST_F(Identification, ResponseDoesNotDependOnTheSizeOfTheExcitation) {
   EXPECT_EQ(a.singular_values, b.singular_values);
 }
 
+TEST_F(Identification, InputsNeedNotBeOfOneSize) {
+  // Then W is no longer symmetric, and its condition is that of the sizes, 2 / 0.5.
+  const MatrixXd w = toy::multisine(plan_, amplitude) * Eigen::Vector3d(1, 0.5, 2).asDiagonal();
+  const auto record = toy::simulate(open_, w, VectorXd::Zero(6));
+  const FrequencyResponse response = identify(plan_, record.inputs, record.outputs);
+  // As in the first test, four times the free motion over the weakest input.
+  EXPECT_LT(largest_error(response, open_), 4e-7);
+  EXPECT_LT((response.input_condition.array() - 4).abs().maxCoeff(), 1e-8);
+}
+
 TEST_F(Identification, SingularValuesAreThoseOfDiagonalMatrices) {
   MatrixXcd T = MatrixXcd::Zero(2, 3);
   T(0, 1) = {0, 3};

@@ -11,7 +11,7 @@
 #include "plant_sim/floor/high_pass.hpp"
 #include "plant_sim/floor/recording_file.hpp"
 #include "plant_sim/floor/resample.hpp"
-#include "tests/controller/allocation_count.hpp"
+#include "tests/support/allocation_count.hpp"
 #include "tests/plant_sim/floor/spectrum.hpp"
 
 namespace stillframe::floor {

@@ -1,4 +1,4 @@
-#include "tests/controller/allocation_count.hpp"
+#include "tests/support/allocation_count.hpp"
 
 #include <atomic>
 #include <cstddef>

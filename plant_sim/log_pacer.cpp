@@ -1,0 +1,57 @@
+#include "plant_sim/log_pacer.hpp"
+
+#include <sys/stat.h>
+
+#include "msgs/clock.hpp"
+
+namespace stillframe {
+
+namespace {
+
+// lcm-logger's queue holds 30 messages; ten leave room for those that are on their way.
+constexpr std::int64_t messages_behind = 10;
+// Event header of an LCM log: sync word, number, time, two lengths.
+constexpr std::int64_t header_bytes = 28;
+constexpr std::int64_t pause_ns = 50'000, nudge_ns = 1'500'000, settle_ns = 50'000'000;
+constexpr std::int64_t patience_ns = 5'000'000'000;
+
+}  // namespace
+
+LogPacer::LogPacer(std::filesystem::path log, std::function<void()> nudge)
+    : log_(std::move(log)), nudge_(std::move(nudge)) {}
+
+std::int64_t LogPacer::size() const noexcept {
+  struct stat status {};
+  return stat(log_.c_str(), &status) == 0 ? status.st_size : 0;
+}
+
+void LogPacer::begin() {
+  sleep_until(monotonic_ns() + settle_ns);
+  nudge_();
+  sleep_until(monotonic_ns() + settle_ns);
+  base_ = size();
+  sent_ = messages_ = 0;
+}
+
+void LogPacer::sent(std::size_t bytes, std::size_t channel_length) noexcept {
+  sent_ += header_bytes + static_cast<std::int64_t>(bytes + channel_length);
+  ++messages_;
+}
+
+bool LogPacer::wait() noexcept {
+  const std::int64_t begin = monotonic_ns();
+  std::int64_t nudged = begin;
+  // In whole numbers: behind * messages > limit * sent, with the mean size sent / messages of a message.
+  while ((sent_ - (size() - base_)) * messages_ > messages_behind * sent_) {
+    const std::int64_t now = monotonic_ns();
+    if (now - begin > patience_ns) return false;
+    if (now - nudged > nudge_ns) {
+      nudge_();
+      nudged = now;
+    }
+    sleep_until(now + pause_ns);
+  }
+  return true;
+}
+
+}  // namespace stillframe

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace stillframe::report {
+
+/// printf to a string, for cells of up to 255 characters.
+[[gnu::format(printf, 1, 2)]] std::string cell(const char* format, ...);
+
+/// Rows of cells under a header; the first n_text_columns stand to the left, the others to the
+/// right.
+class Table {
+ public:
+  Table(std::vector<std::string> header, std::size_t n_text_columns);
+  void add(std::vector<std::string> row);
+  std::string print() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+  std::size_t n_text_columns_;
+};
+
+}  // namespace stillframe::report

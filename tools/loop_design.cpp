@@ -1,0 +1,47 @@
+#include "tools/loop_design.hpp"
+
+#include "controller/law.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "core/state_space.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const LoopPlant& plant) {
+  const SceneController& block = *scene.controller;
+  const Index n = plant.A.rows() - plant.n_exogenous;
+  return {.scene_hash = scene.hash,
+          .legs = block.legs,
+          .sample_rate_hz = block.sample_rate_hz,
+          .delay_samples = block.delay_samples,
+          .realisation = block.realisation == Realisation::naive_pi
+                             ? controller::Realisation::naive_pi
+                             : controller::Realisation::implicit_feedthrough,
+          .leak_hz = block.leak_hz,
+          .roll_off_hz = block.roll_off_hz,
+          .force_limit_n = block.force_limit_n,
+          .K_P = loop.gains.K_P,
+          .K_I = loop.gains.K_I,
+          .plant = {plant.A.topLeftCorner(n, n), plant.B_u.topRows(n), plant.C_sigma.leftCols(n)}};
+}
+
+}  // namespace
+
+LoopDesign make_loop_design(const std::filesystem::path& scene_file,
+                            const std::optional<std::filesystem::path>& controller_file) {
+  LoopDesign design;
+  design.scene = read_scene(scene_file, controller_file);
+  design.model = make_model(design.scene);
+  design.loop = make_control_loop(design.scene, design.model);
+  const LoopPlant plant = loop_plant(design.loop.plant, design.loop.n_w, design.loop.n_y);
+  design.gains = make_gains(design.scene, design.loop, plant);
+  design.sampled = sample_and_hold(plant, design.gains.sample_time());
+  design.open = open_loop(design.sampled);
+  design.closed = close_loop(design.sampled, controller::law_from_gains(design.gains),
+                             design.gains.delay_samples);
+  design.radius = spectral_radius(design.closed);
+  return design;
+}
+
+}  // namespace stillframe::tools

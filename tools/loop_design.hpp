@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "controller/gains.hpp"
+#include "core/control_loop.hpp"
+#include "core/linear/sampled_loop.hpp"
+#include "core/model/model.hpp"
+#include "core/scene/scene.hpp"
+
+namespace stillframe::tools {
+
+/// Everything that follows from a scene and its controller block before anything runs.
+struct LoopDesign {
+  Scene scene;
+  Model model;
+  ControlLoop loop;
+  controller::Gains gains;
+  SampledPlant sampled;  ///< the plant with held inputs
+  SampledLoop open, closed;
+  double radius = 0;  ///< spectral radius of closed
+};
+
+/// Errors: InputError and Refusal of the steps; an unstable loop is not refused here.
+LoopDesign make_loop_design(const std::filesystem::path& scene,
+                            const std::optional<std::filesystem::path>& controller);
+
+}  // namespace stillframe::tools

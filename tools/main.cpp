@@ -1,0 +1,62 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+
+#include "core/yaml/input_error.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+constexpr const char* description =
+    "stillframe: active vibration isolation, from a multibody scene to a measured run.\n"
+    "A scene is a YAML file (docs/scene.md); config/scenes/ has examples.";
+
+constexpr const char* footer =
+    "Try:\n"
+    "  stillframe modes config/scenes/metrology_frame.yaml\n"
+    "  stillframe design config/scenes/metrology_frame.yaml\n"
+    "  scripts/private_network stillframe run config/scenes/metrology_frame.yaml\n"
+    "Every verb has --help, and --json for machines.\n"
+    "Exit codes: 0 done; 2 bad usage or input; 3 refused (an unstable design, a singular model);\n"
+    "4 a run that failed or fell back.";
+
+int say(const char* what, const std::string& text, int code) {
+  const bool colour = isatty(STDERR_FILENO) != 0;
+  std::cerr << "stillframe: " << (colour ? "\033[31m" : "") << what << (colour ? "\033[0m" : "")
+            << ": " << text << "\n";
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{description, "stillframe"};
+  app.footer(footer);
+  app.set_version_flag("--version", STILLFRAME_VERSION);
+  app.require_subcommand(1);
+  int exit_code = exit_done;
+  try {
+    add_modes(app, exit_code);
+    add_sigma(app, exit_code);
+    add_design(app, exit_code);
+    add_run(app, exit_code);
+    app.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? exit_done : exit_bad_input;
+  } catch (const Refusal& refusal) {
+    return say("refused", refusal.what(), exit_refused);
+  } catch (const InputError& error) {
+    return say("error", error.what(), exit_bad_input);
+  } catch (const std::exception& error) {
+    return say("error", error.what(), exit_failed);
+  }
+}
+
+}  // namespace stillframe::tools
+
+int main(int argc, char** argv) { return stillframe::tools::main(argc, argv); }

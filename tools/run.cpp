@@ -1,0 +1,172 @@
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <random>
+
+#include "controller/start_check.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "msgs/lcm_bus.hpp"
+#include "msgs/stop_signal.hpp"
+#include "plant_sim/plant.hpp"
+#include "plant_sim/run_length.hpp"
+#include "tools/loop_design.hpp"
+#include "tools/run/judge.hpp"
+#include "tools/run/phase.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+struct Options {
+  std::filesystem::path scene;
+  std::optional<std::filesystem::path> controller, floor, out;
+  std::string mode = "lock_step", loop = "both", lcm_url;
+  std::optional<double> duration_s;
+  std::optional<std::int64_t> run_id;
+  double timeout_s = 10;
+  bool realtime = false, json = false;
+};
+
+std::filesystem::path default_folder(const std::filesystem::path& scene) {
+  const std::time_t now = std::time(nullptr);
+  char stamp[32];
+  std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", std::localtime(&now));
+  return std::filesystem::path("runs") / (scene.stem().string() + "-" + stamp);
+}
+
+std::int64_t random_run_id() {
+  std::random_device device;
+  return static_cast<std::int64_t>((static_cast<std::uint64_t>(device()) << 31) ^ device()) &
+         0x7fffffffffffffff;
+}
+
+/// Everything that a person may have got wrong is found before anything is started or written.
+floor::FloorSpec check_input(const Options& options, const LoopDesign& design,
+                             std::string& floor_text) {
+  controller::require_stable(design.gains);
+  if (options.mode == "wall_clock" && design.gains.delay_samples == 0) {
+    throw InputError(design.scene.controller->place +
+                     ": delay_samples: found 0, allowed is 1 in wall-clock mode: a command cannot "
+                     "take effect at "
+                     "the instant of its measurement");
+  }
+  const auto block = read_floor(options.scene, options.floor);
+  if (!block) {
+    throw InputError(design.scene.file + ": the key 'floor' is missing, and no --floor is given");
+  }
+  floor_text = block->text;
+  const auto spec =
+      floor::read_floor_block(block->reader, design.gains.sample_rate_hz, design.loop.n_w);
+  const Plant plant(design.scene, design.model, floor::make_floor_source(spec));
+  run_length(design.scene, spec, plant.floor_samples(), options.duration_s);
+  open_lcm(lcm_url(options.lcm_url));
+  return spec;
+}
+
+int fail(RunDirectory& directory, const PhaseResult& result) {
+  directory.set_failure(result.reason);
+  std::cerr << "stillframe: the run failed: " << result.reason << "; what there is lies in "
+            << directory.present().string() << "\n";
+  return result.exit_code;
+}
+
+int run(const Options& options) {
+  const LoopDesign design = make_loop_design(options.scene, options.controller);
+  std::string floor_text;
+  const floor::FloorSpec spec = check_input(options, design, floor_text);
+
+  catch_stop_signals();
+  RunDirectory directory(options.out.value_or(default_folder(options.scene)));
+  directory.write("scene.yaml", design.scene.text);
+  directory.write("floor.yaml", floor_text);
+  directory.write("gains.yaml", to_yaml(design.gains));
+
+  PhaseOptions phase{.scene = options.scene,
+                     .gains = directory / "gains.yaml",
+                     .floor = options.floor,
+                     .controller = options.controller,
+                     .mode = options.mode,
+                     .loop = "",
+                     .lcm_url = lcm_url(options.lcm_url),
+                     .run_id = options.run_id.value_or(random_run_id()),
+                     .duration_s = options.duration_s,
+                     .sample_rate_hz = design.gains.sample_rate_hz,
+                     .timeout_s = options.timeout_s,
+                     .realtime = options.realtime};
+  RunLogs logs;
+  for (const char* loop : {"passive", "active"}) {
+    if (options.loop != "both" && options.loop != loop) continue;
+    phase.loop = loop;
+    const PhaseResult result = run_phase(phase, directory);
+    if (result.exit_code != exit_done) return fail(directory, result);
+    if (!options.json) std::cout << loop << ": " << result.controller_line << "\n";
+    (loop == std::string("passive") ? logs.passive : logs.active) =
+        report::read_run_log(directory / (std::string(loop) + ".lcm"), phase.run_id);
+    ++phase.run_id;
+  }
+
+  report::Verdict verdict;
+  try {
+    verdict = judge(design, spec, logs, directory);
+  } catch (const InputError& error) {
+    return fail(directory, {exit_failed, error.what(), ""});
+  }
+  report::write_json(verdict, directory / "verdict.json");
+  directory.write("verdict.txt", report::to_text(verdict));
+  directory.finish();
+  std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
+  if (!options.json) std::cout << "Run directory: " << directory.name().string() << "\n";
+  return verdict.pass() ? exit_done : exit_failed;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "run", "Run plant, controller and logger of a scene, passive and active, and judge the logs");
+  verb->add_option("scene", options->scene, "Scene file (YAML) with controller and floor")
+      ->required()
+      ->type_name("SCENE");
+  verb->add_option("--controller", options->controller,
+                   "Controller block that replaces the scene's")
+      ->type_name("FILE");
+  verb->add_option("--floor", options->floor, "Floor block that replaces the scene's")
+      ->type_name("FILE");
+  verb->add_option("--out", options->out, "Run directory (default: runs/SCENE-DATE-TIME)")
+      ->type_name("DIR");
+  verb->add_option("--mode", options->mode,
+                   "lock_step: one command a measurement, as fast as the machine goes; "
+                   "wall_clock: at the sample rate by the clock")
+      ->check(CLI::IsMember({"lock_step", "wall_clock"}))
+      ->capture_default_str();
+  verb->add_option("--loop", options->loop,
+                   "passive: zero force; active; or both, one after the other")
+      ->check(CLI::IsMember({"both", "passive", "active"}))
+      ->capture_default_str();
+  verb->add_option("--duration", options->duration_s,
+                   "Seconds of plant time (default: the scene's, or the floor's)")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--run-id", options->run_id,
+                   "Number that ties the messages of a run together (default: random; "
+                   "the second loop has the next one)");
+  verb->add_option("--lcm-url", options->lcm_url,
+                   "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
+                   "udpm://239.255.76.67:7667?ttl=0)");
+  verb->add_option("--timeout", options->timeout_s,
+                   "Seconds of silence after which a run has failed")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_flag("--realtime", options->realtime, "Ask for real-time scheduling of the controller");
+  verb->add_flag("--json", options->json, "Print the verdict as JSON, as in verdict.json");
+  verb->footer(
+      "The run directory holds passive.lcm and active.lcm (LCM logs), scene.yaml, floor.yaml, "
+      "gains.yaml,\n"
+      "verdict.json, verdict.txt and the plots. Until all is well it is called DIR.incomplete.\n"
+      "Exit code 4: a process failed, a sample was lost, or the measurement is not what was "
+      "predicted.");
+  verb->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace stillframe::tools

@@ -1,0 +1,189 @@
+#include "tools/run/phase.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "core/yaml/input_error.hpp"
+#include "msgs/channels.hpp"
+#include "msgs/clock.hpp"
+#include "msgs/lcm_bus.hpp"
+#include "msgs/stop_signal.hpp"
+#include "tools/run/child_process.hpp"
+#include "tools/run/progress_bar.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+constexpr std::int64_t ms = 1'000'000;
+
+std::uintmax_t size_of(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  return error ? 0 : size;
+}
+
+std::string last_line(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line, last;
+  while (std::getline(stream, line)) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
+class Phase {
+ public:
+  Phase(const PhaseOptions& options, const RunDirectory& directory)
+      : options_(options),
+        log_(directory / (options.loop + ".lcm")),
+        text_(directory / (options.loop + ".txt")) {}
+
+  PhaseResult run() {
+    start_logger();
+    start_controller();
+    start_plant();
+    PhaseResult result = watch();
+    plant_->stop();
+    controller_->stop();
+    for (const std::string& line : controller_->read_lines()) result.controller_line = line;
+    let_logger_finish();
+    logger_->stop();
+    return result;
+  }
+
+ private:
+  /// The first messages would be lost if the logger were not listening yet, so it is asked until it
+  /// writes.
+  void start_logger() {
+    logger_ = std::make_unique<ChildProcess>(
+        "lcm-logger",
+        std::vector<std::string>{"lcm-logger", "--quiet", "--force", "--flush-interval=1",
+                                 "--lcm-url=" + options_.lcm_url, log_.string()},
+        text_);
+    const auto lcm = open_lcm(options_.lcm_url);
+    const std::int64_t begin = monotonic_ns();
+    while (size_of(log_) == 0) {
+      if (logger_->exit_code() == 127) {
+        throw InputError(
+            "lcm-logger is not installed; scripts/setup installs it (Debian: liblcm-bin)");
+      }
+      if (logger_->exit_code() || monotonic_ns() - begin > 10'000 * ms) {
+        throw InputError("lcm-logger does not write: " + last_line(text_));
+      }
+      lcm->publish(channels::logger_check, "", 0);
+      sleep_until(monotonic_ns() + 20 * ms);
+    }
+  }
+
+  void start_controller() {
+    std::vector<std::string> command{(program_folder() / "stillframe-controller").string(),
+                                     "--gains",
+                                     options_.gains.string(),
+                                     "--run-id",
+                                     std::to_string(options_.run_id),
+                                     "--lcm-url",
+                                     options_.lcm_url,
+                                     "--timeout",
+                                     std::to_string(options_.timeout_s)};
+    if (options_.realtime) command.push_back("--realtime");
+    controller_ = std::make_unique<ChildProcess>("stillframe-controller", command, text_);
+  }
+
+  void start_plant() {
+    std::vector<std::string> command{(program_folder() / "stillframe-plant").string(),
+                                     options_.scene.string(),
+                                     "--gains",
+                                     options_.gains.string(),
+                                     "--mode",
+                                     options_.mode,
+                                     "--loop",
+                                     options_.loop,
+                                     "--run-id",
+                                     std::to_string(options_.run_id),
+                                     "--lcm-url",
+                                     options_.lcm_url,
+                                     "--timeout",
+                                     std::to_string(options_.timeout_s),
+                                     "--progress",
+                                     "--pace-by-log",
+                                     log_.string()};
+    const auto add = [&](const char* option, const std::string& value) {
+      command.insert(command.end(), {option, value});
+    };
+    if (options_.floor) add("--floor", options_.floor->string());
+    if (options_.controller) add("--controller", options_.controller->string());
+    if (options_.duration_s) {
+      std::ostringstream text;
+      text.precision(17);
+      text << *options_.duration_s;
+      add("--duration", text.str());
+    }
+    plant_ = std::make_unique<ChildProcess>("stillframe-plant", command, text_);
+  }
+
+  PhaseResult watch() {
+    ProgressBar bar(options_.loop, options_.sample_rate_hz);
+    while (true) {
+      show_progress(bar);
+      if (stop_requested()) return {exit_failed, "interrupted", ""};
+      if (const auto code = logger_->exit_code()) return died(*logger_, *code);
+      if (const auto code = plant_->exit_code())
+        return *code == 0 ? let_controller_finish() : died(*plant_, *code);
+      if (const auto code = controller_->exit_code()) {
+        // The plant tells the end to the controller, which may be the first of the two to leave.
+        const auto plant = plant_->wait(2.0);
+        if (!plant || *plant != 0 || *code != 0) return died(*controller_, *code);
+        return {};
+      }
+      sleep_until(monotonic_ns() + 20 * ms);
+    }
+  }
+
+  void show_progress(ProgressBar& bar) {
+    for (const std::string& line : plant_->read_lines()) {
+      long long done = 0, all = 0;
+      if (std::sscanf(line.c_str(), "progress %lld %lld", &done, &all) == 2) bar.show(done, all);
+    }
+  }
+
+  PhaseResult let_controller_finish() {
+    const auto code = controller_->wait(5.0);
+    if (!code) return {exit_failed, "stillframe-controller did not end with the plant", ""};
+    return *code == 0 ? PhaseResult{} : died(*controller_, *code);
+  }
+
+  PhaseResult died(ChildProcess& process, int code) {
+    std::string reason = process.name() + " ended with code " + std::to_string(code);
+    const std::string said = last_line(text_);
+    if (!said.empty()) reason += " (" + said + ")";
+    const bool known = code == exit_bad_input || code == exit_refused;
+    return {known ? code : exit_failed, reason, ""};
+  }
+
+  /// The logger writes behind the bus; it has finished when its file has not grown for a while.
+  void let_logger_finish() {
+    std::uintmax_t size = size_of(log_);
+    for (int still = 0; still < 5;) {
+      sleep_until(monotonic_ns() + 40 * ms);
+      const std::uintmax_t now = size_of(log_);
+      still = now == size ? still + 1 : 0;
+      size = now;
+    }
+  }
+
+  const PhaseOptions& options_;
+  std::filesystem::path log_, text_;
+  std::unique_ptr<ChildProcess> logger_, controller_, plant_;
+};
+
+}  // namespace
+
+PhaseResult run_phase(const PhaseOptions& options, const RunDirectory& directory) {
+  return Phase(options, directory).run();
+}
+
+}  // namespace stillframe::tools

@@ -1,0 +1,172 @@
+#include <iostream>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "core/frequency_response.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "core/yaml/input_error.hpp"
+#include "report/plots.hpp"
+#include "report/table.hpp"
+#include "tools/json.hpp"
+#include "tools/loop_design.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+struct Options {
+  std::filesystem::path scene;
+  std::optional<std::filesystem::path> controller, plot;
+  double from_hz = 0.1, to_hz = 1000;
+  int points = 50;
+  bool json = false;
+};
+
+struct Curves {
+  Eigen::VectorXd frequencies_hz;
+  Eigen::MatrixXd open, closed,
+      sampled;  ///< a row a frequency; closed and sampled only with a controller
+};
+
+Eigen::MatrixXd rows_of(const Eigen::VectorXd& frequencies_hz,
+                        const std::function<Eigen::MatrixXcd(double omega)>& response) {
+  Eigen::MatrixXd rows;
+  for (Index i = 0; i < frequencies_hz.size(); ++i) {
+    const Eigen::VectorXd values =
+        singular_values(response(2 * std::numbers::pi * frequencies_hz(i)));
+    if (i == 0) rows.resize(frequencies_hz.size(), values.size());
+    rows.row(i) = values.transpose();
+  }
+  return rows;
+}
+
+Curves without_controller(const Scene& scene, const Eigen::VectorXd& frequencies_hz) {
+  if (scene.inputs.empty() || scene.outputs.empty()) {
+    throw InputError(scene.file +
+                     ": singular values need at least one of 'inputs' and of 'outputs'");
+  }
+  const LinearModel linear = linearise(make_model(scene), scene.inputs, scene.outputs);
+  return {frequencies_hz,
+          rows_of(frequencies_hz,
+                  [&](double omega) {
+                    return transfer_function(linear, {0.0, omega});
+                  }),
+          {},
+          {}};
+}
+
+Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
+  return {frequencies_hz,
+          rows_of(frequencies_hz,
+                  [&](double omega) {
+                    return design.loop.open({0.0, omega});
+                  }),
+          rows_of(frequencies_hz,
+                  [&](double omega) {
+                    return design.loop.closed({0.0, omega});
+                  }),
+          rows_of(frequencies_hz, [&](double omega) { return transfer(design.closed, omega); })};
+}
+
+void print_table(const std::string& title, const Curves& curves) {
+  const bool loop = curves.closed.size() > 0;
+  std::cout << title << ": singular values, largest first\n";
+  std::vector<std::string> header{"Hz"};
+  for (const char* kind : {"open", "closed"}) {
+    if (!loop && kind == std::string("closed")) continue;
+    for (Index i = 0; i < curves.open.cols(); ++i)
+      header.push_back(report::cell("%s %td", kind, i + 1));
+  }
+  report::Table table(header, 0);
+  for (Index f = 0; f < curves.frequencies_hz.size(); ++f) {
+    std::vector<std::string> row{report::cell("%.4g", curves.frequencies_hz(f))};
+    for (const auto* values : {&curves.open, &curves.closed}) {
+      if (values->size() == 0) continue;
+      for (Index i = 0; i < values->cols(); ++i)
+        row.push_back(report::cell("%.4e", (*values)(f, i)));
+    }
+    table.add(row);
+  }
+  std::cout << table.print();
+}
+
+void print_json(const std::string& title, const Curves& curves) {
+  Json document{{"scene", title},
+                {"frequencies_hz", to_json(curves.frequencies_hz)},
+                {"singular_values", to_json(curves.open)}};
+  if (curves.closed.size() > 0) {
+    document["closed_singular_values"] = to_json(curves.closed);
+    document["sampled_singular_values"] = to_json(curves.sampled);
+  }
+  print(document);
+}
+
+void plot(const std::string& title, const Curves& curves, const Scene& scene,
+          const std::filesystem::path& file) {
+  report::SingularValuePlot picture;
+  picture.title = title;
+  picture.frequencies_hz.assign(curves.frequencies_hz.begin(), curves.frequencies_hz.end());
+  picture.open_predicted = curves.open;
+  picture.closed_predicted = curves.closed;
+  if (scene.controller) {
+    picture.target_frequency_hz = scene.controller->target_hz;
+    picture.target_damping = scene.controller->damping_ratio;
+  }
+  report::plot_singular_values(picture, file);
+}
+
+int run(const Options& options) {
+  if (options.from_hz >= options.to_hz) {
+    throw InputError("--from: found " + std::to_string(options.from_hz) +
+                     ", allowed is below --to");
+  }
+  const Eigen::VectorXd frequencies =
+      logarithmic_frequencies(options.from_hz, options.to_hz, options.points);
+  Scene scene = read_scene(options.scene, options.controller);
+  Curves curves;
+  if (scene.controller) {
+    const LoopDesign design = make_loop_design(options.scene, options.controller);
+    if (options.to_hz > design.gains.sample_rate_hz / 2) {
+      std::cerr << "stillframe: note: above half the sample rate the sampled loop repeats itself\n";
+    }
+    curves = with_controller(design, frequencies);
+  } else {
+    curves = without_controller(scene, frequencies);
+  }
+  if (options.plot) plot(scene.title, curves, scene, *options.plot);
+  options.json ? print_json(scene.title, curves) : print_table(scene.title, curves);
+  return exit_done;
+}
+
+}  // namespace
+
+void add_sigma(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("sigma",
+                                      "Singular values over frequency from the scene's inputs to "
+                                      "its outputs, open and closed loop");
+  verb->add_option("scene", options->scene, "Scene file (YAML)")->required()->type_name("SCENE");
+  verb->add_option("--controller", options->controller,
+                   "Controller block that replaces the scene's")
+      ->type_name("FILE");
+  verb->add_option("--from", options->from_hz, "Lowest frequency, Hz")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--to", options->to_hz, "Highest frequency, Hz")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--points", options->points, "Frequencies, evenly spaced on a logarithmic axis")
+      ->check(CLI::Range(2, 1000000))
+      ->capture_default_str();
+  verb->add_option("--plot", options->plot, "Draw the curves into a PNG file")->type_name("FILE");
+  verb->add_flag(
+      "--json", options->json,
+      "Print JSON: frequencies_hz, singular_values (open loop, a row a frequency, largest first), "
+      "and "
+      "with a controller closed_singular_values (continuous law) and sampled_singular_values");
+  verb->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace stillframe::tools

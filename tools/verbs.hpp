@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+// The verbs of `stillframe`, a file each: every function adds its subcommand to the program. What a
+// verb does runs after the whole command line has been parsed; it answers through exit_code.
+namespace stillframe::tools {
+
+inline constexpr int exit_done = 0, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
+
+void add_modes(CLI::App& app, int& exit_code);
+void add_sigma(CLI::App& app, int& exit_code);
+void add_design(CLI::App& app, int& exit_code);
+void add_run(CLI::App& app, int& exit_code);
+
+}  // namespace stillframe::tools
