@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "controller/clock.hpp"
+#include "msgs/clock.hpp"
 
 namespace stillframe::controller {
 

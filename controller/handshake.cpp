@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "controller/clock.hpp"
-#include "controller/stop_signal.hpp"
+#include "msgs/clock.hpp"
+#include "msgs/stop_signal.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe::controller {

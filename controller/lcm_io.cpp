@@ -1,13 +1,10 @@
 #include "controller/lcm_io.hpp"
 
-#include <poll.h>
-
 #include <array>
-#include <exception>
 
-#include "controller/clock.hpp"
-#include "core/yaml/input_error.hpp"
+#include "msgs/clock.hpp"
 #include "msgs/channels.hpp"
+#include "msgs/lcm_bus.hpp"
 #include "stillframe_msgs/timing_t.hpp"
 
 namespace stillframe::controller {
@@ -20,39 +17,20 @@ namespace {
 constexpr const char* plant_source = "plant";
 constexpr const char* controller_source = "controller";
 
-// LCM runs the handlers from C, which no exception may cross; a damaged message can make decode
-// throw.
-template <class Message>
-bool decode(const lcm::ReceiveBuffer& buffer, Message& message) noexcept {
-  try {
-    return message.decode(buffer.data, 0, static_cast<int>(buffer.data_size)) >= 0;
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
 }  // namespace
 
 LcmIo::LcmIo(const std::string& url)
-    : lcm_(url), command_channel_(channels::command), last_heard_ns_(monotonic_ns()) {
-  if (!lcm_.good()) {
-    throw InputError(
-        "LCM cannot be opened at \"" + url +
-        "\": allowed is a provider as in udpm://239.255.76.67:7667?ttl=0. If multicast "
-        "has no route, either run inside a private network, scripts/private_network "
-        "COMMAND, or give it one: sudo ip link set lo multicast on; "
-        "sudo ip route add 224.0.0.0/4 dev lo");
-  }
-  lcm_.subscribe(channels::run_info, &LcmIo::on_run_info, this);
-  lcm_.subscribe(channels::run_state, &LcmIo::on_run_state, this);
-  // A full queue drops the newest message, not the oldest: leave room for a stall of a second or so.
-  lcm_.subscribe(channels::measurement, &LcmIo::on_measurement, this)->setQueueCapacity(4096);
+    : lcm_(open_lcm(url)), command_channel_(channels::command), last_heard_ns_(monotonic_ns()) {
+  lcm_->subscribe(channels::run_info, &LcmIo::on_run_info, this);
+  lcm_->subscribe(channels::run_state, &LcmIo::on_run_state, this);
+  // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
+  // so.
+  lcm_->subscribe(channels::measurement, &LcmIo::on_measurement, this)->setQueueCapacity(4096);
 }
 
 Heard LcmIo::take(int timeout_ms) noexcept {
   heard_ = {};
-  pollfd ready{.fd = lcm_.getFileno(), .events = POLLIN, .revents = 0};
-  if (poll(&ready, 1, timeout_ms) > 0) heard_.message = lcm_.handle() == 0;
+  heard_.message = handle_one(*lcm_, timeout_ms);
   return heard_;
 }
 
@@ -79,7 +57,7 @@ void LcmIo::publish_command() noexcept {
 
 void LcmIo::repeat_command() noexcept {
   if (n_command_bytes_ <= 0) return;
-  lcm_.publish(command_channel_, command_bytes_.data(), static_cast<unsigned>(n_command_bytes_));
+  lcm_->publish(command_channel_, command_bytes_.data(), static_cast<unsigned>(n_command_bytes_));
 }
 
 void LcmIo::publish_state(std::int64_t run_id, std::int32_t state, const std::string& text) {
@@ -88,7 +66,7 @@ void LcmIo::publish_state(std::int64_t run_id, std::int32_t state, const std::st
                             .state = state,
                             .start_monotonic_ns = 0,
                             .text = text};
-  lcm_.publish(channels::run_state, &message);
+  lcm_->publish(channels::run_state, &message);
 }
 
 void LcmIo::publish_timing(const Counters& counters) {
@@ -101,7 +79,7 @@ void LcmIo::publish_timing(const Counters& counters) {
                          .worst_wake_up_ns = counters.worst_wake_up_ns,
                          .worst_compute_ns = counters.worst_compute_ns,
                          .wall_time_ns = counters.wall_time_ns};
-  lcm_.publish(channels::timing, &message);
+  lcm_->publish(channels::timing, &message);
 }
 
 void LcmIo::on_run_info(const lcm::ReceiveBuffer* buffer, const std::string&) {

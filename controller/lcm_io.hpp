@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <lcm/lcm-cpp.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -62,7 +63,7 @@ class LcmIo {
   bool is_of_run(const lcm::ReceiveBuffer& buffer) const noexcept;
   bool has_run_sizes(const lcm::ReceiveBuffer& buffer) const noexcept;
 
-  lcm::LCM lcm_;
+  std::unique_ptr<lcm::LCM> lcm_;
   bool following_ = false;
   std::int64_t run_id_ = 0;
   Heard heard_;

@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <memory>
@@ -16,7 +15,8 @@
 #include "controller/lock_step.hpp"
 #include "controller/realtime.hpp"
 #include "controller/start_check.hpp"
-#include "controller/stop_signal.hpp"
+#include "msgs/lcm_bus.hpp"
+#include "msgs/stop_signal.hpp"
 #include "controller/wall_clock.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -73,12 +73,6 @@ void add_options(CLI::App& app, Options& options) {
                "Only check the gains: print the spectral radius of the sampled closed loop");
 }
 
-std::string url_of(const Options& options) {
-  if (!options.lcm_url.empty()) return options.lcm_url;
-  const char* url = std::getenv("LCM_DEFAULT_URL");
-  return url != nullptr && *url != '\0' ? url : "udpm://239.255.76.67:7667?ttl=0";
-}
-
 void print_closing_line(const Counters& counters) {
   std::printf(
       "controller: %lld periods, %lld late, %lld lost, worst wake-up %.1f us, worst compute %.1f "
@@ -123,7 +117,7 @@ int serve(const Options& options, const Gains& gains) {
   // Before LCM starts its reading thread, which inherits the scheduling.
   if (options.realtime) spdlog::info("real time: {}", request_realtime());
   catch_stop_signals();
-  LcmIo io(url_of(options));
+  LcmIo io(lcm_url(options.lcm_url));
   Counters counters;
   spdlog::info("waiting for a plant");
   const Start start = shake_hands(io, gains, options.run_id, options.timeout_s);

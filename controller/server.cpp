@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "controller/clock.hpp"
-#include "controller/stop_signal.hpp"
+#include "msgs/clock.hpp"
+#include "msgs/stop_signal.hpp"
 
 namespace stillframe::controller {
 

@@ -6,7 +6,6 @@
 #include <functional>
 #include <utility>
 
-#include "controller/balance.hpp"
 #include "controller/law.hpp"
 #include "core/linear/sampled_loop.hpp"
 #include "core/yaml/input_error.hpp"
@@ -107,9 +106,7 @@ std::string reason(const Gains& gains) {
 
 double closed_loop_radius(const Gains& gains) {
   const SampledPlant plant = sample_and_hold(loop_plant(gains), gains.sample_time());
-  SampledLoop loop = close_loop(plant, law_from_gains(gains), gains.delay_samples);
-  loop.A = balanced(std::move(loop.A));
-  return spectral_radius(loop);
+  return spectral_radius(close_loop(plant, law_from_gains(gains), gains.delay_samples));
 }
 
 std::vector<Remedy> find_remedies(const Gains& gains) {

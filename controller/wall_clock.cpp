@@ -1,23 +1,13 @@
 #include "controller/wall_clock.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <ctime>
 
-#include "controller/clock.hpp"
 #include "controller/server.hpp"
-#include "controller/stop_signal.hpp"
+#include "msgs/clock.hpp"
 
 namespace stillframe::controller {
 
 namespace {
-
-void sleep_until(std::int64_t deadline_ns) noexcept {
-  const timespec deadline{.tv_sec = deadline_ns / ns_per_s, .tv_nsec = deadline_ns % ns_per_s};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
-    if (stop_requested()) return;
-  }
-}
 
 // Takes what has come, without waiting; io keeps the newest measurement. Bounded, so that a flood
 // of messages costs lateness that is counted, and not a controller that never answers again.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cerrno>
 #include <cstdint>
 #include <ctime>
 
@@ -14,11 +15,11 @@ inline std::int64_t monotonic_ns() noexcept {
   return now.tv_sec * ns_per_s + now.tv_nsec;
 }
 
-/// Sleeps until a time on CLOCK_MONOTONIC; a signal ends the sleep early. Hot: noexcept, no
-/// allocation.
+/// Sleeps until a time on CLOCK_MONOTONIC, through any signal. Hot: noexcept, no allocation.
 inline void sleep_until(std::int64_t time_ns) noexcept {
   const timespec until{.tv_sec = time_ns / ns_per_s, .tv_nsec = time_ns % ns_per_s};
-  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
 }
 
 }  // namespace stillframe

@@ -24,7 +24,8 @@ PlantLink::PlantLink(const std::string& url, run_info_t info)
     : lcm_(open_lcm(url)),
       info_(std::move(info)),
       command_force_(Eigen::VectorXd::Zero(info_.n_legs)) {
-  lcm_->subscribe(channels::command, &PlantLink::on_command, this);
+  // A full queue drops the newest message, not the oldest: leave room for a stall of a second or so.
+  lcm_->subscribe(channels::command, &PlantLink::on_command, this)->setQueueCapacity(4096);
   lcm_->subscribe(channels::run_state, &PlantLink::on_state, this);
 }
 

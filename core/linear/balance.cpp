@@ -39,4 +39,9 @@ Eigen::VectorXd balancing_scales(Eigen::MatrixXd A) {
   return scales;
 }
 
+Eigen::MatrixXd balanced(const Eigen::MatrixXd& A) {
+  const Eigen::VectorXd S = balancing_scales(A);
+  return S.cwiseInverse().asDiagonal() * A * S.asDiagonal();
+}
+
 }  // namespace stillframe

@@ -10,4 +10,7 @@ namespace stillframe {
 /// Source: Parlett and Reinsch, Numerische Mathematik 13 (1969) 293-304.
 Eigen::VectorXd balancing_scales(Eigen::MatrixXd A);
 
+/// S^-1 A S with those scales.
+Eigen::MatrixXd balanced(const Eigen::MatrixXd& A);
+
 }  // namespace stillframe

@@ -85,7 +85,7 @@ struct SceneController {
 
 struct SceneSimulation {
   double duration_s = 0;  ///< 0: as long as the floor lasts
-  double relative_tolerance = 1e-8;
+  double relative_tolerance = 1e-5;
 };
 
 struct Scene {

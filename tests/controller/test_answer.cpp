@@ -6,8 +6,8 @@
 
 #include "controller/answer.hpp"
 #include "controller/safety.hpp"
-#include "tests/support/allocation_count.hpp"
 #include "tests/controller/toy_plant.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace stillframe::controller {
 namespace {

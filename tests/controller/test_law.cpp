@@ -8,8 +8,8 @@
 #include "controller/law.hpp"
 #include "controller/tustin.hpp"
 #include "core/yaml/input_error.hpp"
-#include "tests/support/allocation_count.hpp"
 #include "tests/controller/toy_plant.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace stillframe::controller {
 namespace {

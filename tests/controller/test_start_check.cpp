@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "controller/balance.hpp"
+#include "core/linear/balance.hpp"
 #include "controller/law.hpp"
 #include "controller/start_check.hpp"
 #include "core/yaml/input_error.hpp"

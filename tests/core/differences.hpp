@@ -1,15 +1,15 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
-
-#include <Eigen/Core>
 
 namespace stillframe::test {
 
 namespace detail {
 
-/// Richardson's extrapolation of values whose error is a series in h^2, h halved from one to the next.
+/// Richardson's extrapolation of values whose error is a series in h^2, h halved from one to the
+/// next.
 template <size_t levels>
 Eigen::VectorXd extrapolate(std::array<Eigen::VectorXd, levels>& values) {
   double factor = 1;
@@ -24,8 +24,8 @@ Eigen::VectorXd extrapolate(std::array<Eigen::VectorXd, levels>& values) {
 
 }  // namespace detail
 
-/// df/dt at 0 by central differences with steps h, h/2, h/4, h/8, extrapolated: error of order h^8, and rounding of
-/// about 8 eps |f| / h.
+/// df/dt at 0 by central differences with steps h, h/2, h/4, h/8, extrapolated: error of order h^8,
+/// and rounding of about 8 eps |f| / h.
 template <class F>
 Eigen::VectorXd derivative(const F& f, double h) {
   std::array<Eigen::VectorXd, 4> values;

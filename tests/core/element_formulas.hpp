@@ -1,15 +1,15 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <vector>
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-
 #include "tests/core/hyper_dual.hpp"
 
-// The deformation functions once more, as the definitions say them and over any scalar: plain differences of
-// lengths and full rotation matrices, with none of the rearrangement that core/elements needs for its digits.
+// The deformation functions once more, as the definitions say them and over any scalar: plain
+// differences of lengths and full rotation matrices, with none of the rearrangement that
+// core/elements needs for its digits.
 namespace stillframe::test {
 
 template <class T>
@@ -40,7 +40,8 @@ Triple<T> rotate(const T* lambda, const Triple<T>& n) {
 template <class T>
 std::vector<T> truss_formula(const Eigen::Vector3d& l_0, const std::vector<T>& u) {
   const Triple<T> start = constant<T>(l_0);
-  const Triple<T> l = {start[0] + (u[3] - u[0]), start[1] + (u[4] - u[1]), start[2] + (u[5] - u[2])};
+  const Triple<T> l = {start[0] + (u[3] - u[0]), start[1] + (u[4] - u[1]),
+                       start[2] + (u[5] - u[2])};
   return {square_root(dot(l, l)) - square_root(dot(start, start))};
 }
 
@@ -49,12 +50,15 @@ template <class T>
 std::vector<T> beam_formula(const Eigen::Vector3d& l_0, const std::vector<T>& u) {
   const Eigen::Vector3d n_x = l_0 / l_0.norm(), y = n_x.unitOrthogonal(), z = n_x.cross(y);
   const Triple<T> start = constant<T>(l_0), n_y = constant<T>(y), n_z = constant<T>(z);
-  const Triple<T> l = {start[0] + (u[7] - u[0]), start[1] + (u[8] - u[1]), start[2] + (u[9] - u[2])};
+  const Triple<T> l = {start[0] + (u[7] - u[0]), start[1] + (u[8] - u[1]),
+                       start[2] + (u[9] - u[2])};
   const T one(1.0), half(0.5), zero(0.0);
   const T p[4] = {one + u[3], u[4], u[5], u[6]}, q[4] = {one + u[10], u[11], u[12], u[13]};
-  const Triple<T> py = rotate(p, n_y), pz = rotate(p, n_z), qy = rotate(q, n_y), qz = rotate(q, n_z);
+  const Triple<T> py = rotate(p, n_y), pz = rotate(p, n_z), qy = rotate(q, n_y),
+                  qz = rotate(q, n_z);
   const T length_0 = square_root(dot(start, start));
-  // The last two terms are zero in exact numbers; they take out the rounding of n_y and n_z themselves.
+  // torsion_0, y_0 and z_0 are zero in exact numbers; they take out the rounding of n_y and n_z
+  // themselves.
   const T torsion_0 = dot(n_z, n_y) - dot(n_y, n_z), y_0 = dot(n_y, start), z_0 = dot(n_z, start);
   return {square_root(dot(l, l)) - length_0,
           half * length_0 * (dot(pz, qy) - dot(py, qz) - torsion_0),

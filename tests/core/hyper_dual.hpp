@@ -4,8 +4,8 @@
 
 namespace stillframe::test {
 
-/// a + b eps_1 + c eps_2 + d eps_1 eps_2 with eps_1^2 = eps_2^2 = 0: after a calculation with seeds b and c, d is the
-/// second derivative in those two directions, exact but for rounding.
+/// a + b eps_1 + c eps_2 + d eps_1 eps_2 with eps_1^2 = eps_2^2 = 0: after a calculation with seeds
+/// b and c, d is the second derivative in those two directions, exact but for rounding.
 struct HyperDual {
   double value = 0, d1 = 0, d2 = 0, d12 = 0;
   HyperDual() = default;

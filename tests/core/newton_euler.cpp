@@ -19,12 +19,14 @@ Vector3d position(const Model& model, const std::string& node) {
   return model.nodes[static_cast<size_t>(model.node_index(node))].position;
 }
 
-Eigen::Quaterniond rotation(const Model& model, const VectorXd& x, const std::string& node, double one) {
+Eigen::Quaterniond rotation(const Model& model, const VectorXd& x, const std::string& node,
+                            double one) {
   const auto& map = model.nodes[static_cast<size_t>(model.node_index(node))].rotation;
   return {one + x(map.column[0]), x(map.column[1]), x(map.column[2]), x(map.column[3])};
 }
 
-/// 2 (conjugate(lambda) * rate) is the body's angular velocity as a pure quaternion, and likewise for accelerations.
+/// 2 (conjugate(lambda) * rate) is the body's angular velocity as a pure quaternion, and likewise
+/// for accelerations.
 Vector3d body_rate(const Eigen::Quaterniond& lambda, const Eigen::Quaterniond& rate) {
   return 2.0 * (lambda.conjugate() * rate).vec();
 }
@@ -46,8 +48,9 @@ RigidState rigid_state(const Scene& scene, const Model& model, const Data& data)
 
 RigidAcceleration rigid_acceleration(const Scene& scene, const Model& model, const Data& data) {
   const std::string& centre = scene.masses.front().node;
-  return {translation(model, data.x_ddot, centre),
-          body_rate(rotation(model, data.x, centre, 1.0), rotation(model, data.x_ddot, centre, 0.0))};
+  return {
+      translation(model, data.x_ddot, centre),
+      body_rate(rotation(model, data.x, centre, 1.0), rotation(model, data.x_ddot, centre, 0.0))};
 }
 
 RigidAcceleration newton_euler(const Scene& scene, const Model& model, const Data& data,

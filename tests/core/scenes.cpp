@@ -1,8 +1,7 @@
 #include "tests/core/scenes.hpp"
 
-#include <algorithm>
-
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "core/scene/scene_reader.hpp"
 
@@ -30,13 +29,15 @@ SceneConstraint constraint(const std::string& node, const std::vector<Vector3d>&
   return {node, here, directions, false};
 }
 
-std::vector<Vector3d> world_axes() { return {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()}; }
+std::vector<Vector3d> world_axes() {
+  return {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
+}
 std::vector<Vector3d> oblique_axes() {
   return {Vector3d(1, 2, 2) / 3, Vector3d(2, 1, -2) / 3, Vector3d(2, -2, 1) / 3};
 }
 
-SceneElement truss(const std::string& name, const std::string& p, const std::string& q, double stiffness,
-                   double damping, double preload) {
+SceneElement truss(const std::string& name, const std::string& p, const std::string& q,
+                   double stiffness, double damping, double preload) {
   SceneElement element;
   element.name = name;
   element.place = here;
@@ -120,8 +121,8 @@ Scene preloaded_frame() {
     const std::string node = "opposite_" + leg.name;
     const Vector3d mount = position(scene, leg.node_q);
     add_node(scene, node, 2 * mount - position(scene, leg.node_p));
-    scene.elements.push_back(
-        truss("truss_" + leg.name, node, leg.node_q, 1e6 * (1 + 0.1 * i), 300.0 + 20.0 * i, tension));
+    scene.elements.push_back(truss("truss_" + leg.name, node, leg.node_q, 1e6 * (1 + 0.1 * i),
+                                   300.0 + 20.0 * i, tension));
     (vertical ? scene.prescribed : scene.supports)
         .push_back(constraint(node, vertical ? oblique_axes() : world_axes()));
   }
@@ -138,7 +139,8 @@ Scene mechanism() {
   add_node(scene, "slider", {1.2, 0.3, -0.1});
   add_node(scene, "wall", {1.9, 0.9, -0.4});
   add_node(scene, "anchor", {0.4, 0.8, 0.3});
-  scene.masses = {body("joint", 0.0, {0.1, 0.15, 0.2}), body("tip", 2.0, {0.02, 0.03, 0.04}),
+  scene.masses = {body("joint", 0.0, {0.1, 0.15, 0.2}),
+                  body("tip", 2.0, {0.02, 0.03, 0.04}),
                   {"slider", here, 3.0, Matrix3d::Zero(), false}};
   scene.elements = {rigid("crank", SceneElement::Kind::rigid_beam, "joint", "tip"),
                     rigid("rod", SceneElement::Kind::truss, "tip", "slider"),
@@ -149,15 +151,17 @@ Scene mechanism() {
   scene.prescribed = {constraint("wall", oblique_axes())};
   for (int i = 1; i <= 3; ++i) scene.dofs.push_back(dof_euler("joint", i));
 
-  // At the slider the load takes the spring away and presses c along the rail, which the rod carries as N; at the tip
-  // it takes away what rod and tie pull, but for a pull along the crank, which the crank carries.
+  // At the slider the load takes the spring away and presses c along the rail, which the rod
+  // carries as N; at the tip it takes away what rod and tie pull, but for a pull along the crank,
+  // which the crank carries.
   const auto unit = [&](const char* from, const char* to) {
     return (position(scene, to) - position(scene, from)).normalized();
   };
   const Vector3d rail = oblique_axes()[1], rod = unit("tip", "slider");
   const double c = 90.0, N = c / rod.dot(rail);
-  scene.loads = {{"slider", here, 120.0 * unit("wall", "slider") + c * rail},
-                 {"tip", here, -N * rod + 250.0 * unit("anchor", "tip") + 400.0 * unit("joint", "tip")}};
+  scene.loads = {
+      {"slider", here, 120.0 * unit("wall", "slider") + c * rail},
+      {"tip", here, -N * rod + 250.0 * unit("anchor", "tip") + 400.0 * unit("joint", "tip")}};
   return scene;
 }
 
@@ -188,22 +192,20 @@ Scene strung_mass(double tension) {
 }
 
 void use_all_signals_of_frame(Scene& scene) {
-  scene.inputs = {
-      node_signal("w_1", "floor_1t", Quantity::acceleration, {1, 2, 3}),
-      node_signal("w_2", "floor_2v", Quantity::velocity, {0, 0, 1}),
-      node_signal("w_3", "opposite_leg_1v", Quantity::position, {-1, 1, 2}),
-      node_signal("f_1", "mount_2", Quantity::force, {1, 1, 0}),
-      node_signal("f_2", "lens", Quantity::force, {0, 1, -1}),
-      element_signal("s_1", "leg_1v", Quantity::stress),
-      element_signal("s_2", "truss_leg_3t", Quantity::stress)};
-  scene.outputs = {
-      node_signal("y_1", "lens", Quantity::position, {1, 0, 2}),
-      node_signal("y_2", "mount_1", Quantity::velocity, {0, 1, 0}),
-      node_signal("y_3", "mount_3", Quantity::acceleration, {1, -1, 1}),
-      node_signal("y_4", "floor_1t", Quantity::acceleration, {0, 1, 0}),
-      element_signal("y_5", "leg_1v", Quantity::stress),
-      element_signal("y_6", "truss_leg_1v", Quantity::stress),
-      element_signal("y_7", "truss_leg_2v", Quantity::deformation)};
+  scene.inputs = {node_signal("w_1", "floor_1t", Quantity::acceleration, {1, 2, 3}),
+                  node_signal("w_2", "floor_2v", Quantity::velocity, {0, 0, 1}),
+                  node_signal("w_3", "opposite_leg_1v", Quantity::position, {-1, 1, 2}),
+                  node_signal("f_1", "mount_2", Quantity::force, {1, 1, 0}),
+                  node_signal("f_2", "lens", Quantity::force, {0, 1, -1}),
+                  element_signal("s_1", "leg_1v", Quantity::stress),
+                  element_signal("s_2", "truss_leg_3t", Quantity::stress)};
+  scene.outputs = {node_signal("y_1", "lens", Quantity::position, {1, 0, 2}),
+                   node_signal("y_2", "mount_1", Quantity::velocity, {0, 1, 0}),
+                   node_signal("y_3", "mount_3", Quantity::acceleration, {1, -1, 1}),
+                   node_signal("y_4", "floor_1t", Quantity::acceleration, {0, 1, 0}),
+                   element_signal("y_5", "leg_1v", Quantity::stress),
+                   element_signal("y_6", "truss_leg_1v", Quantity::stress),
+                   element_signal("y_7", "truss_leg_2v", Quantity::deformation)};
 }
 
 void use_all_signals_of_mechanism(Scene& scene) {

@@ -1,8 +1,8 @@
-#include <cmath>
-#include <iostream>
+#include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <gtest/gtest.h>
+#include <cmath>
+#include <iostream>
 
 #include "core/dynamics.hpp"
 #include "tests/core/differences.hpp"
@@ -17,7 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Integrates q^d, its rate and the dissipated energy with the classical Runge-Kutta method, floor at rest.
+/// Integrates q^d, its rate and the dissipated energy with the classical Runge-Kutta method, floor
+/// at rest.
 class Motion {
  public:
   Motion(const Model& model, const VectorXd& q_d, const VectorXd& q_d_dot)
@@ -51,7 +52,8 @@ class Motion {
     state_.q_d = y.head(n);
     state_.q_d_dot = y.segment(n, n);
     VectorXd q_d_ddot(n);
-    EXPECT_EQ(accelerations(model_, data_, state_, VectorXd::Zero(model_.n_e), q_d_ddot), DynamicsStatus::ok);
+    EXPECT_EQ(accelerations(model_, data_, state_, VectorXd::Zero(model_.n_e), q_d_ddot),
+              DynamicsStatus::ok);
     VectorXd result(2 * n + 1);
     result << state_.q_d_dot, q_d_ddot, data_.e_dot.dot(model_.damping.cwiseProduct(data_.e_dot));
     return result;
@@ -78,13 +80,15 @@ TEST(Energy, IsConservedByTheFreeFrameAtLargeAmplitude) {
   Motion start(model, q, q_dot);
   const double energy = start.energy(), coarse = energy_change(model, q, q_dot, 4e-4),
                fine = energy_change(model, q, q_dot, 2e-4);
-  std::cout << "energy " << energy << " J, change " << coarse << " and " << fine << " J at half the step\n";
-  // The method takes (omega h)^6 / 72 of an oscillation's energy at each step: 8.6e-9 of it over 125 steps at 49 Hz
-  // and 4e-4 s if all of it stood there. A nonlinear motion has harmonics, hence the factor 10.
+  std::cout << "energy " << energy << " J, change " << coarse << " and " << fine
+            << " J at half the step\n";
+  // The method takes (omega h)^6 / 72 of an oscillation's energy at each step: 8.6e-9 of it over
+  // 125 steps at 49 Hz and 4e-4 s if all of it stood there. A nonlinear motion has harmonics, hence
+  // the factor 10.
   const double omega_h = 2 * M_PI * 49.0 * 4e-4;
   EXPECT_LE(coarse, 10 * energy * 125 * std::pow(omega_h, 6) / 72);
-  // Half the step: the change falls by 2^5 (the loss) or 2^4 (the oscillating part). An error of the equations would
-  // not fall at all.
+  // Half the step: the change falls by 2^5 (the loss) or 2^4 (the oscillating part). An error of
+  // the equations would not fall at all.
   EXPECT_LE(fine, coarse / 12);
 }
 
@@ -96,7 +100,8 @@ TEST(Energy, BalanceHoldsWithDampersPreloadAndLoads) {
   start.run(2e-4, 250);
   EXPECT_GT(start.dissipated(), 1.0);  // J: so the balance below is about something
   // At coarser steps the two parts of the error, of order h^4 and h^5, still cancel in part.
-  const double coarse = energy_change(model, q, q_dot, 1e-4), fine = energy_change(model, q, q_dot, 5e-5);
+  const double coarse = energy_change(model, q, q_dot, 1e-4),
+               fine = energy_change(model, q, q_dot, 5e-5);
   std::cout << "change " << coarse << " and " << fine << " J at half the step\n";
   EXPECT_LE(coarse, 1e-7 * start.dissipated());
   EXPECT_LE(fine, coarse / 12);  // as above
@@ -124,7 +129,8 @@ TEST_P(RigidBody, AccelerationsAreThoseOfNewtonAndEuler) {
     const MotionState state = random_motion(model, GetParam().size, 0.5, engine);
     VectorXd sigma_a = VectorXd::Zero(model.n_e);
     for (const SceneElement& element : scene.elements) {
-      if (!element.rigid) sigma_a(model.elastic_row(element.name)) = 300 * random_vector(1, engine)(0);
+      if (!element.rigid)
+        sigma_a(model.elastic_row(element.name)) = 300 * random_vector(1, engine)(0);
     }
     ASSERT_EQ(accelerations(model, data, state, sigma_a, q_d_ddot), DynamicsStatus::ok);
     const RigidAcceleration expected =
@@ -154,7 +160,8 @@ TEST(FreeBody, ObeysEulersEquationsAtAnyRotation) {
   VectorXd q_d_ddot(6);
   for (int k = 0; k < 20; ++k) {
     const MotionState state = random_motion(model, 0.5, 3.0, engine);
-    ASSERT_EQ(accelerations(model, data, state, VectorXd::Zero(model.n_e), q_d_ddot), DynamicsStatus::ok);
+    ASSERT_EQ(accelerations(model, data, state, VectorXd::Zero(model.n_e), q_d_ddot),
+              DynamicsStatus::ok);
     const Vector3d omega = rigid_state(scene, model, data).omega;
     const Matrix3d& J = scene.masses.front().inertia;
     const Vector3d expected = J.inverse() * -omega.cross(J * omega);
@@ -168,8 +175,8 @@ TEST(FreeBody, ObeysEulersEquationsAtAnyRotation) {
 Vector3d tumble(const Matrix3d& J, Vector3d omega, double h, int steps) {
   const auto rate = [&](const Vector3d& w) -> Vector3d { return J.inverse() * -w.cross(J * w); };
   for (int k = 0; k < steps; ++k) {
-    const Vector3d k1 = rate(omega), k2 = rate(omega + 0.5 * h * k1), k3 = rate(omega + 0.5 * h * k2),
-                   k4 = rate(omega + h * k3);
+    const Vector3d k1 = rate(omega), k2 = rate(omega + 0.5 * h * k1),
+                   k3 = rate(omega + 0.5 * h * k2), k4 = rate(omega + h * k3);
     omega += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
   }
   return omega;
@@ -180,7 +187,8 @@ TEST(FreeBody, TumblesLikeEulersEquationsAndKeepsMomentumAndEnergy) {
   const Model model = make_model(scene);
   const Matrix3d J = scene.masses.front().inertia;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(J);
-  // About the intermediate axis, a little off, at 3 rad/s for 0.8 s: half a turn is where lambda_0 becomes zero.
+  // About the intermediate axis, a little off, at 3 rad/s for 0.8 s: half a turn is where lambda_0
+  // becomes zero.
   const Vector3d omega = 3.0 * (axes.eigenvectors().col(1) + 0.1 * axes.eigenvectors().col(0));
   VectorXd q_dot(6);
   q_dot << 0.1, 0.2, -0.3, 0.5 * omega;  // lambda' = omega / 2 at lambda = (1, 0, 0, 0)
@@ -191,7 +199,8 @@ TEST(FreeBody, TumblesLikeEulersEquationsAndKeepsMomentumAndEnergy) {
   EXPECT_NEAR(energy, 0.5 * 3.0 * 0.14 + 0.5 * omega.dot(J * omega), 1e-13 * energy);
   motion.run(h, steps);
   const RigidState end = rigid_state(scene, model, motion.data());
-  // Error of the method: (omega h)^4 * omega t = 2e-10 with constants below one; the two share no error.
+  // Error of the method: (omega h)^4 * omega t = 2e-10 with constants below one; the two share no
+  // error.
   const double tolerance = 1e-9;
   EXPECT_LE((end.omega - tumble(J, omega, h, steps)).norm(), tolerance * omega.norm());
   EXPECT_LE((end.R * J * end.omega - J * omega).norm(), tolerance * (J * omega).norm());
@@ -207,7 +216,8 @@ TEST(Mass, KineticEnergyIsTheQuadraticFormOfTheMassMatrix) {
     MotionState state = random_motion(model, 5e-3, 1.0, engine);
     state.q_r_dot.setZero();
     VectorXd q_d_ddot(model.n_d);
-    ASSERT_EQ(accelerations(model, data, state, VectorXd::Zero(model.n_e), q_d_ddot), DynamicsStatus::ok);
+    ASSERT_EQ(accelerations(model, data, state, VectorXd::Zero(model.n_e), q_d_ddot),
+              DynamicsStatus::ok);
     mass_matrix(model, data);
     const double form = 0.5 * state.q_d_dot.dot(data.M_dd * state.q_d_dot);
     EXPECT_NEAR(kinetic_energy(model, data), form, 1e-13 * form);

@@ -1,8 +1,8 @@
+#include <gtest/gtest.h>
+
 #include <functional>
 #include <random>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 #include "core/elements/beam.hpp"
 #include "core/elements/norm_condition.hpp"
@@ -85,7 +85,8 @@ std::vector<Quad> exact(const Case& c, const LocalVector& u) {
 class Elements : public testing::TestWithParam<const char*> {
  protected:
   static constexpr int n_states = 20;
-  // A derivative is a sum of some ten products; 1e-12 of its largest entry is far above their rounding.
+  // A derivative is a sum of some ten products; 1e-12 of its largest entry is far above their
+  // rounding.
   static constexpr double derivative_tolerance = 1e-12;
   Random random_{7};
   Case next_case() { return make_case(GetParam(), random_.vector(3)); }
@@ -143,7 +144,8 @@ TEST_P(Elements, HessianAgreesWithHyperDualNumbersEntryByEntry) {
     for (Index a = 0; a < n; ++a) {
       for (Index b = 0; b < n; ++b) {
         const auto values = differentiate(c, u, VectorXd::Unit(n, a), VectorXd::Unit(n, b));
-        for (Index i = 0; i < n_e; ++i) expected(a, b) += sigma(i) * values[static_cast<size_t>(i)].d12;
+        for (Index i = 0; i < n_e; ++i)
+          expected(a, b) += sigma(i) * values[static_cast<size_t>(i)].d12;
       }
     }
     EXPECT_LE((MatrixXd(H) - expected).cwiseAbs().maxCoeff(),
@@ -180,7 +182,8 @@ TEST_P(Elements, RigidMotionDeformsNothing) {
     }
     LocalDeformation e(c.element->n_deformations());
     c.element->deformations(u, e);
-    // Positions of a few metres carry a rounding of 1e-15 m into e, products of lengths a little more.
+    // Positions of a few metres carry a rounding of 1e-15 m into e, products of lengths a little
+    // more.
     EXPECT_LE(e.cwiseAbs().maxCoeff(), 2e-14) << GetParam();
   }
 }
@@ -225,7 +228,7 @@ TEST(Truss, ElongationIsTheStretchInClosedForm) {
 }
 
 TEST(Beam, DeformationsMeanWhatTheHeaderSays) {
-  // A small rotation of end q about the beam is torsion l_0 * angle / 1 * ..., about n_y and n_z it is bending.
+  // A rotation of end q about the beam is torsion alone.
   const double angle = 1e-6, length = 2.0;
   const Beam beam(0, 1, {length, 0, 0});
   LocalDeformation e(6);

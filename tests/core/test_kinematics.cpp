@@ -1,6 +1,6 @@
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "core/dynamics.hpp"
 #include "core/elements/rotation.hpp"
@@ -18,7 +18,8 @@ using Eigen::VectorXd;
 struct NamedScene {
   const char* name;
   Scene (*scene)();
-  double size;  ///< of the dofs in the large-motion tests: m, or radians for the mechanism and the lens
+  double size;  ///< of the dofs in the large-motion tests: m, or radians for the mechanism and the
+                ///< lens
 };
 
 Scene frame_by_lens() { return by_lens_coordinates(frame_scene()); }
@@ -42,7 +43,8 @@ class Kinematics : public testing::TestWithParam<NamedScene> {
 Eigen::Vector3d place_of(const Model& model, const VectorXd& x, const std::string& name) {
   const Index node = model.node_index(name);
   Eigen::Vector3d place = model.nodes[static_cast<size_t>(node)].position;
-  for (int i = 0; i < 3; ++i) place(i) += model.translation_row(node, Eigen::Vector3d::Unit(i)).dot(x);
+  for (int i = 0; i < 3; ++i)
+    place(i) += model.translation_row(node, Eigen::Vector3d::Unit(i)).dot(x);
   return place;
 }
 
@@ -62,7 +64,8 @@ TEST_P(Kinematics, SolvedPositionsMeetEveryCondition) {
         }
       }
       EXPECT_EQ(data_.x.tail(model_.n_r), state.q_r);
-      // Relative to the displacements: small motions keep their digits too. Some ten terms of 1e-16 each.
+      // Relative to the displacements: small motions keep their digits too. Some ten terms of 1e-16
+      // each.
       EXPECT_LE((data_.e.head(model_.n_c) - wanted).cwiseAbs().maxCoeff(),
                 4e-15 * data_.x.cwiseAbs().maxCoeff())
           << size;
@@ -94,10 +97,15 @@ TEST_P(Kinematics, TransferFunctionsAreTheDerivativesOfPositions) {
       expected_e.col(i) = both.tail(model_.n_redundant);
     }
     EXPECT_LE(relative_error(DF, expected), tolerance);
-    if (model_.n_redundant > 0) { EXPECT_LE(relative_error(DF_e, expected_e), tolerance); }
+    if (model_.n_redundant > 0) {
+      EXPECT_LE(relative_error(DF_e, expected_e), tolerance);
+    }
     for (Index j = 0; j < model_.n_r; ++j) {
       const VectorXd column = derivative(
-          [&](double t) { return positions(state.q_d, state.q_r + t * VectorXd::Unit(model_.n_r, j)); }, h);
+          [&](double t) {
+            return positions(state.q_d, state.q_r + t * VectorXd::Unit(model_.n_r, j));
+          },
+          h);
       EXPECT_LE(relative_error(DF_r.col(j), column), tolerance) << j;
     }
   }
@@ -112,10 +120,12 @@ TEST_P(Kinematics, RatesAreTheDerivativesOfPositionsInTime) {
     const VectorXd x_dot = data_.x_dot, x_ddot_0 = data_.x_ddot_0, e_dot = data_.e_dot;
     const auto motion = [&](double t) -> VectorXd {
       VectorXd all(model_.n_x + model_.n_e);
-      all << positions(s.q_d + t * s.q_d_dot, s.q_r + t * s.q_r_dot + 0.5 * t * t * s.q_r_ddot), data_.e;
+      all << positions(s.q_d + t * s.q_d_dot, s.q_r + t * s.q_r_dot + 0.5 * t * t * s.q_r_ddot),
+          data_.e;
       return all;
     };
-    // Steps in s, at rates of 1 m/s and 10 m/s^2; the second difference has a rounding of 1e-14 / h^2.
+    // Steps in s, at rates of 1 m/s and 10 m/s^2; the second difference has a rounding of 1e-14 /
+    // h^2.
     const VectorXd first = derivative(motion, 3e-3), second = second_derivative(motion, 1e-2);
     EXPECT_LE(relative_error(x_dot, first.head(model_.n_x)), 1e-10);
     EXPECT_LE((e_dot - first.tail(model_.n_e)).cwiseAbs().maxCoeff(),
@@ -141,14 +151,13 @@ TEST_P(Kinematics, AccelerationsDoNotAllocate) {
   EXPECT_GT(allocation_count(), after);  // the counter does count
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Scenes, Kinematics,
-    testing::Values(NamedScene{"frame", frame_scene, 0.01},
-                    NamedScene{"frame_by_lens", frame_by_lens, 0.05},
-                    NamedScene{"preloaded_frame", preloaded_frame, 0.01},
-                    NamedScene{"preloaded_by_lens", preloaded_by_lens, 0.05},
-                    NamedScene{"mechanism", mechanism, 0.05}),
-    [](const auto& param) { return std::string(param.param.name); });
+INSTANTIATE_TEST_SUITE_P(Scenes, Kinematics,
+                         testing::Values(NamedScene{"frame", frame_scene, 0.01},
+                                         NamedScene{"frame_by_lens", frame_by_lens, 0.05},
+                                         NamedScene{"preloaded_frame", preloaded_frame, 0.01},
+                                         NamedScene{"preloaded_by_lens", preloaded_by_lens, 0.05},
+                                         NamedScene{"mechanism", mechanism, 0.05}),
+                         [](const auto& param) { return std::string(param.param.name); });
 
 TEST(FrameKinematics, TheFrameStaysRigidAndTheLegsHaveTheirLength) {
   const Scene scene = frame_scene();
@@ -187,7 +196,8 @@ TEST(FrameKinematics, EveryRotationNodeOfOneBodyHasTheSameUnitEulerParameters) {
     if (!node.has_rotation) continue;
     EXPECT_NEAR(1 + data.x(node.rotation.column[0]), lambda_0, 1e-14) << node.name;
     for (size_t i = 1; i < 4; ++i) {
-      EXPECT_NEAR(data.x(node.rotation.column[i]), q(static_cast<Index>(i) + 2), 1e-14) << node.name;
+      EXPECT_NEAR(data.x(node.rotation.column[i]), q(static_cast<Index>(i) + 2), 1e-14)
+          << node.name;
     }
   }
 }

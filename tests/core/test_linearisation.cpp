@@ -1,8 +1,8 @@
-#include <cmath>
-#include <iostream>
+#include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <gtest/gtest.h>
+#include <cmath>
+#include <iostream>
 
 #include "core/dynamics.hpp"
 #include "core/frequency_response.hpp"
@@ -19,7 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// What the nonlinear equations answer to a small change of one variable about the scene as written.
+/// What the nonlinear equations answer to a small change of one variable about the scene as
+/// written.
 class Nonlinear {
  public:
   Nonlinear(const Scene& scene, const std::vector<SceneSignal>& outputs)
@@ -50,7 +51,8 @@ class Nonlinear {
       if (input.quantity == Quantity::stress) {
         sigma_a(model.elastic_row(input.element)) = t;
       } else if (input.quantity == Quantity::force) {
-        model.load += t * model.translation_row(model.node_index(input.node), input.direction).transpose();
+        model.load +=
+            t * model.translation_row(model.node_index(input.node), input.direction).transpose();
       } else {
         const VectorXd pattern =
             model.prescribed_pattern(model.node_index(input.node), input.direction, input.place);
@@ -96,7 +98,8 @@ struct Predicted {
   VectorXd to_q(Index i) const { return rows(-(model.K + model.G).col(i), model.Y_p.col(i)); }
   VectorXd to_q_dot(Index i) const { return rows(-model.D.col(i), model.Y_v.col(i)); }
   VectorXd to_input(Index j) const {
-    return rows(model.B.col(j) - (model.K_r + model.G_r).col(j), model.R_p.col(j) + model.D_u.col(j));
+    return rows(model.B.col(j) - (model.K_r + model.G_r).col(j),
+                model.R_p.col(j) + model.D_u.col(j));
   }
   VectorXd to_input_dot(Index j) const { return rows(-model.D_r.col(j), model.R_v.col(j)); }
   VectorXd to_input_ddot(Index j) const { return rows(-model.M_r.col(j), model.R_a.col(j)); }
@@ -130,7 +133,8 @@ Scene without_stiffness(Scene scene) {
 
 class Linearised : public testing::TestWithParam<NamedScene> {
  protected:
-  // The target. Extrapolated differences leave (step / 0.15 m)^8 and 1e-16 * (preload, 1e3 N) / (k h, 1e4 N).
+  // The target. Extrapolated differences leave (step / 0.15 m)^8 and 1e-16 * (preload, 1e3
+  // N) / (k h, 1e4 N).
   static constexpr double tolerance = 1e-9;
 };
 
@@ -142,8 +146,10 @@ TEST_P(Linearised, MatricesAreTheDerivativesOfTheNonlinearEquations) {
   const Index n = nonlinear.model.n_d, n_u = static_cast<Index>(scene.inputs.size());
   using Kind = Nonlinear::Change;
   const double h = GetParam().step;
-  // Columns of one kind stand side by side; accelerations and each output are judged by their own largest entry.
-  const auto compare = [&](const char* what, Kind::Kind kind, Index columns, double step, auto prediction) {
+  // Columns of one kind stand side by side; accelerations and each output are judged by their own
+  // largest entry.
+  const auto compare = [&](const char* what, Kind::Kind kind, Index columns, double step,
+                           auto prediction) {
     MatrixXd found(n + linear.Y_p.rows(), columns), expected = found;
     for (Index j = 0; j < columns; ++j) {
       found.col(j) = prediction(j);
@@ -167,15 +173,19 @@ TEST_P(Linearised, MatricesAreTheDerivativesOfTheNonlinearEquations) {
     const SceneSignal& input = scene.inputs[static_cast<size_t>(j)];
     const bool motion = is_motion(input.quantity);
     const auto one = [&](Kind::Kind kind, double step, auto prediction) {
-      const VectorXd found = prediction(j), expected = nonlinear.derivative_to({kind, j}, scene.inputs, step);
-      // Some inputs drive nothing in one choice of dofs: 1e-6 stands for zero beside answers of 1e-3 and more.
+      const VectorXd found = prediction(j),
+                     expected = nonlinear.derivative_to({kind, j}, scene.inputs, step);
+      // Some inputs drive nothing in one choice of dofs: 1e-6 stands for zero beside answers of
+      // 1e-3 and more.
       const double answer = std::max(expected.head(n).cwiseAbs().maxCoeff(), 1e-6);
       const double error = (found - expected).head(n).cwiseAbs().maxCoeff() / answer;
       EXPECT_LE(error, tolerance) << input.name;
       for (Index i = n; i < found.size(); ++i) {
-        // An output that does not answer must be answered with zero: rounding of the largest acceleration at most.
+        // An output that does not answer must be answered with zero: rounding of the largest
+        // acceleration at most.
         const double size = std::max(std::abs(expected(i)), 1e-3 * answer);
-        EXPECT_LE(std::abs(found(i) - expected(i)), tolerance * size) << input.name << " output " << i - n;
+        EXPECT_LE(std::abs(found(i) - expected(i)), tolerance * size)
+            << input.name << " output " << i - n;
       }
       std::cout << GetParam().name << ": to " << input.name << " " << error << "\n";
     };
@@ -190,26 +200,29 @@ TEST_P(Linearised, MatricesAreTheDerivativesOfTheNonlinearEquations) {
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, Linearised,
-    testing::Values(
-        NamedScene{"cart_by_position", cart_by_position(), 1e-2},
-        NamedScene{"preloaded_frame", with_frame_signals(preloaded_frame()), 4e-3},
-        NamedScene{"preloaded_by_lens", with_frame_signals(by_lens_coordinates(preloaded_frame())), 4e-3},
-        NamedScene{"preload_alone", with_frame_signals(without_stiffness(preloaded_frame())), 4e-3},
-        NamedScene{"mechanism", with_mechanism_signals(), 1e-2},
-        NamedScene{"mechanism_preload_alone",
-                   [] {
-                     Scene scene = without_stiffness(mechanism());
-                     use_all_signals_of_mechanism(scene);
-                     return scene;
-                   }(),
-                   1e-2}),
+    testing::Values(NamedScene{"cart_by_position", cart_by_position(), 1e-2},
+                    NamedScene{"preloaded_frame", with_frame_signals(preloaded_frame()), 4e-3},
+                    NamedScene{"preloaded_by_lens",
+                               with_frame_signals(by_lens_coordinates(preloaded_frame())), 4e-3},
+                    NamedScene{"preload_alone",
+                               with_frame_signals(without_stiffness(preloaded_frame())), 4e-3},
+                    NamedScene{"mechanism", with_mechanism_signals(), 1e-2},
+                    NamedScene{"mechanism_preload_alone",
+                               [] {
+                                 Scene scene = without_stiffness(mechanism());
+                                 use_all_signals_of_mechanism(scene);
+                                 return scene;
+                               }(),
+                               1e-2}),
     [](const auto& param) { return std::string(param.param.name); });
 
 TEST(Linearisation, MatricesAreSymmetricWhereTheyMustBe) {
-  for (const Scene& scene : {preloaded_frame(), by_lens_coordinates(preloaded_frame()), mechanism()}) {
+  for (const Scene& scene :
+       {preloaded_frame(), by_lens_coordinates(preloaded_frame()), mechanism()}) {
     const LinearModel m = linearise(make_model(scene), {}, {});
     for (const MatrixXd* matrix : {&m.M, &m.D, &m.K, &m.G}) {
-      EXPECT_LE((*matrix - matrix->transpose()).norm(), 1e-13 * matrix->norm());  // rounding of the products
+      EXPECT_LE((*matrix - matrix->transpose()).norm(),
+                1e-13 * matrix->norm());  // rounding of the products
     }
     EXPECT_GT(m.G.norm(), 1e-4 * m.K.norm());  // the scenes do have geometric stiffness
   }
@@ -239,7 +252,8 @@ TEST(Linearisation, APreloadThatNothingBalancesIsRefusedWithTheForceThatIsLeft) 
     linearise(make_model(scene), {}, {});
     FAIL() << "no Refusal";
   } catch (const Refusal& refusal) {
-    EXPECT_NE(std::string(refusal.what()).find("-1.000000 N is left at dof x(mass)1"), std::string::npos)
+    EXPECT_NE(std::string(refusal.what()).find("-1.000000 N is left at dof x(mass)1"),
+              std::string::npos)
         << refusal.what();
   }
 }
@@ -261,13 +275,17 @@ TEST(Cart, ThreeRheonomicCasesAreTheClosedForms) {
       const std::complex<double> s(0, 2 * M_PI * f), d(4.0 / 2), k(800.0 / 2);
       const std::complex<double> G_1 = (d * s + k) / (s * s + d * s + k);
       const std::pair<Quantity, std::complex<double>> cases[] = {
-          {Quantity::position, G_1}, {Quantity::velocity, G_1 / s}, {Quantity::acceleration, G_1 / (s * s)}};
+          {Quantity::position, G_1},
+          {Quantity::velocity, G_1 / s},
+          {Quantity::acceleration, G_1 / (s * s)}};
       for (const auto& [quantity, expected] : cases) {
         scene.inputs.front().quantity = quantity;
         const LinearModel m = linearise(make_model(scene), scene.inputs, scene.outputs);
-        // With q = x2 - x1, G_1 at high frequency is the small difference of 1 and -s^2 / (s^2 + ...).
+        // With q = x2 - x1, G_1 at high frequency is the small difference of 1 and -s^2 / (s^2 +
+        // ...).
         const double cancellation = std::max(1.0, 1.0 / std::abs(G_1));
-        EXPECT_LE(std::abs(transfer_function(m, s)(0, 0) - expected), 1e-14 * cancellation * std::abs(expected))
+        EXPECT_LE(std::abs(transfer_function(m, s)(0, 0) - expected),
+                  1e-14 * cancellation * std::abs(expected))
             << f;
       }
     }

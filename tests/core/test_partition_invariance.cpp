@@ -1,7 +1,7 @@
+#include <gtest/gtest.h>
+
 #include <iostream>
 #include <numbers>
-
-#include <gtest/gtest.h>
 
 #include "core/control_loop.hpp"
 #include "core/dynamics.hpp"
@@ -18,7 +18,9 @@ namespace {
 using Eigen::MatrixXcd;
 using Eigen::VectorXd;
 
-LinearModel linear(const Scene& scene) { return linearise(make_model(scene), scene.inputs, scene.outputs); }
+LinearModel linear(const Scene& scene) {
+  return linearise(make_model(scene), scene.inputs, scene.outputs);
+}
 
 /// Largest |A - B| over |B| (Frobenius) of two transfer functions, 0.1 to 1000 Hz.
 double worst_difference(const LinearModel& a, const LinearModel& b) {
@@ -31,11 +33,13 @@ double worst_difference(const LinearModel& a, const LinearModel& b) {
   return worst;
 }
 
-/// M, K of the two agree to a few 1e-15, and a pole of a few 1e-3 damping amplifies that by less than 1e4.
+/// M, K of the two agree to a few 1e-15, and a pole of a few 1e-3 damping amplifies that by less
+/// than 1e4.
 constexpr double tolerance = 1e-10;
 
 void expect_same_frequencies(const Scene& a, const Scene& b) {
-  const VectorXd f_a = modes(linear(a)).natural_frequencies_hz, f_b = modes(linear(b)).natural_frequencies_hz;
+  const VectorXd f_a = modes(linear(a)).natural_frequencies_hz,
+                 f_b = modes(linear(b)).natural_frequencies_hz;
   EXPECT_LE(relative_error(f_a, f_b), tolerance);
 }
 
@@ -83,7 +87,8 @@ TEST(PartitionInvariance, BindsOnTheTermsThatTheDeckLeavesOut) {
 
 TEST(PartitionInvariance, GainsAndClosedLoop) {
   const Scene a = frame_scene(), b = by_lens_coordinates(a);
-  const ControlLoop loop_a = make_control_loop(a, make_model(a)), loop_b = make_control_loop(b, make_model(b));
+  const ControlLoop loop_a = make_control_loop(a, make_model(a)),
+                    loop_b = make_control_loop(b, make_model(b));
   EXPECT_LE(relative_error(loop_b.legs.M, loop_a.legs.M), 1e-12);
   EXPECT_LE(relative_error(loop_b.gains.K_P, loop_a.gains.K_P), 1e-12);
   EXPECT_LE(relative_error(loop_b.gains.K_I, loop_a.gains.K_I), 1e-12);
@@ -105,7 +110,8 @@ TEST(PartitionInvariance, NonlinearAccelerationsInOneConfiguration) {
     for (int k = 0; k < 10; ++k) {
       MotionState state_b = random_motion(by_lens, 5e-3, 0.3, engine);
       VectorXd q_ddot(6);
-      ASSERT_EQ(accelerations(by_lens, data_b, state_b, VectorXd::Zero(by_lens.n_e), q_ddot), DynamicsStatus::ok);
+      ASSERT_EQ(accelerations(by_lens, data_b, state_b, VectorXd::Zero(by_lens.n_e), q_ddot),
+                DynamicsStatus::ok);
       MotionState state_a(by_elongation);
       for (Index i = 0; i < 6; ++i) {
         const Index row = by_lens.elastic_row(a.dofs[static_cast<size_t>(i)].element);
@@ -116,11 +122,13 @@ TEST(PartitionInvariance, NonlinearAccelerationsInOneConfiguration) {
       state_a.q_r = state_b.q_r;
       state_a.q_r_dot = state_b.q_r_dot;
       state_a.q_r_ddot = state_b.q_r_ddot;
-      ASSERT_EQ(accelerations(by_elongation, data_a, state_a, VectorXd::Zero(by_elongation.n_e), q_ddot),
-                DynamicsStatus::ok);
+      ASSERT_EQ(
+          accelerations(by_elongation, data_a, state_a, VectorXd::Zero(by_elongation.n_e), q_ddot),
+          DynamicsStatus::ok);
       const RigidAcceleration one = rigid_acceleration(a, by_elongation, data_a),
                               other = rigid_acceleration(b, by_lens, data_b);
-      // Elongations are handed over with an absolute rounding of 1e-18 m on 5e-3 m; a few hundred operations.
+      // Elongations are handed over with an absolute rounding of 1e-18 m on 5e-3 m; a few hundred
+      // operations.
       EXPECT_LE((one.linear - other.linear).norm(), 1e-11 * other.linear.norm());
       EXPECT_LE((one.angular - other.angular).norm(), 1e-11 * other.angular.norm());
     }

@@ -1,11 +1,11 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <complex>
 #include <deque>
 #include <iostream>
 #include <numbers>
-
-#include <Eigen/Eigenvalues>
-#include <gtest/gtest.h>
 
 #include "core/control_loop.hpp"
 #include "core/frequency_response.hpp"
@@ -26,8 +26,8 @@ using Eigen::VectorXd;
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Mass m on a spring k and damper d, one leg along it: q'' = -(k q + d q' + u) / m - w, y = q'' + w, sigma = k q +
-/// d q' + u.
+/// Mass m on a spring k and damper d, one leg along it: q'' = -(k q + d q' + u) / m - w, y = q'' +
+/// w, sigma = k q + d q' + u.
 struct Oscillator {
   double m = 2, d = 8, k = 800;
 
@@ -60,7 +60,8 @@ TEST(SampleAndHold, OscillatorInClosedForm) {
   EXPECT_LE((sampled.Gamma_w - o.m * held).norm(), 1e-13 * o.m * held.norm());
   EXPECT_EQ(sampled.sample_time, T);
   // The mean of the mass's acceleration q'' + w is the change of its velocity over the interval.
-  EXPECT_LE((sampled.C_y - (Phi.row(1) - Eigen::RowVector2d(0, 1)) / T).norm(), 1e-12 * sampled.C_y.norm());
+  EXPECT_LE((sampled.C_y - (Phi.row(1) - Eigen::RowVector2d(0, 1)) / T).norm(),
+            1e-12 * sampled.C_y.norm());
   EXPECT_NEAR(sampled.D_yu(0, 0), held(1) / T, 1e-12 / o.m);
   EXPECT_NEAR(sampled.D_yw(0, 0), o.m * held(1) / T + 1, 1e-12);
 }
@@ -93,7 +94,8 @@ DiscreteLaw some_law(Index m, bool subtract_applied) {
   return law;
 }
 
-/// The loop as it runs, written from the description of the recursion: sample sigma, compute, wait, apply, move on.
+/// The loop as it runs, written from the description of the recursion: sample sigma, compute, wait,
+/// apply, move on.
 class Loop {
  public:
   Loop(const SampledPlant& plant, const DiscreteLaw* law, int delay)
@@ -159,7 +161,8 @@ SampledPlant two_legged_plant() {
 /// y[k+1] / w[k] once the start has died away, for w[k] = z^k in one input.
 VectorXcd measured(Loop loop, Index input, Index n_w, double omega_T, int samples) {
   VectorXcd y;
-  for (int k = 0; k < samples; ++k) y = loop.step(std::polar(1.0, omega_T * k) * VectorXcd::Unit(n_w, input));
+  for (int k = 0; k < samples; ++k)
+    y = loop.step(std::polar(1.0, omega_T * k) * VectorXcd::Unit(n_w, input));
   return y * std::polar(1.0, -omega_T * (samples - 1));
 }
 
@@ -206,7 +209,8 @@ TEST(SampledLoops, ResponseToAnImpulseIsTheSameInBothForms) {
       const VectorXd y = loop.C * xi + loop.D * w;
       xi = VectorXd(loop.A * xi + loop.B * w);
       const VectorXcd found = running.step(w);
-      EXPECT_LE((found - y).norm(), 1e-13) << found.transpose() << "  " << y.transpose() << delay << " " << k;
+      EXPECT_LE((found - y).norm(), 1e-13)
+          << found.transpose() << "  " << y.transpose() << delay << " " << k;
     }
   }
 }
@@ -229,7 +233,8 @@ TEST(SampledLoops, SpectralRadiusIsTheGrowthOfALongRun) {
         logarithm += std::log(norm);
         xi /= norm;
       }
-      // A pair of eigenvalues makes the norm swing by a bounded factor, a few powers of ten at worst: log(1e4) / steps.
+      // A pair of eigenvalues makes the norm swing by a bounded factor, a few powers of ten at
+      // worst: log(1e4) / steps.
       EXPECT_NEAR(logarithm / steps, std::log(spectral_radius(loop)), 5e-4) << gain << " " << delay;
     }
   }
@@ -241,7 +246,8 @@ TEST(SampledLoops, ALawThatDoesNotFitIsRefused) {
   EXPECT_THROW(close_loop(plant, some_law(2, true), -1), std::invalid_argument);
 }
 
-/// The cart with q = x(mass): the floor strains the spring, so its velocity and position are states that w drives.
+/// The cart with q = x(mass): the floor strains the spring, so its velocity and position are states
+/// that w drives.
 class CartLoop : public testing::Test {
  protected:
   static constexpr double m_ = 2, d_ = 4, k_ = 800, T_ = 0.02;
@@ -253,7 +259,9 @@ class CartLoop : public testing::Test {
                      element_signal("sigma", "spring", Quantity::stress)};
     return linearise(make_model(scene), scene.inputs, scene.outputs);
   }
-  static SampledPlant plant(const Scene& scene) { return sample_and_hold(loop_plant(model(scene), 1, 1), T_); }
+  static SampledPlant plant(const Scene& scene) {
+    return sample_and_hold(loop_plant(model(scene), 1, 1), T_);
+  }
 };
 
 TEST_F(CartLoop, HasTheFloorAsExogenousStatesWhereItStrainsTheSpring) {
@@ -264,26 +272,31 @@ TEST_F(CartLoop, HasTheFloorAsExogenousStatesWhereItStrainsTheSpring) {
 TEST_F(CartLoop, BothChoicesOfDofGiveOneTransferAndOneRadius) {
   const SampledPlant a = plant(cart_scene()), b = plant(cart_by_position());
   for (const int delay : {0, 1, 2}) {
-    const SampledLoop loop_a = close_loop(a, some_law(1, true), delay), loop_b = close_loop(b, some_law(1, true), delay);
+    const SampledLoop loop_a = close_loop(a, some_law(1, true), delay),
+                      loop_b = close_loop(b, some_law(1, true), delay);
     // The floor's double integrator has the radius 1 and is left out.
     EXPECT_NEAR(spectral_radius(loop_a), spectral_radius(loop_b), 1e-12);
     EXPECT_LT(spectral_radius(loop_a), 1.0);
     for (const double omega : {2.0, 20.0, 100.0}) {
       const Complex one = transfer(loop_a, omega)(0, 0), other = transfer(loop_b, omega)(0, 0);
-      EXPECT_LE(std::abs(one - other), 1e-11 * std::abs(one)) << omega;  // 1 / (z - 1)^2 = 600 at the lowest
-      const Complex open_a = transfer(open_loop(a), omega)(0, 0), open_b = transfer(open_loop(b), omega)(0, 0);
+      EXPECT_LE(std::abs(one - other), 1e-11 * std::abs(one))
+          << omega;  // 1 / (z - 1)^2 = 600 at the lowest
+      const Complex open_a = transfer(open_loop(a), omega)(0, 0),
+                    open_b = transfer(open_loop(b), omega)(0, 0);
       EXPECT_LE(std::abs(open_a - open_b), 1e-11 * std::abs(open_a)) << omega;
     }
   }
 }
 
-/// The mass and the cart between two samples by Newton's law with very small steps, force and acceleration held.
+/// The mass and the cart between two samples by Newton's law with very small steps, force and
+/// acceleration held.
 TEST_F(CartLoop, IsWhatNewtonsLawDoesBetweenTheSamples) {
   const DiscreteLaw law = some_law(1, true);
   for (const int delay : {0, 1}) {
     const SampledLoop loop = close_loop(plant(cart_by_position()), law, delay);
     for (const double omega : {5.0, 18.0, 60.0}) {
-      // Complex floor motion w_k = z^k with its own exact integrals, so that cart and mass do not drift away.
+      // Complex floor motion w_k = z^k with its own exact integrals, so that cart and mass do not
+      // drift away.
       const Complex z = std::polar(1.0, omega * T_);
       Complex w = 1, v_1 = T_ / (z - 1.0), x_1 = (T_ * v_1 + 0.5 * T_ * T_) / (z - 1.0);
       Complex x_2 = x_1, v_2 = v_1, law_state = 0, applied = 0, y = 0;
@@ -299,13 +312,18 @@ TEST_F(CartLoop, IsWhatNewtonsLawDoesBetweenTheSamples) {
         const int steps = 20;
         const double h = T_ / steps;
         const Complex v_before = v_2;
-        for (int i = 0; i < steps; ++i) {  // Runge and Kutta: (omega_0 h)^5 = 3e-9 of a step's change
+        for (int i = 0; i < steps;
+             ++i) {  // Runge and Kutta: (omega_0 h)^5 = 3e-9 of a step's change
           const auto rate = [&](Complex x, Complex v, double t) {
-            return -(k_ * (x - (x_1 + v_1 * t + 0.5 * w * t * t)) + d_ * (v - (v_1 + w * t)) + applied) / m_;
+            return -(k_ * (x - (x_1 + v_1 * t + 0.5 * w * t * t)) + d_ * (v - (v_1 + w * t)) +
+                     applied) /
+                   m_;
           };
           const double t = i * h;
-          const Complex a1 = rate(x_2, v_2, t), a2 = rate(x_2 + 0.5 * h * v_2, v_2 + 0.5 * h * a1, t + 0.5 * h),
-                        a3 = rate(x_2 + 0.5 * h * v_2 + 0.25 * h * h * a1, v_2 + 0.5 * h * a2, t + 0.5 * h),
+          const Complex a1 = rate(x_2, v_2, t),
+                        a2 = rate(x_2 + 0.5 * h * v_2, v_2 + 0.5 * h * a1, t + 0.5 * h),
+                        a3 = rate(x_2 + 0.5 * h * v_2 + 0.25 * h * h * a1, v_2 + 0.5 * h * a2,
+                                  t + 0.5 * h),
                         a4 = rate(x_2 + h * v_2 + 0.5 * h * h * a2, v_2 + h * a3, t + h);
           x_2 += h * v_2 + h * h / 6 * (a1 + a2 + a3);
           v_2 += h / 6 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
@@ -329,7 +347,8 @@ TEST(SampledLoops, ApproachTheContinuousPlantAsTheSamplesShrink) {
   std::vector<double> errors;
   for (const double rate : {4000.0, 8000.0}) {
     const MatrixXcd sampled = transfer(open_loop(sample_and_hold(plant, 1 / rate)), omega);
-    // The hold comes half a sample late, the mean half a sample early, and both take (sin x) / x of the size.
+    // The hold comes half a sample late, the mean half a sample early, and both take (sin x) / x of
+    // the size.
     const MatrixXcd continuous = loop.open({0, omega});
     errors.push_back((sampled - continuous).norm() / continuous.norm());
   }
@@ -350,7 +369,9 @@ TEST(Balancing, BringsRowsAndColumnsTogetherAndChangesNoDigit) {
     EXPECT_EQ(std::frexp(S(i), &exponent), 0.5) << "a power of two";
     const double own = std::abs(good(i, i));
     const double ratio = (good.row(i).lpNorm<1>() - own) / (good.col(i).lpNorm<1>() - own);
-    EXPECT_GT(ratio, 1 / 4.0);  // a step is a factor 4 in this ratio, and one below 5 % of the norm is not taken
+    EXPECT_GT(
+        ratio,
+        1 / 4.0);  // a step is a factor 4 in this ratio, and one below 5 % of the norm is not taken
     EXPECT_LT(ratio, 4.0);
   }
   EXPECT_EQ((S.asDiagonal() * good * S.cwiseInverse().asDiagonal() - bad).norm(), 0.0);

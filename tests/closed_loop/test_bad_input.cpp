@@ -1,0 +1,110 @@
+#include <fstream>
+#include <regex>
+
+#include "tests/closed_loop/workspace.hpp"
+
+namespace stillframe::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Every refusal is one message, the right exit code, and no trace of a run.
+class BadInput : public Workspace {
+ protected:
+  void expect_refused(const std::vector<std::string>& arguments, int code, const std::string& message) {
+    std::vector<std::string> all = arguments;
+    all.insert(all.end(), {"--out", folder_ / "run"});
+    const Said said = run(all);
+    EXPECT_EQ(said.exit_code, code) << said.error;
+    EXPECT_TRUE(std::regex_search(said.error, std::regex(message))) << said.error;
+    EXPECT_FALSE(fs::exists(folder_ / "run") || fs::exists(folder_ / "run.incomplete"));
+  }
+
+  std::string scene() const { return config("scenes/metrology_frame.yaml"); }
+
+  /// The frame's controller block with lines added.
+  fs::path controller(const std::string& lines) const {
+    std::ifstream stream(config("controllers/force_feedback_5hz.yaml"));
+    return write("controller.yaml", std::string(std::istreambuf_iterator<char>(stream), {}) + lines);
+  }
+
+  fs::path recording(const std::string& rows) const {
+    write("floor.csv", "# fs_hz=200 n=1000 units=m/s^2\nax,ay,az\n" + rows);
+    return write("floor.yaml", "recording: {file: floor.csv, axes: {ax: x}}\n");
+  }
+};
+
+TEST_F(BadInput, NaiveRealisationIsRefusedWithTheReason) {
+  expect_refused({"run", scene(), "--controller", controller("realisation: naive_pi\n")}, 3,
+                 "spectral radius.*implicit_feedthrough");
+}
+
+TEST_F(BadInput, MissingLeakIsRefusedWithTheReason) {
+  std::ifstream stream(config("controllers/force_feedback_5hz.yaml"));
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  const auto file = write("controller.yaml", std::regex_replace(text, std::regex("leak_hz: 0.05"), "leak_hz: 0"));
+  expect_refused({"run", scene(), "--controller", file}, 3, "leak_hz");
+}
+
+TEST_F(BadInput, UnknownKey) {
+  expect_refused({"run", scene(), "--controller", controller("leek_hz: 1\n")}, 2,
+                 "controller.yaml:9:1: leek_hz: unknown key .did you mean 'leak_hz'");
+}
+
+TEST_F(BadInput, MissingScene) {
+  expect_refused({"run", folder_ / "none.yaml"}, 2, "none.yaml: cannot be read");
+}
+
+TEST_F(BadInput, RecordingWithNaN) {
+  expect_refused({"run", scene(), "--floor", recording("0,0,0\n0,nan,0\n")}, 2, "floor.csv:4:3: .*nan");
+}
+
+TEST_F(BadInput, RecordingWithAGap) {
+  expect_refused({"run", scene(), "--floor", recording("0,0,0\n0,0,0\n")}, 2, "floor.csv.*1000");
+}
+
+TEST_F(BadInput, MissingRecording) {
+  expect_refused({"run", scene(), "--floor", write("floor.yaml", "recording: {file: none.csv, axes: {ax: x}}\n")},
+                 2, "floor.yaml:1:.*none.csv");
+}
+
+TEST_F(BadInput, WallClockWithoutDelay) {
+  std::ifstream stream(config("controllers/force_feedback_5hz.yaml"));
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  const auto file =
+      write("controller.yaml", std::regex_replace(text, std::regex("delay_samples: 1"), "delay_samples: 0"));
+  expect_refused({"run", scene(), "--controller", file, "--mode", "wall_clock"}, 2, "delay_samples: found 0");
+}
+
+TEST_F(BadInput, UnknownLcmProvider) {
+  expect_refused({"run", scene(), "--lcm-url", "nonsense://x"}, 2, "LCM cannot be opened at 'nonsense://x'");
+}
+
+TEST_F(BadInput, UnroutedMulticastNamesTheMend) {
+  // A network namespace as it is made: loopback down, no route for multicast.
+  tools::ChildProcess run("unshare",
+                          {"unshare", "--net", std::string(STILLFRAME_BIN_DIR) + "/stillframe", "run", scene(), "--out",
+                           folder_ / "run"},
+                          folder_ / "stderr");
+  ASSERT_EQ(run.wait(60), 2);
+  std::ifstream stream(folder_ / "stderr");
+  const std::string text(std::istreambuf_iterator<char>(stream), {});
+  EXPECT_NE(text.find("ip route add 224.0.0.0/4"), std::string::npos) << text;
+  EXPECT_FALSE(fs::exists(folder_ / "run") || fs::exists(folder_ / "run.incomplete"));
+}
+
+TEST_F(BadInput, RunDirectoryThatIsThere) {
+  fs::create_directories(folder_ / "there");
+  const Said said = run({"run", scene(), "--out", folder_ / "there"});
+  EXPECT_EQ(said.exit_code, 2);
+  EXPECT_NE(said.error.find("is there already"), std::string::npos);
+  EXPECT_TRUE(fs::is_empty(folder_ / "there"));
+}
+
+TEST_F(BadInput, WrongOption) {
+  const Said said = run({"run", scene(), "--loop", "sideways"});
+  EXPECT_EQ(said.exit_code, 2);
+}
+
+}  // namespace
+}  // namespace stillframe::test

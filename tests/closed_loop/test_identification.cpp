@@ -1,0 +1,85 @@
+#include <fstream>
+
+#include "report/log_difference.hpp"
+#include "report/run_log.hpp"
+#include "tests/closed_loop/workspace.hpp"
+
+namespace stillframe::test {
+namespace {
+
+using nlohmann::json;
+
+class ClosedLoop : public Workspace {};
+
+TEST_F(ClosedLoop, IdentifiedSingularValuesAreThePredictedOnes) {
+  const Said said = run({"run", config("scenes/metrology_frame.yaml"), "--floor",
+                         config("floors/multisine.yaml"), "--out", folder_ / "run", "--json"});
+  ASSERT_EQ(said.exit_code, 0) << said.error;
+  const json verdict = json::parse(said.output);
+  for (const auto& run : verdict.at("runs")) {
+    EXPECT_EQ(run.at("n_lost"), 0) << run.at("loop");
+    std::cout << run.at("loop") << ": " << run.at("real_time_factor") << " times real time\n";
+  }
+  const json& found = verdict.at("identification");
+  std::cout << "largest deviation from the sampled-data prediction: open "
+            << found.at("open_largest_db") << " dB, closed " << found.at("closed_largest_db")
+            << " dB at " << found.at("n_frequencies") << " frequencies\n";
+  EXPECT_GE(found.at("n_frequencies"), 30);
+  EXPECT_LE(found.at("lowest_hz"), 1.0);
+  EXPECT_GE(found.at("highest_hz"), 100.0);
+  // 0.2 dB is what a run has to meet. An undisturbed lock-step run has only nonlinearity and integrator tolerance
+  // to err by; both are below 0.01 dB (tests/plant_sim/test_prediction.cpp), so more than that is a defect.
+  EXPECT_LT(found.at("open_largest_db"), 0.02);
+  EXPECT_LT(found.at("closed_largest_db"), 0.02);
+  EXPECT_LT(found.at("reduction_largest_error_db"), 0.04);
+  EXPECT_EQ(found.at("n_closed_below_open"), found.at("n_reduction_frequencies"));
+  for (const char* file : {"active.lcm", "passive.lcm", "scene.yaml", "floor.yaml", "gains.yaml",
+                           "verdict.json", "verdict.txt", "singular_values.png", "prediction_error.png"}) {
+    EXPECT_GT(std::filesystem::file_size(folder_ / "run" / file), 0u) << file;
+  }
+}
+
+TEST_F(ClosedLoop, TwoLockStepRunsCarryTheSameBits) {
+  for (const char* name : {"a", "b"}) {
+    const Said said = run({"run", config("scenes/metrology_frame.yaml"), "--duration", "4", "--loop",
+                           "active", "--run-id", "7", "--out", folder_ / name});
+    ASSERT_EQ(said.exit_code, 0) << said.error;
+  }
+  const auto difference = report::compare_logs(folder_ / "a/active.lcm", folder_ / "b/active.lcm");
+  EXPECT_TRUE(difference.identical) << difference.first_difference;
+  EXPECT_EQ(difference.n_measurements, 4001);
+  EXPECT_EQ(difference.n_commands, 4001);
+}
+
+TEST_F(ClosedLoop, TheLogNeedsNoOtherFile) {
+  ASSERT_EQ(run({"run", config("scenes/metrology_frame.yaml"), "--duration", "2", "--loop", "active",
+                 "--out", folder_ / "run"}).exit_code, 0);
+  const auto log = report::read_run_log(folder_ / "run/active.lcm");
+  const auto same = [&](const std::string& text, const std::string& file) {
+    std::ifstream stream(folder_ / "run" / file);
+    return text == std::string(std::istreambuf_iterator<char>(stream), {});
+  };
+  EXPECT_TRUE(same(log.info.scene_text, "scene.yaml"));
+  EXPECT_TRUE(same(log.info.floor_text, "floor.yaml"));
+  EXPECT_TRUE(same(log.info.gains_text, "gains.yaml"));
+  EXPECT_EQ(log.info.floor_names.size(), 6u);
+}
+
+TEST_F(ClosedLoop, RealFloorIsReduced) {
+  const Said said = run({"run", config("scenes/metrology_frame.yaml"), "--duration", "20", "--out",
+                         folder_ / "run", "--json"});
+  ASSERT_EQ(said.exit_code, 0) << said.error;
+  const json verdict = json::parse(said.output);
+  ASSERT_EQ(verdict.at("axes").size(), 3u);
+  for (const auto& axis : verdict.at("axes")) {
+    const double floor = axis.at("floor").at("rms_acceleration");
+    const double passive = axis.at("passive").at("rms_acceleration");
+    const double active = axis.at("active").at("rms_acceleration");
+    // Undamped, the passive frame amplifies; isolated, it moves less than the floor.
+    EXPECT_GT(passive, floor) << axis.at("axis");
+    EXPECT_LT(active, floor) << axis.at("axis");
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::test

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/run/child_process.hpp"
+
+namespace stillframe::test {
+
+/// What a program did: its exit code and all that it said.
+struct Said {
+  int exit_code = -1;
+  std::string output, error;
+};
+
+/// A folder of its own for each test, with the programs at hand.
+class Workspace : public testing::Test {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+
+  std::filesystem::path config(const std::string& file) const;
+  /// Writes a file into the folder and answers its path.
+  std::filesystem::path write(const std::string& file, const std::string& text) const;
+  /// Starts `stillframe ARGUMENTS`; its standard error goes to the file stderr.
+  std::unique_ptr<tools::ChildProcess> start(const std::vector<std::string>& arguments) const;
+  /// Runs it to its end.
+  Said run(const std::vector<std::string>& arguments) const;
+  /// Processes of this network that run one of our programs or the logger.
+  static std::vector<std::string> processes_left();
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace stillframe::test

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "controller/answer.hpp"
+#include "controller/gains.hpp"
+#include "tests/controller/child_process.hpp"
+#include "tests/controller/fake_plant.hpp"
+#include "tests/controller/toy_plant.hpp"
+
+// The controller program against a fake plant, over LCM. Run through scripts/private_network.
+namespace stillframe::controller {
+
+using stillframe_msgs::command_t;
+using stillframe_msgs::measurement_t;
+using stillframe_msgs::run_state_t;
+using test::ChildProcess;
+
+inline const std::string program = std::string(STILLFRAME_BIN_DIR) + "/stillframe-controller";
+
+class ControllerProcess : public testing::Test {
+ protected:
+  ControllerProcess() {
+    static int n = 0;
+    gains_file = testing::TempDir() + "stillframe_gains_" + std::to_string(getpid()) + "_" +
+                 std::to_string(++n) + ".yaml";
+  }
+  ~ControllerProcess() override { unlink(gains_file.c_str()); }
+
+  /// Writes the gains and gives the command line to run them.
+  std::vector<std::string> command_line(const Gains& gains, std::vector<std::string> more = {}) {
+    std::ofstream(gains_file) << to_yaml(gains);
+    std::vector<std::string> all{program, "--gains", gains_file};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  std::string gains_file;
+};
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The bytes that the law, run here, would send.
+class Reference {
+ public:
+  explicit Reference(const Gains& gains)
+      : answer_(law_from_gains(gains), gains.force_limit_n, true) {
+    answer_.prepare(command_);
+  }
+  std::vector<std::uint8_t> operator()(const measurement_t& measurement) {
+    answer_.answer(measurement, command_);
+    std::vector<std::uint8_t> bytes(static_cast<size_t>(command_.getEncodedSize()));
+    command_.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    return bytes;
+  }
+
+ private:
+  Answer answer_;
+  command_t command_{};
+};
+
+}  // namespace stillframe::controller

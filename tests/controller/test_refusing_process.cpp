@@ -1,0 +1,128 @@
+#include <csignal>
+
+#include "msgs/clock.hpp"
+#include "tests/controller/controller_process.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+TEST_F(ControllerProcess, NaivePiIsRefused) {
+  Gains gains = toy::gains(5);
+  gains.realisation = Realisation::naive_pi;
+  for (const auto& more : {std::vector<std::string>{}, {"--check-only"}}) {
+    ChildProcess controller(command_line(gains, more));
+    EXPECT_EQ(controller.wait(), 3);
+    EXPECT_TRUE(contains(controller.err(), "realisation: implicit_feedthrough"))
+        << controller.err();
+    EXPECT_EQ(controller.out(), "");
+  }
+}
+
+TEST_F(ControllerProcess, CheckOnlyPrintsTheRadius) {
+  ChildProcess controller(command_line(toy::gains(5), {"--check-only"}));
+  EXPECT_EQ(controller.wait(), 0) << controller.err();
+  EXPECT_TRUE(contains(controller.out(), "spectral radius 0.9999")) << controller.out();
+}
+
+TEST_F(ControllerProcess, DisagreementIsToldToThePlantAndExits2) {
+  auto info = toy::run_info(toy::gains(5), 1, "lock_step", 1);
+  info.scene_hash = "another";
+  toy::FakePlant plant(info);
+  ChildProcess controller(command_line(toy::gains(5)));
+  ASSERT_EQ(plant.announce(), run_state_t::FAILED);
+  EXPECT_TRUE(contains(plant.states.back().text, "scene_hash"));
+  EXPECT_EQ(controller.wait(), 2);
+  EXPECT_TRUE(contains(controller.err(), "scene_hash")) << controller.err();
+}
+
+TEST_F(ControllerProcess, WallClockWithoutDelayExits2) {
+  const Gains gains = toy::gains(5, 1000, 0);
+  toy::FakePlant plant(toy::run_info(gains, 1, "wall_clock", 1));
+  ChildProcess controller(command_line(gains));
+  EXPECT_EQ(plant.announce(), run_state_t::FAILED);
+  EXPECT_EQ(controller.wait(), 2);
+  EXPECT_TRUE(contains(controller.err(), "delay_samples")) << controller.err();
+}
+
+TEST_F(ControllerProcess, SilenceExits4) {
+  {
+    ChildProcess controller(command_line(toy::gains(5), {"--timeout", "0.2"}));
+    EXPECT_EQ(controller.wait(), 4);
+    EXPECT_TRUE(contains(controller.err(), "nothing heard")) << controller.err();
+  }
+  for (const std::string mode : {"lock_step", "wall_clock"}) {
+    toy::FakePlant plant(toy::run_info(toy::gains(5), 1, mode, 100));
+    ChildProcess controller(command_line(toy::gains(5), {"--timeout", "1"}));
+    ASSERT_EQ(plant.announce(), run_state_t::READY);
+    plant.publish_state(run_state_t::RUNNING, monotonic_ns());
+    ASSERT_TRUE(plant.exchange(plant.measure(0)));
+    EXPECT_EQ(controller.wait(), 4);
+    EXPECT_TRUE(contains(controller.err(), "nothing heard")) << controller.err();
+  }
+}
+
+TEST_F(ControllerProcess, PlantFailureExits4WithItsReason) {
+  for (const bool running : {false, true}) {
+    toy::FakePlant plant(toy::run_info(toy::gains(5), 1, "lock_step", 100));
+    ChildProcess controller(command_line(toy::gains(5)));
+    ASSERT_EQ(plant.announce(), run_state_t::READY);
+    if (running) {
+      plant.publish_state(run_state_t::RUNNING);
+      ASSERT_TRUE(plant.exchange(plant.measure(0)));
+    }
+    plant.publish_state(run_state_t::FAILED, 0, "the integrator gave up");
+    EXPECT_EQ(controller.wait(), 4);
+    EXPECT_TRUE(contains(controller.err(), "the integrator gave up")) << controller.err();
+  }
+}
+
+TEST_F(ControllerProcess, SignalsStopItAndThePlantIsTold) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    for (const std::string mode : {"lock_step", "wall_clock"}) {
+      toy::FakePlant plant(toy::run_info(toy::gains(5), 1, mode, 100));
+      ChildProcess controller(command_line(toy::gains(5)));
+      ASSERT_EQ(plant.announce(), run_state_t::READY);
+      plant.publish_state(run_state_t::RUNNING, monotonic_ns());
+      ASSERT_TRUE(plant.exchange(plant.measure(0)));
+      controller.signal(signal);
+      EXPECT_EQ(controller.wait(), 4);
+      while (plant.states.back().state != run_state_t::FAILED && plant.take(1000)) {
+      }
+      EXPECT_EQ(plant.states.back().state, run_state_t::FAILED);
+    }
+  }
+}
+
+TEST_F(ControllerProcess, BadCommandLinesExit2) {
+  const std::vector<std::vector<std::string>> bad{
+      {program},
+      {program, "--gains", "no/such/file.yaml"},
+      {program, "--gains", gains_file, "--no-such-option"},
+      command_line(toy::gains(5), {"--timeout", "-1"}),
+      command_line(toy::gains(5), {"--phase", "1.5"}),
+      command_line(toy::gains(5), {"--lcm-url", "nonsense://"})};
+  for (const auto& arguments : bad) {
+    ChildProcess controller(arguments);
+    EXPECT_EQ(controller.wait(), 2) << arguments.back();
+    EXPECT_NE(controller.err(), "") << arguments.back();
+  }
+}
+
+TEST_F(ControllerProcess, WithoutMulticastItSaysWhatMends) {
+  auto arguments = command_line(toy::gains(5), {"--timeout", "1"});
+  arguments.insert(arguments.begin(), {"unshare", "--net"});
+  ChildProcess controller(arguments);
+  EXPECT_EQ(controller.wait(), 2);
+  EXPECT_TRUE(contains(controller.err(), "ip route add 224.0.0.0/4 dev lo")) << controller.err();
+}
+
+TEST_F(ControllerProcess, HelpTeaches) {
+  ChildProcess controller({program, "--help"});
+  EXPECT_EQ(controller.wait(), 0);
+  for (const char* part : {"--gains", "--check-only", "--realtime", "Exit codes", "SF_COMMAND"}) {
+    EXPECT_TRUE(contains(controller.out(), part)) << part;
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::controller

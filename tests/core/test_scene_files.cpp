@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "core/scene/scene_reader.hpp"
+#include "core/yaml/input_error.hpp"
+#include "tests/core/bad_scenes.hpp"
+
+namespace stillframe::test {
+namespace {
+
+class SceneFiles : public testing::Test {
+ protected:
+  SceneFiles() : folder_(std::filesystem::temp_directory_path() / "stillframe_scene_files") {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  ~SceneFiles() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  static std::string error_of_file(const std::filesystem::path& file) {
+    try {
+      read_scene(file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(SceneFiles, MissingFilesAndFoldersAreNamed) {
+  const auto missing = folder_ / "nowhere.yaml";
+  EXPECT_EQ(error_of_file(missing),
+            missing.string() + ": cannot be read (missing, empty or not allowed)");
+  EXPECT_EQ(error_of_file(folder_), folder_.string() + ": is a folder, a YAML file is needed");
+  EXPECT_NE(error_of_file(write("empty.yaml", "")).find("cannot be read"), std::string::npos);
+}
+
+TEST_F(SceneFiles, AControllerInAFileOfItsOwnIsReadAndItsErrorsAreThere) {
+  const size_t from = sound_scene.find("controller:\n"), to = sound_scene.find("simulation:");
+  const std::string scene =
+      std::string(sound_scene).replace(from, to - from, "controller: law.yaml\n");
+  const auto file = write("scene.yaml", scene);
+  EXPECT_NE(error_of_file(file).find("scene.yaml:31:13: controller: the file '" +
+                                     (folder_ / "law.yaml").string() + "' does not exist"),
+            std::string::npos)
+      << error_of_file(file);
+  const std::string law =
+      "legs: [leg_1]\ntarget_hz: 5\ndamping_ratio: 0.7\nsample_rate_hz: 1000\n"
+      "delay_samples: 0\nleak_hz: 0\n";
+  write("law.yaml", law);
+  const Scene read = read_scene(file);
+  ASSERT_TRUE(read.controller.has_value());
+  EXPECT_EQ(read.controller->sample_rate_hz, 1000);
+  EXPECT_EQ(read.hash, text_hash(scene));
+  write("law.yaml", "legs: [leg_1]\ntarget_hz: five\n");
+  EXPECT_NE(error_of_file(file).find("law.yaml:2:12: target_hz: found 'five'"), std::string::npos)
+      << error_of_file(file);
+  // A file given beside the scene replaces what stands in it.
+  const Scene replaced =
+      read_scene(write("inline.yaml", sound_scene), write("other.yaml", changed(law, "5", "7")));
+  EXPECT_EQ(replaced.controller->target_hz, 7);
+}
+
+TEST(SceneText, HashIsFnv1a) {
+  EXPECT_EQ(text_hash(""), "cbf29ce484222325");  // published test vectors of FNV-1a, 64 bit
+  EXPECT_EQ(text_hash("a"), "af63dc4c8601ec8c");
+  EXPECT_EQ(text_hash("foobar"), "85944171f73967e8");
+}
+
+TEST(SceneText, NumbersMayBeWrittenInAnyUsualWay) {
+  for (const char* text : {"4", "+4", "4.0", "4e0", "4.", "400e-2"}) {
+    EXPECT_EQ(parse_scene(changed(sound_scene, "mass: 4", std::string("mass: ") + text), "s")
+                  .masses.front()
+                  .mass,
+              4)
+        << text;
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::test

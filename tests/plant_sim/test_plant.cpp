@@ -1,0 +1,72 @@
+#include <gtest/gtest.h>
+
+#include "tests/plant_sim/frame.hpp"
+
+namespace stillframe {
+namespace {
+
+TEST(Plant, FirstReadingIsRest) {
+  const Scene scene = test::frame_scene();
+  const Model model = make_model(scene);
+  Plant plant(scene, model, test::table(Eigen::MatrixXd::Zero(6, 10)));
+  const Reading& reading = plant.read();
+  EXPECT_EQ(reading.sigma.norm() + reading.applied_force.norm() + reading.frame_acceleration.norm(), 0.0);
+  EXPECT_EQ(reading.frame_acceleration.size(), 12);
+}
+
+TEST(Plant, ConstantLegForceFirstMovesTheFrameByNewtonsLaw) {
+  // Equal tension in the three vertical legs pulls the frame down; the springs have not moved yet, so the mean
+  // acceleration over the first sample is -3 F / m up to omega^2 T^2 / 6 of the vertical mode (20 Hz: 2.6e-3).
+  const Scene scene = test::frame_scene();
+  const Model model = make_model(scene);
+  Plant plant(scene, model, test::table(Eigen::MatrixXd::Zero(6, 10)));
+  Eigen::VectorXd force(6);
+  force << 0, 2, 0, 2, 0, 2;
+  ASSERT_EQ(plant.advance(force), "");
+  const Reading& reading = plant.read();
+  EXPECT_EQ(reading.applied_force, force);
+  EXPECT_NEAR(reading.frame_acceleration(11), -6.0 / 750, 3e-3 * 6.0 / 750);
+  EXPECT_NEAR(reading.frame_acceleration(9), 0, 1e-9 * 6.0 / 750);  // symmetry, to rounding of the geometry
+}
+
+TEST(Plant, ForceLimitIsAppliedAndMeasured) {
+  Scene scene = test::frame_scene();
+  scene.controller->force_limit_n = 0.5;
+  const Model model = make_model(scene);
+  Plant plant(scene, model, test::table(Eigen::MatrixXd::Zero(6, 10)));
+  Eigen::VectorXd force(6);
+  force << 0.1, 2, -3, 0, 0, 0;
+  ASSERT_EQ(plant.advance(force), "");
+  Eigen::VectorXd expected(6);
+  expected << 0.1, 0.5, -0.5, 0, 0, 0;
+  EXPECT_EQ(plant.read().applied_force, expected);
+}
+
+TEST(Plant, SaysWhenAndWhyItCannotGoOn) {
+  // A floor node that moves by metres within a sample leaves no position that the rigid arms can reach.
+  const Scene scene = test::frame_scene();
+  const Model model = make_model(scene);
+  Eigen::MatrixXd huge = Eigen::MatrixXd::Zero(6, 10);
+  huge(0, 3) = 1e9;
+  Plant plant(scene, model, test::table(huge));
+  std::string reason;
+  for (int k = 0; k < 10 && reason.empty(); ++k) reason = plant.advance(Eigen::VectorXd::Zero(6));
+  EXPECT_NE(reason.find("plant at t = 0.00"), std::string::npos) << reason;
+}
+
+TEST(Plant, TheSameInputsGiveTheSameBits) {
+  const Scene scene = test::frame_scene();
+  const Model model = make_model(scene);
+  const Eigen::MatrixXd a = 1e-3 * test::noise(6, 200, 2);
+  Plant first(scene, model, test::table(a)), second(scene, model, test::table(a));
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::VectorXd force = test::noise(6, 1, static_cast<unsigned>(k));
+    ASSERT_EQ(first.advance(force), "");
+    ASSERT_EQ(second.advance(force), "");
+    ASSERT_EQ(first.read().frame_acceleration, second.read().frame_acceleration) << k;
+    ASSERT_EQ(first.read().sigma, second.read().sigma) << k;
+  }
+}
+
+}  // namespace
+}  // namespace stillframe
