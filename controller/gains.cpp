@@ -55,8 +55,8 @@ Gains read(const YamlReader& reader) {
   const YamlReader version = reader.require("stillframe_gains");
   if (version.integer(1) != 1) version.fail("found " + version.text() + ", allowed is 1");
   reader.allow_only({"stillframe_gains", "scene_hash", "legs", "sample_rate_hz", "delay_samples",
-                     "realisation", "leak_hz", "roll_off_hz", "force_limit_n", "K_P", "K_I",
-                     "plant"});
+                     "realisation", "leak_hz", "lead_samples", "roll_off_hz", "force_limit_n",
+                     "K_P", "K_I", "plant"});
   Gains gains;
   gains.scene_hash = reader.require("scene_hash").text();
   gains.legs = read_legs(reader.require("legs"));
@@ -64,6 +64,7 @@ Gains read(const YamlReader& reader) {
   gains.delay_samples = read_delay(reader.require("delay_samples"));
   gains.realisation = read_realisation(reader.require("realisation"));
   gains.leak_hz = reader.require("leak_hz").non_negative();
+  if (const auto lead = reader.find("lead_samples")) gains.lead_samples = lead->non_negative();
   gains.roll_off_hz = read_optional_positive(reader, "roll_off_hz");
   gains.force_limit_n = read_optional_positive(reader, "force_limit_n");
   gains.K_P = reader.require("K_P").matrix(gains.n_legs(), gains.n_legs());

@@ -33,6 +33,7 @@ struct Gains {
   int delay_samples = 1;  ///< a command from sample k takes effect at k + delay_samples; 0 or 1
   Realisation realisation = Realisation::implicit_feedthrough;
   double leak_hz = 0;                   ///< w_l / 2 pi
+  double lead_samples = 0;              ///< the law acts on e predicted so far ahead, >= 0
   std::optional<double> roll_off_hz;    ///< corner of a first-order low-pass after the law
   std::optional<double> force_limit_n;  ///< N, the largest force of every leg
   Eigen::MatrixXd K_P;                  ///< m x m, 1

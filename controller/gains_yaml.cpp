@@ -60,6 +60,7 @@ std::string to_yaml(const Gains& gains) {
   out += "delay_samples: " + std::to_string(gains.delay_samples) + "\n";
   out += "realisation: " + std::string(to_text(gains.realisation)) + "\n";
   out += "leak_hz: " + digits(gains.leak_hz) + "\n";
+  if (gains.lead_samples > 0) out += "lead_samples: " + digits(gains.lead_samples) + "\n";
   if (gains.roll_off_hz) out += "roll_off_hz: " + digits(*gains.roll_off_hz) + "\n";
   if (gains.force_limit_n) out += "force_limit_n: " + digits(*gains.force_limit_n) + "\n";
   out += "K_P:\n" + rows(gains.K_P, "  ");

@@ -2,9 +2,9 @@
 
 #include <cstdio>
 
+#include "core/yaml/input_error.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
-#include "core/yaml/input_error.hpp"
 
 namespace stillframe::controller {
 

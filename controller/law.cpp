@@ -49,6 +49,13 @@ StateSpace low_pass(double corner_hz, Index m) {
   return {.A = -w_r * I, .B = w_r * I, .C = I, .D = MatrixXd::Zero(m, m)};
 }
 
+// Linear prediction from two samples, (1 + a) e[k] - a e[k-1]: what e will be a samples later, up
+// to its curvature.
+StateSpace lead(double samples, Index m) {
+  const MatrixXd I = MatrixXd::Identity(m, m);
+  return {.A = MatrixXd::Zero(m, m), .B = I, .C = -samples * I, .D = (1 + samples) * I};
+}
+
 void check_shapes(const Gains& gains) {
   const Index m = gains.n_legs();
   for (const MatrixXd* K : {&gains.K_P, &gains.K_I}) {
@@ -67,6 +74,7 @@ DiscreteLaw law_from_gains(const Gains& gains) {
   const bool implicit = gains.realisation == Realisation::implicit_feedthrough;
   const double T = gains.sample_time();
   StateSpace law = tustin(implicit ? implicit_feedthrough(gains) : naive_pi(gains), T);
+  if (gains.lead_samples > 0) law = in_series(lead(gains.lead_samples, gains.n_legs()), law);
   if (gains.roll_off_hz) {
     law = in_series(law, tustin(low_pass(*gains.roll_off_hz, gains.n_legs()), T));
   }

@@ -11,6 +11,8 @@ namespace stillframe::controller {
 ///   implicit_feedthrough: C'(s) = -(I + P)^-1 P = -(X s + w_l I + K_I)^-1 (K_P s + K_I), X = I +
 ///   K_P,
 ///     acting on sigma less the applied force; naive_pi: -(K_P + K_I/(s + w_l)) acting on sigma;
+///   with lead_samples = a > 0, e[k] is first replaced by (1 + a) e[k] - a e[k-1], which makes up
+///   for a force that acts a samples after its measurement (the delay, and half a sample of hold);
 ///   either is followed by w_r/(s + w_r) if there is a roll-off.
 /// Source: THEORY section 4, fact 3. Set-up. Errors: Refusal if I + K_P is singular,
 /// std::invalid_argument on gains that are not square or not of one size.

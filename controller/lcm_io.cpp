@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "msgs/clock.hpp"
 #include "msgs/channels.hpp"
+#include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "stillframe_msgs/timing_t.hpp"
 

@@ -15,10 +15,10 @@
 #include "controller/lock_step.hpp"
 #include "controller/realtime.hpp"
 #include "controller/start_check.hpp"
-#include "msgs/lcm_bus.hpp"
-#include "msgs/stop_signal.hpp"
 #include "controller/wall_clock.hpp"
 #include "core/yaml/input_error.hpp"
+#include "msgs/lcm_bus.hpp"
+#include "msgs/stop_signal.hpp"
 
 namespace stillframe::controller {
 

@@ -60,6 +60,9 @@ std::vector<Change> candidate_changes(const Gains& gains) {
     changes.push_back(
         {"sample_rate_hz: " + shown(rate, "%g"), [rate](Gains& g) { g.sample_rate_hz = rate; }});
   }
+  if (gains.lead_samples > 0) {
+    changes.push_back({"no lead_samples", [](Gains& g) { g.lead_samples = 0; }});
+  }
   if (gains.roll_off_hz) {
     changes.push_back({"no roll_off_hz", [](Gains& g) { g.roll_off_hz.reset(); }});
   }

@@ -9,6 +9,7 @@ inline constexpr const char* run_info = "SF_RUN_INFO";        // run_info_t, pla
 inline constexpr const char* run_state = "SF_RUN_STATE";      // run_state_t, plant and controller
 inline constexpr const char* timing = "SF_TIMING";            // timing_t, plant and controller
 
-inline constexpr const char* logger_check = "SF_LOGGER_CHECK";  // empty, makes a logger write out what it holds
+inline constexpr const char* logger_check =
+    "SF_LOGGER_CHECK";  // empty, makes a logger write out what it holds
 
 }  // namespace stillframe::channels

@@ -41,7 +41,8 @@ void LogPacer::sent(std::size_t bytes, std::size_t channel_length) noexcept {
 bool LogPacer::wait() noexcept {
   const std::int64_t begin = monotonic_ns();
   std::int64_t nudged = begin;
-  // In whole numbers: behind * messages > limit * sent, with the mean size sent / messages of a message.
+  // In whole numbers: behind * messages > limit * sent, with the mean size sent / messages of a
+  // message.
   while ((sent_ - (size() - base_)) * messages_ > messages_behind * sent_) {
     const std::int64_t now = monotonic_ns();
     if (now - begin > patience_ns) return false;

@@ -6,14 +6,14 @@
 
 namespace stillframe {
 
-/// Keeps a lock-step run from outrunning the lcm-logger that records it. lcm-logger drops messages once 30 wait
-/// in its queue, which a few milliseconds without a processor are enough for; the pacer compares the bytes that
-/// were sent with the size of the log and waits while more than a few samples are missing. Only time passes:
-/// what is sent does not change.
+/// Keeps a lock-step run from outrunning the lcm-logger that records it. lcm-logger drops messages
+/// once 30 wait in its queue, which a few milliseconds without a processor are enough for; the
+/// pacer compares the bytes that were sent with the size of the log and waits while more than a few
+/// samples are missing. Only time passes: what is sent does not change.
 class LogPacer {
  public:
-  /// log: the file that lcm-logger writes with --flush-interval=1, which exists. nudge: sends one small message,
-  /// on which lcm-logger writes out what it still holds, and answers sent() for it.
+  /// log: the file that lcm-logger writes with --flush-interval=1, which exists. nudge: sends one
+  /// small message, on which lcm-logger writes out what it still holds, and answers sent() for it.
   LogPacer(std::filesystem::path log, std::function<void()> nudge);
 
   /// Takes the present size of the log as the reference, after it has settled.

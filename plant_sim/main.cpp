@@ -78,7 +78,8 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--pace-by-log", options.pace_by_log,
-                 "Lock-step: wait whenever the lcm-logger (--flush-interval=1) that writes this log falls behind, so "
+                 "Lock-step: wait whenever the lcm-logger (--flush-interval=1) that writes this "
+                 "log falls behind, so "
                  "that it loses nothing")
       ->check(CLI::ExistingFile);
   app.add_flag("--progress", options.progress,

@@ -24,7 +24,8 @@ PlantLink::PlantLink(const std::string& url, run_info_t info)
     : lcm_(open_lcm(url)),
       info_(std::move(info)),
       command_force_(Eigen::VectorXd::Zero(info_.n_legs)) {
-  // A full queue drops the newest message, not the oldest: leave room for a stall of a second or so.
+  // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
+  // so.
   lcm_->subscribe(channels::command, &PlantLink::on_command, this)->setQueueCapacity(4096);
   lcm_->subscribe(channels::run_state, &PlantLink::on_state, this);
 }
@@ -79,9 +80,7 @@ void PlantLink::publish_measurement(std::int64_t k, std::int64_t time_ns, const 
   repeat_measurement();
 }
 
-void PlantLink::repeat_measurement() {
-  send(channels::measurement, measurement_bytes_);
-}
+void PlantLink::repeat_measurement() { send(channels::measurement, measurement_bytes_); }
 
 bool PlantLink::listen(int timeout_ms) noexcept { return handle_one(*lcm_, timeout_ms); }
 

@@ -27,7 +27,8 @@ class Run {
 
   void begin(std::int64_t start_ns) {
     link_.publish_info();
-    // Without it a controller would never learn t_0; in lock-step the first measurement says as much.
+    // Without it a controller would never learn t_0; in lock-step the first measurement says as
+    // much.
     for (int i = 0; i < (start_ns > 0 ? 3 : 1); ++i) {
       link_.publish_state(run_state_t::RUNNING, start_ns, "");
     }

@@ -95,8 +95,9 @@ void print_page(const LoopDesign& design) {
              block.target_hz, block.damping_ratio, word(block.order),
              block.order == GainOrder::exact ? "K M^-1" : "M^-1 K", block.leak_hz)
       << report::cell(
-             "Sampled at %g Hz, a command takes effect %d sample(s) after its measurement\n\n",
-             block.sample_rate_hz, block.delay_samples);
+             "Sampled at %g Hz, a command takes effect %d sample(s) after its measurement, lead %g "
+             "sample(s)\n\n",
+             block.sample_rate_hz, block.delay_samples, block.lead_samples);
   print_matrix("K_P", "1", design.gains.K_P);
   print_matrix("K_I", "1/s", design.gains.K_I);
   std::cout << "\n";

@@ -19,6 +19,7 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
                              ? controller::Realisation::naive_pi
                              : controller::Realisation::implicit_feedthrough,
           .leak_hz = block.leak_hz,
+          .lead_samples = block.lead_samples,
           .roll_off_hz = block.roll_off_hz,
           .force_limit_n = block.force_limit_n,
           .K_P = loop.gains.K_P,

@@ -28,7 +28,7 @@ std::vector<std::string> read_legs(const YamlReader& list, const Scene& scene) {
 
 SceneController read_controller(const YamlReader& block, const Scene& scene) {
   block.allow_only({"legs", "target_hz", "damping_ratio", "order", "realisation", "sample_rate_hz",
-                    "delay_samples", "leak_hz", "roll_off_hz", "force_limit_n"});
+                    "delay_samples", "leak_hz", "lead_samples", "roll_off_hz", "force_limit_n"});
   SceneController controller;
   controller.place = block.place();
   controller.legs = read_legs(block.require("legs"), scene);
@@ -47,6 +47,9 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
   const YamlReader delay = block.require("delay_samples");
   controller.delay_samples = std::stoi(delay.one_of({"0", "1"}));
   controller.leak_hz = block.require("leak_hz").non_negative();
+  if (const auto value = block.find("lead_samples")) {
+    controller.lead_samples = value->non_negative();
+  }
   if (const auto value = block.find("roll_off_hz")) {
     controller.roll_off_hz = value->positive();
     if (*controller.roll_off_hz >= controller.sample_rate_hz / 2) {

@@ -80,6 +80,7 @@ struct SceneController {
   double sample_rate_hz = 0;
   int delay_samples = 0;
   double leak_hz = 0;
+  double lead_samples = 0;
   std::optional<double> roll_off_hz, force_limit_n;
 };
 

@@ -11,7 +11,8 @@ namespace fs = std::filesystem;
 /// Every refusal is one message, the right exit code, and no trace of a run.
 class BadInput : public Workspace {
  protected:
-  void expect_refused(const std::vector<std::string>& arguments, int code, const std::string& message) {
+  void expect_refused(const std::vector<std::string>& arguments, int code,
+                      const std::string& message) {
     std::vector<std::string> all = arguments;
     all.insert(all.end(), {"--out", folder_ / "run"});
     const Said said = run(all);
@@ -22,10 +23,20 @@ class BadInput : public Workspace {
 
   std::string scene() const { return config("scenes/metrology_frame.yaml"); }
 
-  /// The frame's controller block with lines added.
-  fs::path controller(const std::string& lines) const {
+  std::string controller_text() const {
     std::ifstream stream(config("controllers/force_feedback_5hz.yaml"));
-    return write("controller.yaml", std::string(std::istreambuf_iterator<char>(stream), {}) + lines);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+  /// The frame's controller block with lines added, or with some of its text exchanged.
+  fs::path controller(const std::string& lines) const {
+    return write("controller.yaml", controller_text() + lines);
+  }
+  fs::path changed_controller(
+      const std::vector<std::pair<std::string, std::string>>& changes) const {
+    std::string text = controller_text();
+    for (const auto& [from, to] : changes) text.replace(text.find(from), from.size(), to);
+    return write("controller.yaml", text);
   }
 
   fs::path recording(const std::string& rows) const {
@@ -40,15 +51,13 @@ TEST_F(BadInput, NaiveRealisationIsRefusedWithTheReason) {
 }
 
 TEST_F(BadInput, MissingLeakIsRefusedWithTheReason) {
-  std::ifstream stream(config("controllers/force_feedback_5hz.yaml"));
-  const std::string text(std::istreambuf_iterator<char>(stream), {});
-  const auto file = write("controller.yaml", std::regex_replace(text, std::regex("leak_hz: 0.05"), "leak_hz: 0"));
+  const auto file = changed_controller({{"leak_hz: 0.05", "leak_hz: 0"}});
   expect_refused({"run", scene(), "--controller", file}, 3, "leak_hz");
 }
 
 TEST_F(BadInput, UnknownKey) {
   expect_refused({"run", scene(), "--controller", controller("leek_hz: 1\n")}, 2,
-                 "controller.yaml:9:1: leek_hz: unknown key .did you mean 'leak_hz'");
+                 "controller.yaml:10:1: leek_hz: unknown key .did you mean 'leak_hz'");
 }
 
 TEST_F(BadInput, MissingScene) {
@@ -56,7 +65,8 @@ TEST_F(BadInput, MissingScene) {
 }
 
 TEST_F(BadInput, RecordingWithNaN) {
-  expect_refused({"run", scene(), "--floor", recording("0,0,0\n0,nan,0\n")}, 2, "floor.csv:4:3: .*nan");
+  expect_refused({"run", scene(), "--floor", recording("0,0,0\n0,nan,0\n")}, 2,
+                 "floor.csv:4:3: .*nan");
 }
 
 TEST_F(BadInput, RecordingWithAGap) {
@@ -64,27 +74,28 @@ TEST_F(BadInput, RecordingWithAGap) {
 }
 
 TEST_F(BadInput, MissingRecording) {
-  expect_refused({"run", scene(), "--floor", write("floor.yaml", "recording: {file: none.csv, axes: {ax: x}}\n")},
+  expect_refused({"run", scene(), "--floor",
+                  write("floor.yaml", "recording: {file: none.csv, axes: {ax: x}}\n")},
                  2, "floor.yaml:1:.*none.csv");
 }
 
 TEST_F(BadInput, WallClockWithoutDelay) {
-  std::ifstream stream(config("controllers/force_feedback_5hz.yaml"));
-  const std::string text(std::istreambuf_iterator<char>(stream), {});
   const auto file =
-      write("controller.yaml", std::regex_replace(text, std::regex("delay_samples: 1"), "delay_samples: 0"));
-  expect_refused({"run", scene(), "--controller", file, "--mode", "wall_clock"}, 2, "delay_samples: found 0");
+      changed_controller({{"delay_samples: 1", "delay_samples: 0"}, {"lead_samples: 1.5", ""}});
+  expect_refused({"run", scene(), "--controller", file, "--mode", "wall_clock"}, 2,
+                 "delay_samples: found 0");
 }
 
 TEST_F(BadInput, UnknownLcmProvider) {
-  expect_refused({"run", scene(), "--lcm-url", "nonsense://x"}, 2, "LCM cannot be opened at 'nonsense://x'");
+  expect_refused({"run", scene(), "--lcm-url", "nonsense://x"}, 2,
+                 "LCM cannot be opened at 'nonsense://x'");
 }
 
 TEST_F(BadInput, UnroutedMulticastNamesTheMend) {
   // A network namespace as it is made: loopback down, no route for multicast.
   tools::ChildProcess run("unshare",
-                          {"unshare", "--net", std::string(STILLFRAME_BIN_DIR) + "/stillframe", "run", scene(), "--out",
-                           folder_ / "run"},
+                          {"unshare", "--net", std::string(STILLFRAME_BIN_DIR) + "/stillframe",
+                           "run", scene(), "--out", folder_ / "run"},
                           folder_ / "stderr");
   ASSERT_EQ(run.wait(60), 2);
   std::ifstream stream(folder_ / "stderr");

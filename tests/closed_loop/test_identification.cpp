@@ -27,22 +27,24 @@ TEST_F(ClosedLoop, IdentifiedSingularValuesAreThePredictedOnes) {
   EXPECT_GE(found.at("n_frequencies"), 30);
   EXPECT_LE(found.at("lowest_hz"), 1.0);
   EXPECT_GE(found.at("highest_hz"), 100.0);
-  // 0.2 dB is what a run has to meet. An undisturbed lock-step run has only nonlinearity and integrator tolerance
-  // to err by; both are below 0.01 dB (tests/plant_sim/test_prediction.cpp), so more than that is a defect.
+  // 0.2 dB is what a run has to meet. An undisturbed lock-step run has only nonlinearity and
+  // integrator tolerance to err by; both are below 0.01 dB (tests/plant_sim/test_prediction.cpp),
+  // so more than that is a defect.
   EXPECT_LT(found.at("open_largest_db"), 0.02);
   EXPECT_LT(found.at("closed_largest_db"), 0.02);
   EXPECT_LT(found.at("reduction_largest_error_db"), 0.04);
   EXPECT_EQ(found.at("n_closed_below_open"), found.at("n_reduction_frequencies"));
-  for (const char* file : {"active.lcm", "passive.lcm", "scene.yaml", "floor.yaml", "gains.yaml",
-                           "verdict.json", "verdict.txt", "singular_values.png", "prediction_error.png"}) {
+  for (const char* file :
+       {"active.lcm", "passive.lcm", "scene.yaml", "floor.yaml", "gains.yaml", "verdict.json",
+        "verdict.txt", "singular_values.png", "prediction_error.png"}) {
     EXPECT_GT(std::filesystem::file_size(folder_ / "run" / file), 0u) << file;
   }
 }
 
 TEST_F(ClosedLoop, TwoLockStepRunsCarryTheSameBits) {
   for (const char* name : {"a", "b"}) {
-    const Said said = run({"run", config("scenes/metrology_frame.yaml"), "--duration", "4", "--loop",
-                           "active", "--run-id", "7", "--out", folder_ / name});
+    const Said said = run({"run", config("scenes/metrology_frame.yaml"), "--duration", "4",
+                           "--loop", "active", "--run-id", "7", "--out", folder_ / name});
     ASSERT_EQ(said.exit_code, 0) << said.error;
   }
   const auto difference = report::compare_logs(folder_ / "a/active.lcm", folder_ / "b/active.lcm");
@@ -52,8 +54,10 @@ TEST_F(ClosedLoop, TwoLockStepRunsCarryTheSameBits) {
 }
 
 TEST_F(ClosedLoop, TheLogNeedsNoOtherFile) {
-  ASSERT_EQ(run({"run", config("scenes/metrology_frame.yaml"), "--duration", "2", "--loop", "active",
-                 "--out", folder_ / "run"}).exit_code, 0);
+  ASSERT_EQ(run({"run", config("scenes/metrology_frame.yaml"), "--duration", "2", "--loop",
+                 "active", "--out", folder_ / "run"})
+                .exit_code,
+            0);
   const auto log = report::read_run_log(folder_ / "run/active.lcm");
   const auto same = [&](const std::string& text, const std::string& file) {
     std::ifstream stream(folder_ / "run" / file);

@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 class Processes : public Workspace {
  protected:
   std::unique_ptr<tools::ChildProcess> start_long_run() {
-    auto process = start({"run", config("scenes/metrology_frame.yaml"), "--duration", "380", "--loop",
-                          "active", "--out", folder_ / "run", "--timeout", "2"});
+    auto process = start({"run", config("scenes/metrology_frame.yaml"), "--duration", "380",
+                          "--loop", "active", "--out", folder_ / "run", "--timeout", "2"});
     const auto log = folder_ / "run.incomplete/active.lcm";
     // Until a tenth of a megabyte is logged: the loop is running then.
     const std::int64_t until = monotonic_ns() + 60 * ns_per_s;
@@ -29,7 +29,8 @@ class Processes : public Workspace {
   pid_t id_of(const std::string& name) const {
     for (const auto& entry : fs::directory_iterator("/proc")) {
       std::error_code error;
-      if (fs::read_symlink(entry.path() / "ns/net", error) != fs::read_symlink("/proc/self/ns/net")) continue;
+      if (fs::read_symlink(entry.path() / "ns/net", error) != fs::read_symlink("/proc/self/ns/net"))
+        continue;
       std::ifstream stream(entry.path() / "cmdline");
       std::string command;
       std::getline(stream, command, '\0');
@@ -75,8 +76,9 @@ TEST_F(Processes, StopWhenTheLoggerDies) {
 }
 
 TEST_F(Processes, WallClockRunAccountsForEveryPeriod) {
-  const Said said = run({"run", config("scenes/metrology_frame.yaml"), "--mode", "wall_clock", "--duration",
-                         "3", "--loop", "active", "--out", folder_ / "run", "--json"});
+  const Said said =
+      run({"run", config("scenes/metrology_frame.yaml"), "--mode", "wall_clock", "--duration", "3",
+           "--loop", "active", "--out", folder_ / "run", "--json"});
   // A busy machine may lose samples, which the exit code then says; it must not lose count of them.
   ASSERT_TRUE(said.exit_code == 0 || said.exit_code == 4) << said.error;
   const auto verdict = nlohmann::json::parse(said.output);
@@ -88,7 +90,9 @@ TEST_F(Processes, WallClockRunAccountsForEveryPeriod) {
     } else {
       // Answered and lost measurements make up the run; duplicates are none of them.
       EXPECT_LE(logged.at("n_commands").get<int>(), 3001);
-      EXPECT_GE(logged.at("n_commands").get<int>() + timing.at("n_lost").get<int>() + logged.at("n_lost").get<int>(), 3001);
+      EXPECT_GE(logged.at("n_commands").get<int>() + timing.at("n_lost").get<int>() +
+                    logged.at("n_lost").get<int>(),
+                3001);
     }
   }
 }

@@ -1,9 +1,9 @@
 #include "tests/closed_loop/workspace.hpp"
 
+#include <unistd.h>
+
 #include <fstream>
 #include <sstream>
-
-#include <unistd.h>
 
 namespace stillframe::test {
 
@@ -41,7 +41,8 @@ fs::path Workspace::write(const std::string& file, const std::string& text) cons
   return folder_ / file;
 }
 
-std::unique_ptr<tools::ChildProcess> Workspace::start(const std::vector<std::string>& arguments) const {
+std::unique_ptr<tools::ChildProcess> Workspace::start(
+    const std::vector<std::string>& arguments) const {
   std::vector<std::string> command{std::string(STILLFRAME_BIN_DIR) + "/stillframe"};
   command.insert(command.end(), arguments.begin(), arguments.end());
   return std::make_unique<tools::ChildProcess>("stillframe", command, folder_ / "stderr");

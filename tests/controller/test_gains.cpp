@@ -24,6 +24,7 @@ void expect_same(const Gains& a, const Gains& b) {
   EXPECT_EQ(a.delay_samples, b.delay_samples);
   EXPECT_EQ(a.realisation, b.realisation);
   EXPECT_EQ(a.leak_hz, b.leak_hz);
+  EXPECT_EQ(a.lead_samples, b.lead_samples);
   EXPECT_EQ(a.roll_off_hz, b.roll_off_hz);
   EXPECT_EQ(a.force_limit_n, b.force_limit_n);
   expect_same_bits(a.K_P, b.K_P);
@@ -59,6 +60,7 @@ TEST(Gains, ReadingBackIsBitExact) {
 TEST(Gains, OptionalKeysAndNamesSurvive) {
   Gains gains = toy::gains(5, 4000, 0);
   gains.realisation = Realisation::naive_pi;
+  gains.lead_samples = 1.0 / 7;
   gains.roll_off_hz = 0.1;
   gains.force_limit_n = 1.0 / 3;
   gains.scene_hash = "0000000000000012";  // all digits, and still text

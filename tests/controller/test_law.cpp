@@ -62,6 +62,7 @@ struct Case {
   Realisation realisation;
   double leak_hz;
   std::optional<double> roll_off_hz;
+  double lead_samples = 0;
 };
 
 class LawResponse : public testing::TestWithParam<Case> {};
@@ -71,11 +72,13 @@ TEST_P(LawResponse, EqualsTheClosedFormAtTheWarpedFrequency) {
     Gains gains = coupled_gains(rate, GetParam().leak_hz);
     gains.realisation = GetParam().realisation;
     gains.roll_off_hz = GetParam().roll_off_hz;
+    gains.lead_samples = GetParam().lead_samples;
     const DiscreteLaw law = law_from_gains(gains);
     EXPECT_EQ(law.subtract_applied, gains.realisation == Realisation::implicit_feedthrough);
     for (const double part : {1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.25, 0.4, 0.49}) {
       const Complex z = std::polar(1.0, toy::two_pi * part);
-      const MatrixXcd expected = closed_form(gains, warped(z, gains.sample_time()));
+      const MatrixXcd expected = closed_form(gains, warped(z, gains.sample_time())) *
+                                 (1.0 + gains.lead_samples * (1.0 - 1.0 / z));
       // Rounding only: z I - A loses log10(1 / (2 pi 1e-5)), 4 to 5 digits of 16, I + K_P 2 more.
       EXPECT_LT((response(law, z) - expected).norm(), 1e-9 * expected.norm())
           << part << " of " << rate << " Hz";
@@ -83,12 +86,14 @@ TEST_P(LawResponse, EqualsTheClosedFormAtTheWarpedFrequency) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, LawResponse,
-                         testing::Values(Case{Realisation::implicit_feedthrough, 0.05, {}},
-                                         Case{Realisation::implicit_feedthrough, 0.0, {}},
-                                         Case{Realisation::implicit_feedthrough, 2.0, 200.0},
-                                         Case{Realisation::naive_pi, 0.05, {}},
-                                         Case{Realisation::naive_pi, 1.0, 300.0}));
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, LawResponse,
+    testing::Values(Case{Realisation::implicit_feedthrough, 0.05, {}},
+                    Case{Realisation::implicit_feedthrough, 0.0, {}},
+                    Case{Realisation::implicit_feedthrough, 2.0, 200.0},
+                    Case{Realisation::naive_pi, 0.05, {}}, Case{Realisation::naive_pi, 1.0, 300.0},
+                    Case{Realisation::implicit_feedthrough, 0.05, {}, 1.5},
+                    Case{Realisation::implicit_feedthrough, 0.05, 200.0, 0.5}));
 
 TEST(Law, ImplicitOneIsStableAndHasItsStaticGain) {
   for (const double rate : {1000.0, 10000.0}) {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "core/linear/balance.hpp"
 #include "controller/law.hpp"
 #include "controller/start_check.hpp"
+#include "core/linear/balance.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/controller/loop_simulation.hpp"
 #include "tests/controller/toy_plant.hpp"

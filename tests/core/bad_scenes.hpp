@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,8 @@ struct BadScene {
   std::string from, to, at;
   std::vector<std::string> parts;
 };
+
+inline void PrintTo(const BadScene& bad, std::ostream* out) { *out << bad.name; }
 
 /// The text with its first `from` replaced by `to`.
 inline std::string changed(const std::string& text, const std::string& from,
@@ -369,12 +372,12 @@ inline const std::vector<BadScene> bad_scenes = {
      "7\nma",
      {"loads: found '7', allowed is a sequence"}},
     {"scene_that_is_a_word",
-     sound,
+     sound_scene,
      "hello",
      "",
      {"swing.yaml:1:1: found 'hello', allowed is a map with the keys title"}},
     {"empty_scene",
-     sound,
+     sound_scene,
      "",
      "",
      {"swing.yaml", "found nothing, allowed is a map with the keys title"}},

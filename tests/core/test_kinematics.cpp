@@ -73,6 +73,14 @@ TEST_P(Kinematics, SolvedPositionsMeetEveryCondition) {
   }
 }
 
+TEST_P(Kinematics, ComesBackToTheSceneAsWritten) {
+  // The solution is exactly zero, so that no rounding relative to it ever ends the iteration.
+  const MotionState away = large_motion(), home(model_);
+  ASSERT_TRUE(solve_positions(model_, data_, away.q_d, away.q_r));
+  ASSERT_TRUE(solve_positions(model_, data_, home.q_d, home.q_r));
+  EXPECT_LE(data_.x.cwiseAbs().maxCoeff(), 1e-29);
+}
+
 TEST_P(Kinematics, TransferFunctionsAreTheDerivativesOfPositions) {
   for (int k = 0; k < 3; ++k) {
     const MotionState state = large_motion();

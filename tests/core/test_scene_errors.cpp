@@ -12,8 +12,6 @@
 namespace stillframe::test {
 namespace {
 
-void PrintTo(const BadScene& bad, std::ostream* out) { *out << bad.name; }
-
 /// Everything that is done with a scene before it moves.
 void read_and_model(const std::string& text) {
   const Scene scene = parse_scene(text, "swing.yaml");

@@ -80,7 +80,7 @@ monitors:
 compare:
   z: {floor: y, frame: m}
 controller: {legs: [leg], target_hz: 1, damping_ratio: 1, order: exact, realisation: naive_pi,
-  sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, roll_off_hz: 10, force_limit_n: 1}
+  sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, lead_samples: 1, roll_off_hz: 10, force_limit_n: 1}
 simulation: {duration_s: 1, relative_tolerance: 1e-6}
 )";
 
@@ -203,6 +203,7 @@ TEST(SceneReference, NumbersAmongTheDefaultsAreThoseOfTheReader) {
   EXPECT_EQ(SceneController().order, GainOrder::exact);
   EXPECT_EQ(all.at("controller").at("realisation"), "`implicit_feedthrough`");
   EXPECT_EQ(SceneController().realisation, Realisation::implicit_feedthrough);
+  EXPECT_EQ(SceneController().lead_samples, std::stod(all.at("controller").at("lead_samples")));
   EXPECT_EQ(SceneElement().damping, std::stod(all.at("elements: truss").at("damping")));
   EXPECT_EQ(SceneElement().preload, std::stod(all.at("elements: truss").at("preload")));
   const floor::RecordingSpec recording{

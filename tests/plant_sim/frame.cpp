@@ -18,7 +18,8 @@ std::unique_ptr<floor::FloorSource> table(Eigen::MatrixXd samples) {
 }
 
 std::unique_ptr<floor::FloorSource> translations(Eigen::MatrixXd samples) {
-  return std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::translations, std::move(samples));
+  return std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::translations,
+                                                 std::move(samples));
 }
 
 Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index cols, unsigned seed) {

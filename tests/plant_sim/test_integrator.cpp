@@ -1,6 +1,6 @@
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "plant_sim/integrator.hpp"
 
@@ -10,8 +10,8 @@ namespace {
 using Ref = Eigen::Ref<Eigen::VectorXd>;
 using ConstRef = Eigen::Ref<const Eigen::VectorXd>;
 
-/// x'' = -omega^2 x + a(k), a held over each sample and jumping at every one; closed form by the rotation of
-/// (x - a / omega^2, v / omega).
+/// x'' = -omega^2 x + a(k), a held over each sample and jumping at every one; closed form by the
+/// rotation of (x - a / omega^2, v / omega).
 struct Oscillator {
   double omega = 2 * M_PI * 49, a = 0;
   bool operator()(double, const ConstRef& y, Ref dy) const {
@@ -40,8 +40,8 @@ double error_after(double tolerance, double amplitude) {
 }
 
 TEST(Integrator, ErrorShrinksWithTheTolerance) {
-  // One second holds 1000 samples and each may err by the tolerance of its step; a factor of ten is left for the
-  // growth of errors along 49 periods.
+  // One second holds 1000 samples and each may err by the tolerance of its step; a factor of ten is
+  // left for the growth of errors along 49 periods.
   for (const double tolerance : {1e-6, 1e-8, 1e-10, 1e-12}) {
     const double error = error_after(tolerance, 1.0);
     RecordProperty("error_at_" + std::to_string(tolerance), std::to_string(error));
@@ -51,14 +51,19 @@ TEST(Integrator, ErrorShrinksWithTheTolerance) {
 }
 
 TEST(Integrator, DoesNotKnowTheSizeOfTheMotion) {
-  // The tolerance is relative and the problem linear, so a picometre is integrated like a metre: the same steps,
-  // up to rounding of the error norm.
+  // The tolerance is relative and the problem linear, so a picometre is integrated like a metre:
+  // the same steps, up to rounding of the error norm.
   EXPECT_NEAR(error_after(1e-8, 1e-12) / error_after(1e-8, 1.0), 1.0, 1e-3);
 }
 
 TEST(Integrator, StaysAtRest) {
   Integrator integrator(
-      1, [](double, const ConstRef& y, Ref dy) { dy << y(1), -y(0); return true; }, 1e-8);
+      1,
+      [](double, const ConstRef& y, Ref dy) {
+        dy << y(1), -y(0);
+        return true;
+      },
+      1e-8);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2);
   ASSERT_EQ(integrator.advance(y, 1e-3, 0.0), Integrator::Status::ok);
   EXPECT_EQ(y.norm(), 0.0);
@@ -66,7 +71,12 @@ TEST(Integrator, StaysAtRest) {
 
 TEST(Integrator, ReportsAnEquationThatCannotBeEvaluated) {
   Integrator integrator(
-      1, [](double t, const ConstRef&, Ref dy) { dy << 1, 1; return t < 5e-4; }, 1e-8);
+      1,
+      [](double t, const ConstRef&, Ref dy) {
+        dy << 1, 1;
+        return t < 5e-4;
+      },
+      1e-8);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2);
   EXPECT_NE(integrator.advance(y, 1e-3, 1.0), Integrator::Status::ok);
 }

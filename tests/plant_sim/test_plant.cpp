@@ -10,13 +10,15 @@ TEST(Plant, FirstReadingIsRest) {
   const Model model = make_model(scene);
   Plant plant(scene, model, test::table(Eigen::MatrixXd::Zero(6, 10)));
   const Reading& reading = plant.read();
-  EXPECT_EQ(reading.sigma.norm() + reading.applied_force.norm() + reading.frame_acceleration.norm(), 0.0);
+  EXPECT_EQ(reading.sigma.norm() + reading.applied_force.norm() + reading.frame_acceleration.norm(),
+            0.0);
   EXPECT_EQ(reading.frame_acceleration.size(), 12);
 }
 
 TEST(Plant, ConstantLegForceFirstMovesTheFrameByNewtonsLaw) {
-  // Equal tension in the three vertical legs pulls the frame down; the springs have not moved yet, so the mean
-  // acceleration over the first sample is -3 F / m up to omega^2 T^2 / 6 of the vertical mode (20 Hz: 2.6e-3).
+  // Equal tension in the three vertical legs pulls the frame down; the springs have not moved yet,
+  // so the mean acceleration over the first sample is -3 F / m up to omega^2 T^2 / 6 of the
+  // vertical mode (20 Hz: 2.6e-3).
   const Scene scene = test::frame_scene();
   const Model model = make_model(scene);
   Plant plant(scene, model, test::table(Eigen::MatrixXd::Zero(6, 10)));
@@ -26,7 +28,8 @@ TEST(Plant, ConstantLegForceFirstMovesTheFrameByNewtonsLaw) {
   const Reading& reading = plant.read();
   EXPECT_EQ(reading.applied_force, force);
   EXPECT_NEAR(reading.frame_acceleration(11), -6.0 / 750, 3e-3 * 6.0 / 750);
-  EXPECT_NEAR(reading.frame_acceleration(9), 0, 1e-9 * 6.0 / 750);  // symmetry, to rounding of the geometry
+  EXPECT_NEAR(reading.frame_acceleration(9), 0,
+              1e-9 * 6.0 / 750);  // symmetry, to rounding of the geometry
 }
 
 TEST(Plant, ForceLimitIsAppliedAndMeasured) {
@@ -43,7 +46,8 @@ TEST(Plant, ForceLimitIsAppliedAndMeasured) {
 }
 
 TEST(Plant, SaysWhenAndWhyItCannotGoOn) {
-  // A floor node that moves by metres within a sample leaves no position that the rigid arms can reach.
+  // A floor node that moves by metres within a sample leaves no position that the rigid arms can
+  // reach.
   const Scene scene = test::frame_scene();
   const Model model = make_model(scene);
   Eigen::MatrixXd huge = Eigen::MatrixXd::Zero(6, 10);

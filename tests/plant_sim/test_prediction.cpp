@@ -4,20 +4,23 @@
 #include "tests/plant_sim/frame.hpp"
 #include "tools/loop_design.hpp"
 
-// Plant and law in one program against the exact linear sampled-data system, sample by sample. What remains
-// between them is nonlinearity, which shrinks with the amplitude, and integrator tolerance, which shrinks with the
-// tolerance (THEORY section 5); both are shown to shrink.
+// Plant and law in one program against the exact linear sampled-data system, sample by sample. What
+// remains between them is nonlinearity, which shrinks with the amplitude, and integrator tolerance,
+// which shrinks with the tolerance (THEORY section 5); both are shown to shrink.
 namespace stillframe {
 namespace {
 
-/// Relative difference between the nonlinear closed loop and the prediction over half a second of noise.
+/// Relative difference between the nonlinear closed loop and the prediction over half a second of
+/// noise.
 double difference(const tools::LoopDesign& design, double amplitude, double tolerance, int delay) {
   Scene scene = design.scene;
   scene.simulation.relative_tolerance = tolerance;
   const int n = 500;
   const Eigen::MatrixXd w = amplitude * test::noise(6, n, 3);
   Plant plant(scene, design.model, test::table(w));
-  const DiscreteLaw matrices = controller::law_from_gains(design.gains);
+  controller::Gains gains = design.gains;
+  gains.lead_samples = delay + 0.5;  // as fits the delay; the scene's is for one sample
+  const DiscreteLaw matrices = controller::law_from_gains(gains);
   controller::Law law(matrices);
   const SampledLoop loop = close_loop(design.sampled, matrices, delay);
   Eigen::VectorXd xi = Eigen::VectorXd::Zero(loop.A.rows()), force = Eigen::VectorXd::Zero(6),
@@ -39,18 +42,19 @@ double difference(const tools::LoopDesign& design, double amplitude, double tole
 class Prediction : public testing::TestWithParam<int> {
  protected:
   static const tools::LoopDesign& design() {
-    static const tools::LoopDesign value = tools::make_loop_design(test::frame_file(), std::nullopt);
+    static const tools::LoopDesign value =
+        tools::make_loop_design(test::frame_file(), std::nullopt);
     return value;
   }
 };
 
 TEST_P(Prediction, NonlinearityShrinksWithTheAmplitude) {
-  // The first neglected term of the geometry is of second order in the motion, so relative to the motion it is
-  // proportional to the amplitude. 1 m/s^2 of noise moves the floor by some 0.1 mm.
+  // The first neglected term of the geometry is of second order in the motion, so relative to the
+  // motion it is proportional to the amplitude. 1 m/s^2 of noise moves the floor by some 0.1 mm.
   const double large = difference(design(), 1.0, 1e-13, GetParam());
   const double small = difference(design(), 1e-2, 1e-13, GetParam());
-  std::cout << "delay " << GetParam() << ": nonlinear minus linear " << large << " at 1 m/s^2, " << small
-            << " at 0.01 m/s^2\n";
+  std::cout << "delay " << GetParam() << ": nonlinear minus linear " << large << " at 1 m/s^2, "
+            << small << " at 0.01 m/s^2\n";
   EXPECT_NEAR(small / large, 1e-2, 2e-3);
 }
 
@@ -58,7 +62,8 @@ TEST_P(Prediction, ToleranceIsWhatRemains) {
   // At 1e-9 m/s^2 the nonlinearity is some 3e-11 of the motion (the test above).
   const double coarse = difference(design(), 1e-9, 1e-5, GetParam());
   const double fine = difference(design(), 1e-9, 1e-9, GetParam());
-  std::cout << "delay " << GetParam() << ": " << coarse << " at tolerance 1e-5, " << fine << " at 1e-9\n";
+  std::cout << "delay " << GetParam() << ": " << coarse << " at tolerance 1e-5, " << fine
+            << " at 1e-9\n";
   EXPECT_LT(coarse, 1e-4);  // 0.001 dB
   EXPECT_LT(fine, 1e-2 * coarse);
 }

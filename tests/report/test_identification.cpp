@@ -34,15 +34,16 @@ class Identification : public ::testing::Test {
       plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, plant_.sample_time), 1);
 };
 
-// The same transfer function by hand: one mode under a held input w,
-// T(z) = z (1 - cos omega T_s) (z + 1) / (z^2 - 2 z cos omega T_s + 1), turned into leg directions.
+// The same transfer function by hand, turned into leg directions: one mode under a held input w has
+// the relative velocity V(z) = -(sin omega T_s / omega) (z - 1) / (z^2 - 2 z cos omega T_s + 1)
+// W(z), and the mean acceleration over a sample is (z - 1) V / T_s + W.
 MatrixXcd closed_form(const toy::Frame& frame, double frequency_hz, double sample_time) {
   const std::complex<double> z = std::polar(1.0, 2 * toy::pi * frequency_hz * sample_time);
   Eigen::Vector3cd modal;
   for (int i = 0; i < 3; ++i) {
-    const double c =
-        std::cos(2 * toy::pi * frame.modes_hz[static_cast<std::size_t>(i)] * sample_time);
-    modal(i) = z * (1 - c) * (z + 1.0) / (z * z - 2.0 * c * z + 1.0);
+    const double angle = 2 * toy::pi * frame.modes_hz[static_cast<std::size_t>(i)] * sample_time;
+    modal(i) = 1.0 - std::sin(angle) / angle * (z - 1.0) * (z - 1.0) /
+                         (z * z - 2.0 * std::cos(angle) * z + 1.0);
   }
   return frame.V * modal.asDiagonal() * frame.V.transpose();
 }
