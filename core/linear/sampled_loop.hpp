@@ -44,7 +44,7 @@ struct SampledLoop {
 SampledPlant sample_and_hold(const LoopPlant& plant, double sample_time);
 
 /// The closed loop of a sampled plant and a law whose command from sample k takes effect at k +
-/// delay. Source: THEORY section 5 (docs/design.md). Errors: std::invalid_argument on shapes that
+/// delay. Source: THEORY section 5. Errors: std::invalid_argument on shapes that
 /// do not match or a negative delay.
 SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law, int delay_samples);
 
