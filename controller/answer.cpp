@@ -30,7 +30,8 @@ void Answer::answer(const stillframe_msgs::measurement_t& measurement,
     return;
   }
   if (!active_) return;
-  law_.step(sigma, applied, force);
+  law_.step_over(last_seq_ < 0 ? 1 : measurement.seq - last_seq_, sigma, applied, force);
+  last_seq_ = measurement.seq;
   if (!Safety::is_finite(force) || !Safety::is_finite(law_.state())) {
     force.setZero();
     law_.reset();

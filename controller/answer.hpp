@@ -10,10 +10,10 @@
 
 namespace stillframe::controller {
 
-/// One measurement in, one command out: finiteness, the law, finiteness again, saturation.
-/// A value that is not finite, before or after the law, commands zero force and is counted; after
-/// the law it also sets the law back to rest, because its state is lost. Construction is set-up;
-/// answer is hot: noexcept, no allocation.
+/// One measurement in, one command out: finiteness, the law (over the samples that were missed,
+/// told by seq), finiteness again, saturation. A value that is not finite, before or after the law,
+/// commands zero force and is counted; after the law it also sets the law back to rest, because its
+/// state is lost. Construction is set-up; answer is hot: noexcept, no allocation.
 class Answer {
  public:
   /// active: false commands zero force and never runs the law. Errors: std::invalid_argument.
@@ -36,7 +36,7 @@ class Answer {
   Law law_;
   Safety safety_;
   bool active_;
-  std::int64_t n_fallback_ = 0, n_saturated_ = 0;
+  std::int64_t n_fallback_ = 0, n_saturated_ = 0, last_seq_ = -1;
 };
 
 }  // namespace stillframe::controller

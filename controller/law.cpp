@@ -1,6 +1,7 @@
 #include "controller/law.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -20,6 +21,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
+constexpr std::int64_t longest_gap = 100;
 
 // X du/dt + W u = -(K_P de/dt + K_I e) with W = w_l I + K_I; with u = v - X^-1 K_P e the derivative
 // of e drops out, and m states v are enough.
@@ -88,18 +90,35 @@ Law::Law(DiscreteLaw matrices) : matrices_(std::move(matrices)) {
   if (!fits) throw std::invalid_argument("Law: the matrices are not those of one law");
   x_ = VectorXd::Zero(n);
   x_next_ = VectorXd::Zero(n);
-  e_ = VectorXd::Zero(m);
+  e_ = e_now_ = e_last_ = VectorXd::Zero(m);
+}
+
+void Law::advance() noexcept {
+  x_next_.noalias() = matrices_.A * x_;
+  x_next_.noalias() += matrices_.B * e_;
+  x_.swap(x_next_);
 }
 
 void Law::step(const Ref<const VectorXd>& sigma, const Ref<const VectorXd>& applied,
                Ref<VectorXd> force) noexcept {
-  e_ = sigma;
-  if (matrices_.subtract_applied) e_ -= applied;
+  step_over(1, sigma, applied, force);
+}
+
+void Law::step_over(std::int64_t n_samples, const Ref<const VectorXd>& sigma,
+                    const Ref<const VectorXd>& applied, Ref<VectorXd> force) noexcept {
+  e_now_ = sigma;
+  if (matrices_.subtract_applied) e_now_ -= applied;
+  const std::int64_t n = std::clamp<std::int64_t>(n_samples, 1, longest_gap);
+  for (std::int64_t j = 1; j < n; ++j) {
+    const double part = static_cast<double>(j) / static_cast<double>(n);
+    e_ = e_last_ + part * (e_now_ - e_last_);
+    advance();
+  }
+  e_ = e_now_;
   force.noalias() = matrices_.C * x_;
   force.noalias() += matrices_.D * e_;
-  x_next_.noalias() = matrices_.A * x_;
-  x_next_.noalias() += matrices_.B * e_;
-  x_.swap(x_next_);
+  advance();
+  e_last_ = e_now_;
 }
 
 }  // namespace stillframe::controller

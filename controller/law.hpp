@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "controller/gains.hpp"
 #include "core/linear/discrete_law.hpp"
@@ -35,15 +36,28 @@ class Law {
             const Eigen::Ref<const Eigen::VectorXd>& applied,
             Eigen::Ref<Eigen::VectorXd> force) noexcept;
 
-  /// Back to rest, x = 0.
-  void reset() noexcept { x_.setZero(); }
+  /// The same where n_samples samples have passed since the last step (1: none was missed): the law
+  /// runs through all of them, with e interpolated linearly between its last value and the present
+  /// one. Without that, a missed sample would stop the law's clock, and a lead would take the
+  /// change over n samples for that over one. At most 100 samples are made up for.
+  void step_over(std::int64_t n_samples, const Eigen::Ref<const Eigen::VectorXd>& sigma,
+                 const Eigen::Ref<const Eigen::VectorXd>& applied,
+                 Eigen::Ref<Eigen::VectorXd> force) noexcept;
+
+  /// Back to rest, x = 0 and e = 0.
+  void reset() noexcept {
+    x_.setZero();
+    e_last_.setZero();
+  }
 
   /// n states of the law, N.
   const Eigen::VectorXd& state() const noexcept { return x_; }
 
  private:
+  void advance() noexcept;
+
   DiscreteLaw matrices_;
-  Eigen::VectorXd x_, x_next_, e_;
+  Eigen::VectorXd x_, x_next_, e_, e_now_, e_last_;
 };
 
 }  // namespace stillframe::controller

@@ -20,7 +20,7 @@ class LogPacer {
   void begin();
   /// One message of `bytes` on a channel of `channel_length` characters has been sent on the bus.
   void sent(std::size_t bytes, std::size_t channel_length) noexcept;
-  /// Waits while the log is more than ten messages behind. Answers false if it
+  /// Waits while the log is more than twenty messages behind. Answers false if it
   /// has not caught up within 5 s.
   bool wait() noexcept;
 

@@ -57,7 +57,7 @@ TEST_F(BadInput, MissingLeakIsRefusedWithTheReason) {
 
 TEST_F(BadInput, UnknownKey) {
   expect_refused({"run", scene(), "--controller", controller("leek_hz: 1\n")}, 2,
-                 "controller.yaml:10:1: leek_hz: unknown key .did you mean 'leak_hz'");
+                 "controller.yaml:11:1: leek_hz: unknown key .did you mean 'leak_hz'");
 }
 
 TEST_F(BadInput, MissingScene) {

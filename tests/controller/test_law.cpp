@@ -134,6 +134,53 @@ TEST(Law, StepsAreTheMatrices) {
   }
 }
 
+TEST(Law, AGapIsARampOfTheForce) {
+  const DiscreteLaw matrices = law_from_gains(coupled_gains(1000, 0.05));
+  Law with_gap(matrices), without(matrices);
+  const VectorXd zero = VectorXd::Zero(4), first = VectorXd::LinSpaced(4, 1, 4), last = -3 * first;
+  VectorXd expected(4), force(4);
+  without.step(first, zero, expected);
+  for (int j = 1; j <= 5; ++j) without.step(first + j / 5.0 * (last - first), zero, expected);
+  with_gap.step(first, zero, force);
+  with_gap.step_over(5, last, zero, force);
+  EXPECT_LT((force - expected).norm(), 1e-14 * expected.norm());  // rounding of the ramp
+}
+
+// One oscillator of 49 Hz in closed form, at 1 kHz with one sample of delay; the law hears every
+// n-th sample only and its command is held until the next one, as when a machine is late.
+double force_after_a_second(int every, bool made_up_for) {
+  Gains gains = toy::gains(5, 1000, 1);
+  gains.lead_samples = 1.5;
+  Law law(law_from_gains(gains));
+  const double w = toy::two_pi * 49, c = std::cos(w * 1e-3), s = std::sin(w * 1e-3);
+  const Eigen::Index leg = 3;  // toy::gains: M = I, K = diag((2 pi f)^2), the last f is 49 Hz
+  double e = 1e-6, v = 0, applied = 0, pending = 0;
+  VectorXd sigma = VectorXd::Zero(4), taken = sigma, force = sigma;
+  for (int k = 0; k < 1000; ++k) {
+    if (k % every == 0) {
+      sigma(leg) = w * w * e + applied;
+      taken(leg) = applied;
+      law.step_over(made_up_for ? every : 1, sigma, taken, force);
+    }
+    const double rest = -pending / (w * w), x = e - rest;
+    e = rest + c * x + s * v / w;
+    v = -s * w * x + c * v;
+    applied = pending;
+    pending = force(leg);
+  }
+  return std::abs(applied) / (w * w * 1e-6);
+}
+
+TEST(Law, StaysStableWhenSamplesAreMissed) {
+  // A leg that starts 1 um long: without static stiffness the force stays of that order for seconds.
+  const double undisturbed = force_after_a_second(1, true);
+  EXPECT_LT(undisturbed, 2.0);
+  for (const int every : {2, 3, 4, 6}) {
+    EXPECT_LT(force_after_a_second(every, true), undisturbed) << every;
+  }
+  EXPECT_GT(force_after_a_second(4, false), 1e3);  // what is made up for
+}
+
 // An actuator at its limit must not wind the law up: after 1 s and after 100 s at the limit the law
 // comes back in the same way. A leakless sampled PI under the same load is a hundred times further
 // away.

@@ -15,7 +15,7 @@ class LogPacerTest : public testing::Test {
   void TearDown() override { std::filesystem::remove(log_); }
 };
 
-TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanTenMessagesAreMissing) {
+TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanTwentyMessagesAreMissing) {
   int nudges = 0;
   // The tenth nudge stands for a logger that then writes out what it held.
   LogPacer pacer(log_, [&] {
@@ -23,9 +23,9 @@ TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanTenMessagesAreMissing) {
   });
   pacer.begin();
   EXPECT_EQ(nudges, 1);
-  for (int i = 0; i < 10; ++i) pacer.sent(58, 14);  // 100 bytes each in the log
+  for (int i = 0; i < 20; ++i) pacer.sent(58, 14);  // 100 bytes each in the log
   EXPECT_TRUE(pacer.wait());
-  EXPECT_EQ(nudges, 1);  // ten may be missing without a wait
+  EXPECT_EQ(nudges, 1);  // twenty may be missing without a wait
   for (int i = 0; i < 20; ++i) pacer.sent(58, 14);
   EXPECT_TRUE(pacer.wait());
   EXPECT_EQ(nudges, 10);
