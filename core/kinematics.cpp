@@ -87,6 +87,7 @@ void factorise(const Model& model, Data& data) noexcept {
 /// work space.
 template <class Matrix>
 void solve_conditions(Data& data, Matrix& b) noexcept {
+  if (b.size() == 0) return;
   auto permuted = data.permuted.leftCols(b.cols());
   permuted = b;
   const auto& target = data.J.permutationP().indices();
@@ -222,7 +223,9 @@ void velocities(const Model& model, Data& data, const Eigen::VectorXd& q_d_dot,
 Eigen::MatrixXd prescribed_transfer_functions(const Model& model, const Data& data,
                                               const Eigen::MatrixXd& patterns) {
   Eigen::MatrixXd DF_r = Eigen::MatrixXd::Zero(model.n_x, patterns.cols());
-  DF_r.topRows(model.n_c) = data.J.solve(-data.D.topRightCorner(model.n_c, model.n_r) * patterns);
+  if (model.n_c > 0 && patterns.size() > 0) {
+    DF_r.topRows(model.n_c) = data.J.solve(-data.D.topRightCorner(model.n_c, model.n_r) * patterns);
+  }
   DF_r.bottomRows(model.n_r) = patterns;
   return DF_r;
 }

@@ -56,7 +56,7 @@ VectorXd reaction_stresses(const Model& model, const Data& data) {
   const MatrixXd D_redundant = data.D.bottomLeftCorner(model.n_redundant, model.n_c);
   const VectorXd load =
       model.load.head(model.n_c) - D_redundant.transpose() * sigma.tail(model.n_redundant);
-  sigma.head(model.n_c) = data.J.transpose().solve(load);
+  if (model.n_c > 0) sigma.head(model.n_c) = data.J.transpose().solve(load);
   return sigma;
 }
 

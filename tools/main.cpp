@@ -1,10 +1,14 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "core/yaml/input_error.hpp"
+#include "core/yaml/reader.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -23,6 +27,18 @@ constexpr const char* footer =
     "Every verb has --help, and --json for machines.\n"
     "Exit codes: 0 done; 2 bad usage or input; 3 refused (an unstable design, a singular model);\n"
     "4 a run that failed or fell back.";
+
+/// CLI11 says no more of an unknown verb than that one is required.
+void require_known_verb(CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  if (std::find(verbs.begin(), verbs.end(), argv[1]) != verbs.end()) return;
+  const std::string near = nearest_name(argv[1], verbs);
+  std::string text = "there is no verb '" + std::string(argv[1]) + "'";
+  if (!near.empty()) text += " (did you mean '" + near + "'?)";
+  throw InputError(text + "; allowed: modes, sigma, design, run");
+}
 
 int say(const char* what, const std::string& text, int code) {
   const bool colour = isatty(STDERR_FILENO) != 0;
@@ -44,6 +60,7 @@ int main(int argc, char** argv) {
     add_sigma(app, exit_code);
     add_design(app, exit_code);
     add_run(app, exit_code);
+    require_known_verb(app, argc, argv);
     app.parse(argc, argv);
     return exit_code;
   } catch (const CLI::ParseError& error) {

@@ -112,6 +112,12 @@ TEST_F(BadInput, RunDirectoryThatIsThere) {
   EXPECT_TRUE(fs::is_empty(folder_ / "there"));
 }
 
+TEST_F(BadInput, WrongVerb) {
+  const Said said = run({"ruin", scene()});
+  EXPECT_EQ(said.exit_code, 2);
+  EXPECT_NE(said.error.find("did you mean 'run'"), std::string::npos) << said.error;
+}
+
 TEST_F(BadInput, WrongOption) {
   const Said said = run({"run", scene(), "--loop", "sideways"});
   EXPECT_EQ(said.exit_code, 2);
