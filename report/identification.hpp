@@ -4,22 +4,11 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/linear/multisine_plan.hpp"
+
 namespace stillframe::report {
 
 struct RunLog;
-
-/// An excitation of n_blocks consecutive blocks, one for each input. Block b begins with a smooth
-/// transition of ramp_s from the phasors of block b - 1 (from zero before block 0) to its own, then
-/// holds steady sinusoids for window_s, all lines at once on all inputs: in block b input i has the
-/// phasor of the line times exp(2 pi j i b / n_blocks), which makes the blocks orthogonal
-/// experiments.
-struct MultisinePlan {
-  double sample_rate_hz = 0;           ///< Hz
-  std::vector<double> frequencies_hz;  ///< Hz, increasing, whole multiples of 4 / window_s
-  std::ptrdiff_t n_blocks = 0;         ///< number of inputs
-  double ramp_s = 0;                   ///< s
-  double window_s = 0;                 ///< s
-};
 
 /// A frequency response measured from data.
 struct FrequencyResponse {

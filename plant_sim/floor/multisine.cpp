@@ -44,16 +44,6 @@ std::complex<double> block_factor(Eigen::Index channel, Eigen::Index block, Eige
 
 }  // namespace
 
-Eigen::Index MultisinePlan::ramp_samples() const { return std::llround(ramp_s * sample_rate_hz); }
-
-Eigen::Index MultisinePlan::window_samples() const {
-  return std::llround(window_s * sample_rate_hz);
-}
-
-Eigen::Index MultisinePlan::window_begin(Eigen::Index block) const {
-  return block * (ramp_samples() + window_samples()) + ramp_samples();
-}
-
 double glide(double tau) {
   if (tau <= 0.0) return 0.0;
   if (tau >= 1.0) return 1.0;

@@ -211,8 +211,8 @@ TEST(SceneReference, NumbersAmongTheDefaultsAreThoseOfTheReader) {
   EXPECT_EQ(recording.scale, std::stod(all.at("floor: recording").at("scale")));
   EXPECT_EQ(recording.start_s, std::stod(all.at("floor: recording").at("start_s")));
   EXPECT_EQ(recording.high_pass_hz, std::stod(all.at("floor: recording").at("high_pass_hz")));
-  EXPECT_EQ(floor::MultisinePlan().ramp_s, std::stod(all.at("floor: multisine").at("ramp_s")));
-  EXPECT_EQ(floor::MultisinePlan().window_s, std::stod(all.at("floor: multisine").at("window_s")));
+  EXPECT_EQ(MultisinePlan().ramp_s, std::stod(all.at("floor: multisine").at("ramp_s")));
+  EXPECT_EQ(MultisinePlan().window_s, std::stod(all.at("floor: multisine").at("window_s")));
   EXPECT_EQ(floor::WhiteSpec().seed, 1u);
   EXPECT_EQ(floor::WhiteSpec().high_pass_hz, std::stod(all.at("floor: white").at("high_pass_hz")));
 }

@@ -38,7 +38,7 @@ class Judge {
       for (auto& timing : report::timing_of(**log)) verdict_.timing.push_back(timing);
     }
     predict();
-    if (const auto* plan = std::get_if<floor::MultisinePlan>(&floor_.kind)) {
+    if (const auto* plan = std::get_if<MultisinePlan>(&floor_.kind)) {
       identify(*plan);
     } else {
       compare_motion();
@@ -59,22 +59,16 @@ class Judge {
     picture_.target_damping = design_.scene.controller->damping_ratio;
   }
 
-  report::FrequencyResponse response(const floor::MultisinePlan& plan,
-                                     const report::RunLog& log) const {
-    const report::MultisinePlan read{.sample_rate_hz = plan.sample_rate_hz,
-                                     .frequencies_hz = plan.frequencies_hz,
-                                     .n_blocks = plan.n_blocks,
-                                     .ramp_s = plan.ramp_s,
-                                     .window_s = plan.window_s};
+  report::FrequencyResponse response(const MultisinePlan& plan, const report::RunLog& log) const {
     if (log.measurements.n_lost > 0) {
       throw InputError("the log has lost " + std::to_string(log.measurements.n_lost) +
                        " measurements; nothing can be identified from it");
     }
-    return report::identify(read, log.floor_acceleration,
+    return report::identify(plan, log.floor_acceleration,
                             log.frame_acceleration.leftCols(design_.loop.n_y));
   }
 
-  void identify(const floor::MultisinePlan& plan) {
+  void identify(const MultisinePlan& plan) {
     if (!logs_.passive || !logs_.active) return;
     const auto open = response(plan, *logs_.passive), closed = response(plan, *logs_.active);
     const auto open_error = report::compare(open, design_.open);
