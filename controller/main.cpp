@@ -45,7 +45,7 @@ struct Options {
   std::string lcm_url;
   std::optional<std::int64_t> run_id;
   double timeout_s = 10;
-  double phase = 0.3;
+  double phase = 0.5;
   bool realtime = false, check_only = false;
 };
 
