@@ -110,12 +110,6 @@ Integrator::Status Integrator::advance(Eigen::VectorXd& y, double duration,
   return Status::ok;
 }
 
-long Integrator::steps() const noexcept {
-  long steps = 0;
-  ERKStepGetNumSteps(impl_->memory, &steps);
-  return steps;
-}
-
 long Integrator::evaluations() const noexcept {
   long evaluations = 0;
   ERKStepGetNumRhsEvals(impl_->memory, &evaluations);

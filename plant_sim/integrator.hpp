@@ -29,8 +29,7 @@ class Integrator {
   /// error while y itself is small: the motion that such an acceleration makes within the sample.
   Status advance(Eigen::VectorXd& y, double duration, double acceleration_scale) noexcept;
 
-  /// Steps taken and right-hand sides evaluated since construction.
-  long steps() const noexcept;
+  /// Right-hand sides evaluated since construction.
   long evaluations() const noexcept;
 
  private:

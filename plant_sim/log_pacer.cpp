@@ -8,7 +8,8 @@ namespace stillframe {
 
 namespace {
 
-// lcm-logger drops what comes while 30 messages wait in its queue; twenty leave room for those that are on their way.
+// lcm-logger drops what comes while 30 messages wait in its queue; twenty leave room for those that
+// are on their way.
 constexpr std::int64_t messages_behind = 20;
 // Event header of an LCM log: sync word, number, time, two lengths.
 constexpr std::int64_t header_bytes = 28;

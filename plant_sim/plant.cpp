@@ -9,6 +9,11 @@ namespace stillframe {
 
 namespace {
 
+const Scene& checked(const Scene& scene) {
+  require_loop_signals(scene);
+  return scene;
+}
+
 std::string reason_of(Integrator::Status status, const std::string& where) {
   switch (status) {
     case Integrator::Status::ok:
@@ -29,7 +34,7 @@ std::string reason_of(Integrator::Status status, const std::string& where) {
 }  // namespace
 
 Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::FloorSource> floor)
-    : scene_((require_loop_signals(scene), scene)),
+    : scene_(checked(scene)),
       model_(model),
       floor_(std::move(floor), scene, model),
       sample_time_(1.0 / scene.controller->sample_rate_hz),

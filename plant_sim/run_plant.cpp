@@ -60,12 +60,12 @@ class Run {
     if (options_.progress) options_.progress(n_, n_);
     link_.publish_state(run_state_t::ENDED, 0, "");
     link_.publish_timing(timing_);
-    return {.ended = true, .interrupted = false, .reason = ""};
+    return {.ended = true, .reason = ""};
   }
 
-  PlantOutcome fail(const std::string& reason, bool interrupted = false) {
+  PlantOutcome fail(const std::string& reason) {
     link_.publish_state(run_state_t::FAILED, 0, reason);
-    return {.ended = false, .interrupted = interrupted, .reason = reason};
+    return {.ended = false, .reason = reason};
   }
 
   timing_t& timing() { return timing_; }
@@ -133,7 +133,7 @@ PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions&
     std::string reason;
     if (delayed) reason = run.advance(held);
     const std::string missing = await_command(link, k, options.timeout_s);
-    if (!missing.empty()) return run.fail(missing, stop_requested());
+    if (!missing.empty()) return run.fail(missing);
     held = link.command_force();
     if (!delayed) reason = run.advance(held);
     if (!reason.empty()) return run.fail(reason);
@@ -155,7 +155,7 @@ PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions
     const std::int64_t now = monotonic_ns();
     while (link.listen(0)) {
     }
-    if (stop_requested()) return run.fail("interrupted", true);
+    if (stop_requested()) return run.fail("interrupted");
     if (!link.controller_failure().empty()) return run.fail(link.controller_failure());
     run.timing().worst_wake_up_ns = std::max(run.timing().worst_wake_up_ns, now - deadline);
     if (static_cast<double>(now - deadline) > period_ns) ++run.timing().n_late;

@@ -12,8 +12,7 @@ namespace stillframe {
 /// How a run of the plant ended.
 struct PlantOutcome {
   bool ended = false;  ///< all samples were made
-  bool interrupted = false;
-  std::string reason;  ///< why it did not end
+  std::string reason;  ///< why they were not
 };
 
 struct PlantRunOptions {
