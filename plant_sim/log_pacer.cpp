@@ -8,12 +8,13 @@ namespace stillframe {
 
 namespace {
 
-// lcm-logger drops what comes while 30 messages wait in its queue; twenty leave room for those that
-// are on their way.
-constexpr std::int64_t messages_behind = 20;
+// lcm-logger drops what comes while 30 messages wait in its queue; sixteen leave room for those
+// that are on their way.
+constexpr std::int64_t messages_behind = 16;
 // Event header of an LCM log: sync word, number, time, two lengths.
 constexpr std::int64_t header_bytes = 28;
-constexpr std::int64_t pause_ns = 50'000, nudge_ns = 1'500'000, settle_ns = 50'000'000;
+constexpr std::int64_t pause_ns = 50'000, nudge_ns = 1'500'000;
+constexpr std::int64_t answer_ns = 200'000'000, settle_ns = 20'000'000;
 constexpr std::int64_t patience_ns = 5'000'000'000;
 
 }  // namespace
@@ -26,12 +27,26 @@ std::int64_t LogPacer::size() const noexcept {
   return stat(log_.c_str(), &status) == 0 ? status.st_size : 0;
 }
 
-void LogPacer::begin() {
-  sleep_until(monotonic_ns() + settle_ns);
-  nudge_();
-  sleep_until(monotonic_ns() + settle_ns);
-  base_ = size();
-  sent_ = messages_ = 0;
+bool LogPacer::begin() {
+  const std::int64_t begin = monotonic_ns();
+  // The log has caught up once a nudge makes it grow by that nudge alone; an older message that had
+  // not been written yet would count as one of the run, and the run be let go too far ahead.
+  while (monotonic_ns() - begin < patience_ns) {
+    const std::int64_t before = size();
+    sent_ = 0;
+    nudge_();
+    const std::int64_t asked = monotonic_ns();
+    while (size() < before + sent_ && monotonic_ns() - asked < answer_ns) {
+      sleep_until(monotonic_ns() + pause_ns);
+    }
+    sleep_until(monotonic_ns() + settle_ns);
+    base_ = size();
+    if (base_ == before + sent_) {
+      sent_ = messages_ = 0;
+      return true;
+    }
+  }
+  return false;
 }
 
 void LogPacer::sent(std::size_t bytes, std::size_t channel_length) noexcept {

@@ -16,11 +16,12 @@ class LogPacer {
   /// small message, on which lcm-logger writes out what it still holds, and answers sent() for it.
   LogPacer(std::filesystem::path log, std::function<void()> nudge);
 
-  /// Takes the present size of the log as the reference, after it has settled.
-  void begin();
+  /// Waits until the log has caught up with what is on the bus and takes its size as the reference.
+  /// Answers false if it has not within 5 s.
+  bool begin();
   /// One message of `bytes` on a channel of `channel_length` characters has been sent on the bus.
   void sent(std::size_t bytes, std::size_t channel_length) noexcept;
-  /// Waits while the log is more than twenty messages behind. Answers false if it
+  /// Waits while the log is more than sixteen messages behind. Answers false if it
   /// has not caught up within 5 s.
   bool wait() noexcept;
 

@@ -46,9 +46,7 @@ void PlantLink::pace_by(const std::filesystem::path& log) {
   pacer_.emplace(log, [this] { send(channels::logger_check, {}); });
 }
 
-void PlantLink::begin_pacing() {
-  if (pacer_) pacer_->begin();
-}
+bool PlantLink::begin_pacing() { return !pacer_ || pacer_->begin(); }
 
 bool PlantLink::wait_for_log() noexcept { return !pacer_ || pacer_->wait(); }
 

@@ -36,8 +36,8 @@ class PlantLink {
 
   /// In lock-step: keeps the run from outrunning the logger that writes this file.
   void pace_by(const std::filesystem::path& log);
-  void begin_pacing();
-  /// Answers false if the logger does not catch up.
+  /// Both answer false if the logger does not catch up.
+  bool begin_pacing();
   bool wait_for_log() noexcept;
 
   /// Handles one message if one comes within timeout_ms.

@@ -13,6 +13,7 @@ using namespace stillframe_msgs;
 namespace {
 
 constexpr std::int64_t ns_per_ms = 1'000'000;
+constexpr const char* unwritten = "the logger does not write what it is sent";
 
 /// What both ways of running share: counters, progress, the messages at both ends.
 class Run {
@@ -126,9 +127,9 @@ PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions&
   const bool delayed = link.info().delay_samples == 1;
   Eigen::VectorXd held = Eigen::VectorXd::Zero(link.info().n_legs);
   run.begin(0);
-  link.begin_pacing();
+  if (!link.begin_pacing()) return run.fail(unwritten);
   for (std::int64_t k = 0; k < run.n(); ++k) {
-    if (!link.wait_for_log()) return run.fail("the logger does not write what it is sent");
+    if (!link.wait_for_log()) return run.fail(unwritten);
     run.measure(k);
     std::string reason;
     if (delayed) reason = run.advance(held);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <optional>
 
 #include "plant_sim/log_pacer.hpp"
 
@@ -15,20 +16,36 @@ class LogPacerTest : public testing::Test {
   void TearDown() override { std::filesystem::remove(log_); }
 };
 
-TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanTwentyMessagesAreMissing) {
+constexpr size_t nudge_bytes = 28 + 15;  // event header, "SF_LOGGER_CHECK", no payload
+
+TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanSixteenMessagesAreMissing) {
   int nudges = 0;
-  // The tenth nudge stands for a logger that then writes out what it held.
-  LogPacer pacer(log_, [&] {
-    if (++nudges == 10) grow(4000);
+  std::optional<LogPacer> pacer;
+  // A logger that writes every nudge at once, and with the tenth what it held besides.
+  pacer.emplace(log_, [&] {
+    pacer->sent(0, 15);
+    grow(nudge_bytes + (++nudges == 10 ? 4000 : 0));
   });
-  pacer.begin();
+  EXPECT_TRUE(pacer->begin());
   EXPECT_EQ(nudges, 1);
-  for (int i = 0; i < 20; ++i) pacer.sent(58, 14);  // 100 bytes each in the log
-  EXPECT_TRUE(pacer.wait());
-  EXPECT_EQ(nudges, 1);  // twenty may be missing without a wait
-  for (int i = 0; i < 20; ++i) pacer.sent(58, 14);
-  EXPECT_TRUE(pacer.wait());
+  for (int i = 0; i < 16; ++i) pacer->sent(58, 14);  // 100 bytes each in the log
+  EXPECT_TRUE(pacer->wait());
+  EXPECT_EQ(nudges, 1);  // sixteen may be missing without a wait
+  for (int i = 0; i < 20; ++i) pacer->sent(58, 14);
+  EXPECT_TRUE(pacer->wait());
   EXPECT_EQ(nudges, 10);
+}
+
+TEST_F(LogPacerTest, BeginsOnlyWhenOlderMessagesAreWritten) {
+  int nudges = 0;
+  std::optional<LogPacer> pacer;
+  // Two messages of before come out with the first two nudges.
+  pacer.emplace(log_, [&] {
+    pacer->sent(0, 15);
+    grow(nudge_bytes + (++nudges <= 2 ? 100 : 0));
+  });
+  EXPECT_TRUE(pacer->begin());
+  EXPECT_EQ(nudges, 3);
 }
 
 }  // namespace
