@@ -11,7 +11,10 @@ namespace {
 class LogPacerTest : public testing::Test {
  protected:
   void grow(size_t bytes) { std::ofstream(log_, std::ios::app) << std::string(bytes, 'x'); }
-  std::filesystem::path log_ = std::filesystem::path(testing::TempDir()) / "pacer.lcm";
+  // A name of its own: tests run side by side.
+  std::filesystem::path log_ =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".lcm");
   void SetUp() override { std::ofstream(log_, std::ios::trunc) << "header"; }
   void TearDown() override { std::filesystem::remove(log_); }
 };
