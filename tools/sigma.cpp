@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <numbers>
@@ -122,20 +123,21 @@ int run(const Options& options) {
     throw InputError("--from: found " + std::to_string(options.from_hz) +
                      ", allowed is below --to");
   }
-  const Eigen::VectorXd frequencies =
-      logarithmic_frequencies(options.from_hz, options.to_hz, options.points);
-  Scene scene = read_scene(options.scene, options.controller);
-  Curves curves;
-  if (scene.controller) {
-    const LoopDesign design = make_loop_design(options.scene, options.controller);
-    if (options.to_hz > design.gains.sample_rate_hz / 2) {
-      std::cerr << "stillframe: note: above half the sample rate the sampled loop repeats itself\n";
-    }
-    curves = with_controller(design, frequencies);
-  } else {
-    curves = without_controller(scene, frequencies);
+  const Scene scene = read_scene(options.scene, options.controller);
+  std::optional<LoopDesign> design;
+  if (scene.controller) design = make_loop_design(options.scene, options.controller);
+  const auto curves_of = [&](int points) {
+    const Eigen::VectorXd frequencies =
+        logarithmic_frequencies(options.from_hz, options.to_hz, points);
+    return design ? with_controller(*design, frequencies) : without_controller(scene, frequencies);
+  };
+  if (design && options.to_hz > design->gains.sample_rate_hz / 2) {
+    std::cerr << "stillframe: note: above half the sample rate the sampled loop repeats itself\n";
   }
-  if (options.plot) plot(scene.title, curves, scene, *options.plot);
+  // A picture shows a resonance only as high as its grid is fine.
+  if (options.plot)
+    plot(scene.title, curves_of(std::max(options.points, 1000)), scene, *options.plot);
+  const Curves curves = curves_of(options.points);
   options.json ? print_json(scene.title, curves) : print_table(scene.title, curves);
   return exit_done;
 }
