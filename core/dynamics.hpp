@@ -6,33 +6,50 @@
 
 namespace stillframe {
 
-/// The state of a moving model: q^d and its rate, and the prescribed q^r with its rate and
-/// acceleration.
-struct MotionState {
-  Eigen::VectorXd q_d, q_d_dot;            ///< n_d
-  Eigen::VectorXd q_r, q_r_dot, q_r_ddot;  ///< n_r
-  explicit MotionState(const Model& model);
-};
-
 enum class DynamicsStatus { ok, position_not_found, mass_matrix_singular };
 
 /// The nonlinear equations of motion in minimal coordinates,
 ///   M_dd q''^d = D_dF^(x)T (f + f_in - M (D2F q' q' + D_rF q''^r)) - D_dF^(e)T sigma,
 ///   sigma = sigma_0 + sigma_a + S e + S_d e'.
-/// sigma_a (n_e): driving stresses, N. f: the model's constant loads. Source: deck, section 3.
-/// Writes q_d_ddot (n_d) and into data: all positions, rates, sigma, x_ddot; M_dd becomes its
-/// Cholesky factor. hot: noexcept, no allocation.
+/// sigma_a (n_e): driving stresses, N. f: the model's constant loads and gravity. Source: deck,
+/// section 3. Writes q_d_ddot (n_d) and into data: all positions, rates, sigma of the elastic
+/// deformations, x_ddot; M_dd becomes its Cholesky factor. hot: noexcept, no allocation.
 DynamicsStatus accelerations(const Model& model, Data& data, const MotionState& state,
                              const Eigen::VectorXd& sigma_a, Eigen::VectorXd& q_d_ddot) noexcept;
 
-/// Kinetic and elastic energy, J, at the positions and rates that accelerations() left in data. The
-/// elastic part counts preload (sigma_0 e + S e^2 / 2) and the potential of the constant loads.
+/// Its right-hand side f_dd (n_d), all but the solution with M_dd: what is out of balance at
+/// q''^d = 0. Writes positions, rates, sigma, f and f_dd into data; false if the position cannot be
+/// reached. hot.
+bool generalised_forces(const Model& model, Data& data, const MotionState& state,
+                        const Eigen::VectorXd& sigma_a) noexcept;
+
+/// Writes x_ddot for given q''^d, after generalised_forces. hot.
+void complete_accelerations(Data& data, const Eigen::VectorXd& q_d_ddot) noexcept;
+
+/// Writes sigma_balanced, the stress resultants that balance all nodal forces: those of the
+/// conditions from the equations of reaction J^T sigma = f + f_in - M x'' - D_c^T sigma^c, and into
+/// sigma those of the zero and prescribed deformations. Those of dynamic deformations agree with
+/// their elastic law where the equations of motion hold. After complete_accelerations. Source: deck,
+/// section 4. set-up.
+void reaction_stresses(const Model& model, Data& data);
+
+/// Nodal forces (n_x + n_0) that constrain, at the accelerations in data: D^T sigma - f - f_in + M
+/// x''. Their entries at fixed coordinates are the reactions f^0, at prescribed ones the driving
+/// forces f^m; the others are zero to rounding. After reaction_stresses. set-up.
+Eigen::VectorXd constraint_forces(const Model& model, const Data& data);
+
+/// Its parts (n_x + n_0 each): inertia forces M x'' - f_in, and applied forces (loads and weight).
+/// set-up.
+Eigen::VectorXd inertia_forces(const Model& model, const Data& data);
+Eigen::VectorXd applied_forces(const Model& model, const Data& data);
+
+/// Kinetic and potential energy, J, at the positions and rates that accelerations() left in data.
+/// The potential counts elastic energy with preload (sigma_0 e + e^T S e / 2), constant loads and
+/// gravity; loads that follow a node and torques in space have no potential.
 double kinetic_energy(const Model& model, const Data& data);
 double potential_energy(const Model& model, const Data& data);
 
-/// M_dd (n_d x n_d) for the transfer functions in data, and D_dF^T M a for several accelerations a
-/// (n_x x k).
+/// M_dd (n_d x n_d) for the transfer functions in data. hot.
 void mass_matrix(const Model& model, Data& data) noexcept;
-Eigen::MatrixXd project_mass(const Model& model, const Data& data, const Eigen::MatrixXd& a);
 
 }  // namespace stillframe

@@ -16,12 +16,18 @@ MatrixXcd transfer_function(const LinearModel& model, Complex s) {
   for (Index j = 0; j < n_u; ++j) {
     switch (model.inputs[static_cast<size_t>(j)].quantity) {
       case Quantity::position:
+      case Quantity::rotation:
+      case Quantity::deformation:
         position(j) = 1.0;
         break;
       case Quantity::velocity:
+      case Quantity::angular_velocity:
+      case Quantity::deformation_rate:
         position(j) = 1.0 / s;
         break;
       case Quantity::acceleration:
+      case Quantity::angular_acceleration:
+      case Quantity::deformation_acceleration:
         position(j) = 1.0 / (s * s);
         break;
       default:
@@ -29,11 +35,11 @@ MatrixXcd transfer_function(const LinearModel& model, Complex s) {
     }
   }
   const auto w = position.asDiagonal();
-  const MatrixXcd H = s * s * model.M.cast<Complex>() + s * model.D.cast<Complex>() +
-                      (model.K + model.G).cast<Complex>();
+  const MatrixXcd H = s * s * model.M.cast<Complex>() + s * model.damping().cast<Complex>() +
+                      model.stiffness().cast<Complex>();
   const MatrixXcd drive =
-      model.B.cast<Complex>() - (s * s * model.M_r.cast<Complex>() + s * model.D_r.cast<Complex>() +
-                                 (model.K_r + model.G_r).cast<Complex>()) *
+      model.B.cast<Complex>() - (s * s * model.M_r.cast<Complex>() + s * model.damping_r().cast<Complex>() +
+                                 model.stiffness_r().cast<Complex>()) *
                                     w;
   const MatrixXcd Y =
       model.Y_p.cast<Complex>() + s * model.Y_v.cast<Complex>() + s * s * model.Y_a.cast<Complex>();

@@ -8,44 +8,11 @@ namespace stillframe {
 
 namespace {
 
-/// The global displacements (or rates) of an element's parts out of a vector of moving coordinates.
-void gather(const ModelElement& item, const Eigen::VectorXd& x, LocalVector& local) noexcept {
-  local.resize(item.element->n_local());
-  Index at = 0;
-  for (size_t p = 0; p < item.parts.size(); ++p) {
-    const PartMap& map = item.parts[p];
-    const Index size = item.element->parts()[p].size();
-    for (Index i = 0; i < size; ++i) {
-      const Index column = map.column[static_cast<size_t>(i)];
-      local(at + i) = column >= 0 ? x(column) : 0.0;
-    }
-    if (!map.global_axes) local.segment<3>(at) = (map.basis * local.segment<3>(at)).eval();
-    at += size;
-  }
-}
-
-/// Columns of a local matrix, turned into the node's own basis, added to the columns of the moving
-/// coordinates.
-template <class Add>
-void scatter_columns(const ModelElement& item, LocalJacobian& local, const Add& add) noexcept {
-  Index at = 0;
-  for (size_t p = 0; p < item.parts.size(); ++p) {
-    const PartMap& map = item.parts[p];
-    const Index size = item.element->parts()[p].size();
-    if (!map.global_axes) local.middleCols<3>(at) = (local.middleCols<3>(at) * map.basis).eval();
-    for (Index i = 0; i < size; ++i) {
-      const Index column = map.column[static_cast<size_t>(i)];
-      if (column >= 0) add(column, local.col(at + i));
-    }
-    at += size;
-  }
-}
-
 void assemble_deformations(const Model& model, Data& data) noexcept {
   LocalVector u;
   LocalDeformation e;
   for (const ModelElement& item : model.elements) {
-    gather(item, data.x, u);
+    gather(item.parts, data.x, u);
     e.resize(item.element->n_deformations());
     item.element->deformations(u, e);
     for (Index i = 0; i < e.size(); ++i) data.e(item.row[static_cast<size_t>(i)]) = e(i);
@@ -54,57 +21,102 @@ void assemble_deformations(const Model& model, Data& data) noexcept {
 
 void assemble_jacobian(const Model& model, Data& data) noexcept {
   LocalVector u;
-  LocalJacobian D;
-  data.D.setZero();
-  for (const ModelElement& item : model.elements) {
-    gather(item, data.x, u);
-    D.resize(item.element->n_deformations(), item.element->n_local());
+  const bool square = data.J.size() == model.n_c;  // not so while a partition is being sought
+  data.J.clear();
+  for (size_t k = 0; k < model.elements.size(); ++k) {
+    const ModelElement& item = model.elements[k];
+    LocalJacobian& D = data.D[k];
+    gather(item.parts, data.x, u);
     item.element->jacobian(u, D);
-    scatter_columns(item, D, [&](Index column, const auto& values) {
+    columns_to_node_axes(item.parts, D);
+    if (!square) continue;
+    // J is empty where the conditions are not as many as the dependent coordinates.
+    for_each_column(item.parts, data.J.size(), [&](Index j, Index column) {
       for (Index i = 0; i < D.rows(); ++i) {
-        data.D(item.row[static_cast<size_t>(i)], column) += values(i);
+        const Index row = item.row[static_cast<size_t>(i)];
+        if (row < data.J.size()) data.J.add(row, column, D(i, j));
       }
     });
   }
 }
 
 /// Residual of the conditions, e - e_prescribed, in data.condition.
-void condition_residual(const Model& model, Data& data, const Eigen::VectorXd& q_d) noexcept {
+void condition_residual(const Model& model, Data& data, const MotionState& state) noexcept {
   assemble_deformations(model, data);
   data.condition = data.e.head(model.n_c);
   for (Index i = 0; i < model.n_d; ++i) {
     const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
-    if (dof.is_deformation) data.condition(dof.index) -= q_d(i);
+    if (dof.is_deformation) data.condition(dof.index) -= state.q_d(i);
+  }
+  for (size_t i = 0; i < model.prescribed_rows.size(); ++i) {
+    data.condition(model.prescribed_rows[i]) -= state.q_r(model.n_rx + static_cast<Index>(i));
+  }
+  // A hinge is at the same place after a whole number of its periods.
+  for (const ModelElement& item : model.elements) {
+    const double period = item.element->period();
+    if (period == 0 || item.row[0] >= model.n_c) continue;
+    double& angle = data.condition(item.row[0]);
+    angle = std::remainder(angle, period);
   }
 }
 
 void factorise(const Model& model, Data& data) noexcept {
   assemble_jacobian(model, data);
-  data.J.compute(data.D.topLeftCorner(model.n_c, model.n_c));
+  data.J.factorise();
 }
 
-/// J^-1 b in place. Eigen permutes in place with a mask that it allocates, so the rows go by way of
-/// work space.
-template <class Matrix>
-void solve_conditions(Data& data, Matrix& b) noexcept {
-  if (b.size() == 0) return;
-  auto permuted = data.permuted.leftCols(b.cols());
-  permuted = b;
-  const auto& target = data.J.permutationP().indices();
-  for (Index i = 0; i < b.rows(); ++i) b.row(target(i)) = permuted.row(i);
-  data.J.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(b);
-  data.J.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(b);
+/// out(row) = D x on the redundant rows.
+void redundant_rates(const Model& model, const Data& data, const Eigen::VectorXd& x,
+                     Eigen::VectorXd& out) noexcept {
+  LocalVector local;
+  for (size_t k = 0; k < model.elements.size(); ++k) {
+    const ModelElement& item = model.elements[k];
+    const LocalJacobian& D = data.D[k];
+    bool gathered = false;
+    for (Index i = 0; i < D.rows(); ++i) {
+      const Index row = item.row[static_cast<size_t>(i)];
+      if (row < model.n_c) continue;
+      if (!gathered) gather_in_node_axes(item.parts, x, local);
+      gathered = true;
+      out(row) = D.row(i).dot(local);
+    }
+  }
+}
+
+/// data.condition -= D_r q_r, on the rows of the conditions.
+void subtract_prescribed(const Model& model, Data& data, const Eigen::VectorXd& q_r) noexcept {
+  const Index first = model.n_x - model.n_rx;
+  for (size_t k = 0; k < model.elements.size(); ++k) {
+    const ModelElement& item = model.elements[k];
+    const LocalJacobian& D = data.D[k];
+    for_each_column(item.parts, model.n_x, [&](Index j, Index column) {
+      if (column < first) return;
+      for (Index i = 0; i < D.rows(); ++i) {
+        const Index row = item.row[static_cast<size_t>(i)];
+        if (row < model.n_c) data.condition(row) -= D(i, j) * q_r(column - first);
+      }
+    });
+  }
+  for (size_t i = 0; i < model.prescribed_rows.size(); ++i) {
+    data.condition(model.prescribed_rows[i]) += q_r(model.n_rx + static_cast<Index>(i));
+  }
 }
 
 }  // namespace
 
+MotionState::MotionState(const Model& model)
+    : q_d(Eigen::VectorXd::Zero(model.n_d)),
+      q_d_dot(Eigen::VectorXd::Zero(model.n_d)),
+      q_r(Eigen::VectorXd::Zero(model.n_r)),
+      q_r_dot(Eigen::VectorXd::Zero(model.n_r)),
+      q_r_ddot(Eigen::VectorXd::Zero(model.n_r)) {}
+
 Data::Data(const Model& model)
     : x(Eigen::VectorXd::Zero(model.n_x)),
       e(Eigen::VectorXd::Zero(model.n_e)),
-      D(Eigen::MatrixXd::Zero(model.n_e, model.n_x)),
-      J(model.n_c),
-      DF(Eigen::MatrixXd::Zero(model.n_x, model.n_d)),
-      DF_e(Eigen::MatrixXd::Zero(model.n_redundant, model.n_d)),
+      J(model.n_c == model.n_e - model.n_redundant ? model.n_c : 0, model.n_d),
+      DF(RowMatrix::Zero(model.n_x, model.n_d)),
+      DF_e(RowMatrix::Zero(model.n_redundant, model.n_d)),
       x_dot(Eigen::VectorXd::Zero(model.n_x)),
       e_dot(Eigen::VectorXd::Zero(model.n_e)),
       x_ddot_0(Eigen::VectorXd::Zero(model.n_x)),
@@ -113,11 +125,14 @@ Data::Data(const Model& model)
       f(Eigen::VectorXd::Zero(model.n_x)),
       f_dd(Eigen::VectorXd::Zero(model.n_d)),
       x_ddot(Eigen::VectorXd::Zero(model.n_x)),
+      sigma_balanced(Eigen::VectorXd::Zero(model.n_e)),
       condition(Eigen::VectorXd::Zero(model.n_c)),
-      conditions(Eigen::MatrixXd::Zero(model.n_c, model.n_d)),
-      permuted(Eigen::MatrixXd::Zero(model.n_c, std::max<Index>(model.n_d, 1))) {
-  const bool square = model.n_c == model.n_e - model.n_redundant;
-  if (square) factorise(model, *this);
+      conditions(RowMatrix::Zero(model.n_c, model.n_d)),
+      local_rows(RowMatrix::Zero(max_local, model.n_d)) {
+  for (const ModelElement& item : model.elements) {
+    D.push_back(LocalJacobian::Zero(item.element->n_deformations(), item.element->n_local()));
+  }
+  if (J.size() == model.n_c) factorise(model, *this);
 }
 
 void assemble(const Model& model, Data& data) noexcept {
@@ -125,13 +140,12 @@ void assemble(const Model& model, Data& data) noexcept {
   assemble_jacobian(model, data);
 }
 
-bool solve_positions(const Model& model, Data& data, const Eigen::VectorXd& q_d,
-                     const Eigen::VectorXd& q_r) noexcept {
+bool solve_positions(const Model& model, Data& data, const MotionState& state) noexcept {
   for (Index i = 0; i < model.n_d; ++i) {
     const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
-    if (!dof.is_deformation) data.x(dof.index) = q_d(i);
+    if (!dof.is_deformation) data.x(dof.index) = state.q_d(i);
   }
-  data.x.tail(model.n_r) = q_r;
+  data.x.tail(model.n_rx) = state.q_r.head(model.n_rx);
   if (model.n_c == 0) {
     assemble_deformations(model, data);
     return true;
@@ -140,8 +154,8 @@ bool solve_positions(const Model& model, Data& data, const Eigen::VectorXd& q_d,
   double last_step = std::numeric_limits<double>::infinity();
   bool fresh = false;
   for (int iteration = 0; iteration < 50; ++iteration) {
-    condition_residual(model, data, q_d);
-    solve_conditions(data, data.condition);
+    condition_residual(model, data, state);
+    data.J.solve(data.condition);
     data.x.head(model.n_c) -= data.condition;
     const double step = data.condition.lpNorm<Eigen::Infinity>();
     const double size = data.x.lpNorm<Eigen::Infinity>();
@@ -170,43 +184,65 @@ void geometric_transfer_functions(const Model& model, Data& data) noexcept {
   data.conditions.setZero();
   for (Index i = 0; i < model.n_d; ++i) {
     const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
-    if (dof.is_deformation) {
-      data.conditions(dof.index, i) = 1.0;
-    } else {
-      data.conditions.col(i) = -data.D.col(dof.index).head(model.n_c);
-      data.DF(dof.index, i) = 1.0;
+    (dof.is_deformation ? data.conditions : data.DF)(dof.index, i) = 1.0;
+  }
+  const Index n_c = model.n_c, last = model.n_c + model.n_xd;
+  if (model.n_xd > 0) {
+    for (size_t k = 0; k < model.elements.size(); ++k) {
+      const ModelElement& item = model.elements[k];
+      const LocalJacobian& D = data.D[k];
+      for_each_column(item.parts, last, [&](Index j, Index column) {
+        if (column < n_c) return;
+        const Index dof = model.dof_of_column[static_cast<size_t>(column - n_c)];
+        for (Index i = 0; i < D.rows(); ++i) {
+          const Index row = item.row[static_cast<size_t>(i)];
+          if (row < n_c) data.conditions(row, dof) -= D(i, j);
+        }
+      });
     }
   }
-  solve_conditions(data, data.conditions);
-  data.DF.topRows(model.n_c) = data.conditions;
-  if (model.n_redundant > 0) {
-    data.DF_e.noalias() = data.D.bottomRows(model.n_redundant) * data.DF;
+  data.J.solve(data.conditions);
+  data.DF.topRows(n_c) = data.conditions;
+  data.DF_e.setZero();
+  for (size_t k = 0; k < model.elements.size() && model.n_redundant > 0; ++k) {
+    const ModelElement& item = model.elements[k];
+    const LocalJacobian& D = data.D[k];
+    for_each_column(item.parts, model.n_x, [&](Index j, Index column) {
+      for (Index i = 0; i < D.rows(); ++i) {
+        const Index row = item.row[static_cast<size_t>(i)];
+        if (row >= n_c) data.DF_e.row(row - n_c) += D(i, j) * data.DF.row(column);
+      }
+    });
   }
 }
 
-void velocities(const Model& model, Data& data, const Eigen::VectorXd& q_d_dot,
-                const Eigen::VectorXd& q_r_dot, const Eigen::VectorXd& q_r_ddot) noexcept {
-  const Index n_c = model.n_c, n_r = model.n_r;
-  data.condition.noalias() = -data.D.topRightCorner(n_c, n_r) * q_r_dot;
-  solve_conditions(data, data.condition);
-  data.x_dot.noalias() = data.DF * q_d_dot;
+void velocities(const Model& model, Data& data, const MotionState& state) noexcept {
+  const Index n_c = model.n_c, n_rx = model.n_rx;
+  data.condition.setZero();
+  subtract_prescribed(model, data, state.q_r_dot);
+  data.J.solve(data.condition);
+  data.x_dot.noalias() = data.DF * state.q_d_dot;
   data.x_dot.head(n_c) += data.condition;
-  data.x_dot.tail(n_r) = q_r_dot;
+  data.x_dot.tail(n_rx) = state.q_r_dot.head(n_rx);
   data.e_dot.head(n_c).setZero();
   for (Index i = 0; i < model.n_d; ++i) {
     const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
-    if (dof.is_deformation) data.e_dot(dof.index) = q_d_dot(i);
+    if (dof.is_deformation) data.e_dot(dof.index) = state.q_d_dot(i);
   }
-  data.e_dot.tail(model.n_redundant).noalias() = data.D.bottomRows(model.n_redundant) * data.x_dot;
+  for (size_t i = 0; i < model.prescribed_rows.size(); ++i) {
+    data.e_dot(model.prescribed_rows[i]) = state.q_r_dot(n_rx + static_cast<Index>(i));
+  }
+  redundant_rates(model, data, data.x_dot, data.e_dot);
 
   // J x_ddot_0 = -D2(x_dot, x_dot) - D_r q_r_ddot: the conditions differentiated twice with
   // q_d_ddot = 0.
-  data.condition.noalias() = -data.D.topRightCorner(n_c, n_r) * q_r_ddot;
+  data.condition.setZero();
+  subtract_prescribed(model, data, state.q_r_ddot);
   LocalVector u, rate;
   LocalDeformation second;
   for (const ModelElement& item : model.elements) {
-    gather(item, data.x, u);
-    gather(item, data.x_dot, rate);
+    gather(item.parts, data.x, u);
+    gather(item.parts, data.x_dot, rate);
     second.resize(item.element->n_deformations());
     item.element->second_derivative(u, rate, rate, second);
     for (Index i = 0; i < second.size(); ++i) {
@@ -214,55 +250,106 @@ void velocities(const Model& model, Data& data, const Eigen::VectorXd& q_d_dot,
       if (row < n_c) data.condition(row) -= second(i);
     }
   }
-  solve_conditions(data, data.condition);
+  data.J.solve(data.condition);
   data.x_ddot_0.setZero();
   data.x_ddot_0.head(n_c) = data.condition;
-  data.x_ddot_0.tail(n_r) = q_r_ddot;
+  data.x_ddot_0.tail(n_rx) = state.q_r_ddot.head(n_rx);
 }
 
-Eigen::MatrixXd prescribed_transfer_functions(const Model& model, const Data& data,
-                                              const Eigen::MatrixXd& patterns) {
-  Eigen::MatrixXd DF_r = Eigen::MatrixXd::Zero(model.n_x, patterns.cols());
-  if (model.n_c > 0 && patterns.size() > 0) {
-    DF_r.topRows(model.n_c) = data.J.solve(-data.D.topRightCorner(model.n_c, model.n_r) * patterns);
+namespace {
+
+/// The largest turn of a node in a displacement: a half-angle for Euler parameters.
+double largest_turn(const Model& model, const Eigen::VectorXd& displacement) {
+  double largest = 0;
+  for (const ModelNode& node : model.nodes) {
+    const double weight = node.rotation.size == 4 ? 2.0 : 1.0;
+    for_each_column({node.rotation}, model.n_x, [&](Index, Index column) {
+      largest = std::max(largest, weight * std::abs(displacement(column)));
+    });
   }
-  DF_r.bottomRows(model.n_r) = patterns;
+  return largest;
+}
+
+/// D_q F (q_to - q_from) at the present x.
+Eigen::VectorXd expected_displacement(const Model& model, Data& data, const MotionState& from,
+                                      const MotionState& to) {
+  geometric_transfer_functions(model, data);
+  Eigen::VectorXd displacement = data.DF * (to.q_d - from.q_d);
+  if (model.n_r > 0) {
+    displacement += prescribed_transfer_functions(model, data, to.q_r - from.q_r);
+  }
+  return displacement;
+}
+
+}  // namespace
+
+bool travel(const Model& model, Data& data, const MotionState& from, const MotionState& to) {
+  const Eigen::VectorXd start = data.x;
+  constexpr double largest_step = 0.3;  // rad
+  MotionState at = from;
+  double travelled = 0, limit = 1;
+  while (travelled < 1) {
+    const Eigen::VectorXd x = data.x;
+    const Eigen::VectorXd ahead = expected_displacement(model, data, at, to);
+    const double turn = largest_turn(model, ahead);
+    const double share = std::min({1.0, limit, turn > 0 ? largest_step / turn : 1.0});
+    const double left = 1 - travelled;
+    MotionState next = to;
+    if (share < 1) {
+      next.q_d = at.q_d + share * (to.q_d - at.q_d);
+      next.q_r = at.q_r + share * (to.q_r - at.q_r);
+    }
+    data.x += share * ahead;
+    // Where the position curves so much that twice the expected step is made, a smaller step shows
+    // whether that is the way or another branch.
+    const bool reached = solve_positions(model, data, next) && data.x.allFinite() &&
+                         largest_turn(model, data.x - x) <= 2 * largest_step;
+    if (reached) {
+      at = next;
+      travelled = share < 1 ? travelled + share * left : 1;
+      limit = std::min(1.0, 2 * limit);
+    } else {
+      data.x = x;
+      limit = 0.5 * share;
+      if (limit < 1e-4) {
+        data.x = start;
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+RowMatrix prescribed_transfer_functions(const Model& model, Data& data,
+                                        const Eigen::MatrixXd& patterns) {
+  RowMatrix DF_r = RowMatrix::Zero(model.n_x, patterns.cols());
+  for (Index j = 0; j < patterns.cols(); ++j) {
+    data.condition.setZero();
+    subtract_prescribed(model, data, patterns.col(j));
+    data.J.solve(data.condition);
+    DF_r.col(j).head(model.n_c) = data.condition;
+  }
+  DF_r.bottomRows(model.n_rx) = patterns.topRows(model.n_rx);
   return DF_r;
 }
 
-Eigen::MatrixXd stress_hessian(const Model& model, const Data& data, const Eigen::VectorXd& sigma) {
-  // Every moving coordinate's unit rate, gathered as an element sees it, would be simple and slow;
-  // instead the local matrix is turned by the same scatter, once for its columns and once for its
-  // rows.
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(model.n_x, model.n_x);
-  LocalVector u;
-  for (const ModelElement& item : model.elements) {
-    const Index n_local = item.element->n_local(), n_e = item.element->n_deformations();
-    gather(item, data.x, u);
-    LocalDeformation local_sigma(n_e);
-    for (Index i = 0; i < n_e; ++i) local_sigma(i) = sigma(item.row[static_cast<size_t>(i)]);
-    if (local_sigma.isZero(0)) continue;
-    LocalHessian local(n_local, n_local);
-    item.element->hessian(u, local_sigma, local);
-    Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(n_local, model.n_x);
-    Index at = 0;
-    for (size_t p = 0; p < item.parts.size(); ++p) {
-      const PartMap& map = item.parts[p];
-      const Index size = item.element->parts()[p].size();
-      for (Index i = 0; i < size; ++i) {
-        const Index column = map.column[static_cast<size_t>(i)];
-        if (column < 0) continue;
-        if (size == 3) {
-          turn.block<3, 1>(at, column) = map.basis.col(i);
-        } else {
-          turn(at + i, column) = 1.0;
-        }
+Eigen::MatrixXd dense_jacobian(const Model& model, const Data& data) {
+  Eigen::MatrixXd D = Eigen::MatrixXd::Zero(model.n_e, model.n_x);
+  for (size_t k = 0; k < model.elements.size(); ++k) {
+    const ModelElement& item = model.elements[k];
+    for_each_column(item.parts, model.n_x, [&](Index j, Index column) {
+      for (Index i = 0; i < data.D[k].rows(); ++i) {
+        D(item.row[static_cast<size_t>(i)], column) += data.D[k](i, j);
       }
-      at += size;
-    }
-    H.noalias() += turn.transpose() * local * turn;
+    });
   }
-  return H;
+  return D;
+}
+
+Eigen::MatrixXd dense_jacobian(const Model& model) {
+  Data data(model);
+  assemble(model, data);
+  return dense_jacobian(model, data);
 }
 
 }  // namespace stillframe

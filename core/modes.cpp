@@ -35,7 +35,7 @@ Eigen::VectorXcd sorted_eigenvalues(const Eigen::MatrixXd& A) {
 
 Modes modes(const LinearModel& model) {
   const Index n = model.M.rows();
-  const Eigen::MatrixXd K = model.K + model.G;
+  const Eigen::MatrixXd K = model.stiffness();
   if (Eigen::LLT<Eigen::MatrixXd>(model.M).info() != Eigen::Success) {
     throw Refusal("the mass matrix is not positive definite: a dof moves no mass");
   }

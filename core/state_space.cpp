@@ -12,8 +12,8 @@ MatrixXd state_matrix(const LinearModel& model) {
   const Eigen::LLT<MatrixXd> M(model.M);
   MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
   A.topRightCorner(n, n).setIdentity();
-  A.bottomLeftCorner(n, n) = -M.solve(model.K + model.G);
-  A.bottomRightCorner(n, n) = -M.solve(model.D);
+  A.bottomLeftCorner(n, n) = -M.solve(model.stiffness());
+  A.bottomRightCorner(n, n) = -M.solve(model.damping());
   return A;
 }
 
@@ -40,7 +40,7 @@ void check_signals(const LinearModel& model, Index n_w, Index n_y) {
 LoopPlant loop_plant(const LinearModel& model, Index n_w, Index n_y) {
   check_signals(model, n_w, n_y);
   const Index n = model.M.rows(), m = model.B.cols() - n_w;
-  const MatrixXd KG_r = (model.K_r + model.G_r).leftCols(n_w), D_r = model.D_r.leftCols(n_w);
+  const MatrixXd KG_r = model.stiffness_r().leftCols(n_w), D_r = model.damping_r().leftCols(n_w);
   const MatrixXd R_p = model.R_p.leftCols(n_w), R_v = model.R_v.leftCols(n_w);
   const bool integrals = !KG_r.isZero(0) || !D_r.isZero(0) || !R_p.isZero(0) || !R_v.isZero(0);
   const Index n_exogenous = integrals ? 2 * n_w : 0, total = 2 * n + n_exogenous;

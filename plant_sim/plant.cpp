@@ -59,7 +59,7 @@ Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::Floo
     frame_rows_.row(i) = model.translation_row(model.node_index(signal.node), signal.direction);
   }
   for (const std::string& leg : scene.controller->legs) {
-    leg_rows_.push_back(model.elastic_row(leg));
+    leg_rows_.push_back(model.deformation_row(leg));
   }
   const auto n_legs = static_cast<Index>(leg_rows_.size());
   reading_ = {Eigen::VectorXd::Zero(static_cast<Index>(scene.inputs.size())),

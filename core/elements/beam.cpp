@@ -29,14 +29,25 @@ constexpr Bending bendings[4] = {{p_rotation, true, -1.0},
 
 }  // namespace
 
-Beam::Beam(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector)
-    : Element({{node_p, false}, {node_p, true}, {node_q, false}, {node_q, true}}, 6),
+Beam::Beam(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector,
+           const Eigen::Vector3d& orientation)
+    : Element({translation_of(node_p), rotation_of(node_p), translation_of(node_q),
+               rotation_of(node_q)},
+              6),
       l_0_vector_(l_0_vector),
       l_0_(l_0_vector.norm()) {
   if (!(l_0_ > 0)) throw std::invalid_argument("Beam: zero length");
   const Vector3 n_x = l_0_vector / l_0_;
-  n_y_ = n_x.unitOrthogonal();
-  n_z_ = n_x.cross(n_y_);
+  n_z_ = n_x.cross(orientation);
+  if (!(n_z_.norm() > 1e-6 * orientation.norm())) {
+    throw std::invalid_argument("Beam: the orientation is parallel to the beam");
+  }
+  n_z_.normalize();
+  n_y_ = n_z_.cross(n_x);
+}
+
+Eigen::Vector3d any_orientation(const Eigen::Vector3d& l_0_vector) {
+  return l_0_vector.unitOrthogonal();
 }
 
 void Beam::deformations(const LocalVector& u, LocalDeformation& e) const noexcept {
@@ -119,6 +130,49 @@ void Beam::second_derivative(const LocalVector& u, const LocalVector& v, const L
     const Rotated& r = bendings[i].about_z ? (at_p ? pz : qz) : (at_p ? py : qy);
     result(2 + i) =
         bendings[i].sign * (r.in_vw.dot(span.l_vector) + r.in_v.dot(dw) + r.in_w.dot(dv));
+  }
+}
+
+void Beam::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
+                          LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
+  const Span span(l_0_vector_, l_0_, difference(u));
+  const Vector3 l[3] = {span.l_vector, difference(v), difference(a)};
+  const auto axis = [&](int r, const Vector3& n) {
+    return TurningAxis(euler_parameters(u.segment<4>(r)), v.segment<4>(r), a.segment<4>(r), n);
+  };
+  const TurningAxis py = axis(p_rotation, n_y_), pz = axis(p_rotation, n_z_);
+  const TurningAxis qy = axis(q_rotation, n_y_), qz = axis(q_rotation, n_z_);
+  rate.setZero();
+  second_rate.setZero();
+
+  const auto elongation = span.direction_rates(l[1], l[2]);
+  rate.block<1, 3>(0, p_position) = -elongation.first.transpose();
+  rate.block<1, 3>(0, q_position) = elongation.first.transpose();
+  second_rate.block<1, 3>(0, p_position) = -elongation.second.transpose();
+  second_rate.block<1, 3>(0, q_position) = elongation.second.transpose();
+
+  // Derivatives of b . (R a) to the rotation of a, once and twice differentiated in time.
+  const auto first = [](const TurningAxis& a_axis, const Vector3* b) -> Eigen::RowVector4d {
+    return b[0].transpose() * a_axis.derivative[1] + b[1].transpose() * a_axis.derivative[0];
+  };
+  const auto second = [](const TurningAxis& a_axis, const Vector3* b) -> Eigen::RowVector4d {
+    return b[0].transpose() * a_axis.derivative[2] + 2.0 * b[1].transpose() * a_axis.derivative[1] +
+           b[2].transpose() * a_axis.derivative[0];
+  };
+  const double h = 0.5 * l_0_;
+  rate.block<1, 4>(1, p_rotation) = h * (first(pz, qy.value) - first(py, qz.value));
+  rate.block<1, 4>(1, q_rotation) = h * (first(qy, pz.value) - first(qz, py.value));
+  second_rate.block<1, 4>(1, p_rotation) = h * (second(pz, qy.value) - second(py, qz.value));
+  second_rate.block<1, 4>(1, q_rotation) = h * (second(qy, pz.value) - second(qz, py.value));
+  for (int i = 0; i < 4; ++i) {
+    const auto [r, about_z, sign] = bendings[i];
+    const TurningAxis& n = r == p_rotation ? (about_z ? pz : py) : (about_z ? qz : qy);
+    rate.block<1, 3>(2 + i, p_position) = -sign * n.value[1].transpose();
+    rate.block<1, 3>(2 + i, q_position) = sign * n.value[1].transpose();
+    rate.block<1, 4>(2 + i, r) = sign * first(n, l);
+    second_rate.block<1, 3>(2 + i, p_position) = -sign * n.value[2].transpose();
+    second_rate.block<1, 3>(2 + i, q_position) = sign * n.value[2].transpose();
+    second_rate.block<1, 4>(2 + i, r) = sign * second(n, l);
   }
 }
 

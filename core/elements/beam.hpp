@@ -15,15 +15,18 @@ namespace stillframe {
 /// (4).
 class Beam final : public Element {
  public:
-  /// l_0_vector: from p to q in the scene as written, m; any n_y perpendicular to it is as good as
-  /// another for a rigid beam, so one is chosen. Errors: std::invalid_argument if the length is not
-  /// positive.
-  Beam(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector);
+  /// l_0_vector: from p to q in the scene as written, m; orientation: a vector that spans the
+  /// n_x-n_y plane with it. Errors: std::invalid_argument if the length is not positive or the two
+  /// are parallel.
+  Beam(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector,
+       const Eigen::Vector3d& orientation);
 
   void deformations(const LocalVector& u, LocalDeformation& e) const noexcept override;
   void jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept override;
   void second_derivative(const LocalVector& u, const LocalVector& v, const LocalVector& w,
                          LocalDeformation& result) const noexcept override;
+  void jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
+                      LocalJacobian& rate, LocalJacobian& second_rate) const noexcept override;
   void hessian(const LocalVector& u, const LocalDeformation& sigma,
                LocalHessian& result) const noexcept override;
 
@@ -32,5 +35,8 @@ class Beam final : public Element {
   double l_0_;
   Eigen::Vector3d n_y_, n_z_;
 };
+
+/// An orientation for a rigid beam, for which any is as good as another.
+Eigen::Vector3d any_orientation(const Eigen::Vector3d& l_0_vector);
 
 }  // namespace stillframe

@@ -9,7 +9,7 @@ namespace stillframe {
 /// Dimensionless.
 class NormCondition final : public Element {
  public:
-  explicit NormCondition(Eigen::Index node) : Element({{node, true}}, 1) {}
+  explicit NormCondition(Eigen::Index node) : Element({rotation_of(node)}, 1) {}
 
   void deformations(const LocalVector& u, LocalDeformation& e) const noexcept override {
     e(0) = u(0) + 0.5 * u.squaredNorm();
@@ -21,6 +21,11 @@ class NormCondition final : public Element {
   void second_derivative(const LocalVector&, const LocalVector& v, const LocalVector& w,
                          LocalDeformation& result) const noexcept override {
     result(0) = v.dot(w);
+  }
+  void jacobian_rates(const LocalVector&, const LocalVector& v, const LocalVector& a,
+                      LocalJacobian& rate, LocalJacobian& second_rate) const noexcept override {
+    rate = v.transpose();
+    second_rate = a.transpose();
   }
   void hessian(const LocalVector&, const LocalDeformation& sigma,
                LocalHessian& result) const noexcept override {

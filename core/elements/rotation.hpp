@@ -51,12 +51,45 @@ inline Eigen::Matrix4d rotated_hessian(const Vector3& h, const Vector3& n) {
   return hessian;
 }
 
+/// A body-fixed axis n turned by R(lambda), with d(R n)/d lambda, and the first and second time
+/// derivatives of both while lambda' = v and lambda'' = a.
+struct TurningAxis {
+  Vector3 value[3];
+  Eigen::Matrix<double, 3, 4> derivative[3];
+  TurningAxis(const Vector4& lambda, const Vector4& v, const Vector4& a, const Vector3& n)
+      : value{n + rotation_form(lambda, lambda, n), 2.0 * rotation_form(lambda, v, n),
+              2.0 * (rotation_form(v, v, n) + rotation_form(lambda, a, n))},
+        derivative{d_rotated_d_lambda(lambda, n), d_rotated_d_lambda(v, n),
+                   d_rotated_d_lambda(a, n)} {}
+};
+
 /// omega_body = 2 Lambda(lambda) d(lambda)/dt, 3 x 4.
 inline Eigen::Matrix<double, 3, 4> body_rate_matrix(const Vector4& lambda) {
   Eigen::Matrix<double, 3, 4> matrix;
   matrix.col(0) = -lambda.tail<3>();
   matrix.rightCols<3>() = -cross_matrix(lambda.tail<3>());
   matrix.rightCols<3>().diagonal().array() += lambda(0);
+  return matrix;
+}
+
+/// omega_space = 2 Lambda_s(lambda) d(lambda)/dt, 3 x 4.
+inline Eigen::Matrix<double, 3, 4> space_rate_matrix(const Vector4& lambda) {
+  Eigen::Matrix<double, 3, 4> matrix;
+  matrix.col(0) = -lambda.tail<3>();
+  matrix.rightCols<3>() = cross_matrix(lambda.tail<3>());
+  matrix.rightCols<3>().diagonal().array() += lambda(0);
+  return matrix;
+}
+
+/// d(Lambda(lambda)^T p)/d lambda for a constant p, 4 x 4, and the same of Lambda_s.
+inline Eigen::Matrix4d d_body_rate_dual(const Vector3& p) {
+  Eigen::Matrix4d matrix;
+  matrix << 0, -p.transpose(), p, -cross_matrix(p);
+  return matrix;
+}
+inline Eigen::Matrix4d d_space_rate_dual(const Vector3& p) {
+  Eigen::Matrix4d matrix;
+  matrix << 0, -p.transpose(), p, cross_matrix(p);
   return matrix;
 }
 

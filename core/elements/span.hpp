@@ -22,6 +22,19 @@ struct Span {
   double second(const Eigen::Vector3d& v, const Eigen::Vector3d& w) const noexcept {
     return (v.dot(w) - direction.dot(v) * direction.dot(w)) / length;
   }
+  /// First and second time derivatives of the direction while d' = v and d'' = a.
+  struct DirectionRates {
+    Eigen::Vector3d first, second;
+  };
+  DirectionRates direction_rates(const Eigen::Vector3d& v,
+                                 const Eigen::Vector3d& a) const noexcept {
+    DirectionRates rates;
+    const double length_rate = direction.dot(v);
+    rates.first = (v - length_rate * direction) / length;
+    const double length_second = direction.dot(a) + rates.first.dot(v);
+    rates.second = (a - length_second * direction - 2.0 * length_rate * rates.first) / length;
+    return rates;
+  }
   /// d2 l / dd dd, 3 x 3.
   Eigen::Matrix3d curvature() const noexcept {
     return (Eigen::Matrix3d::Identity() - direction * direction.transpose()) / length;

@@ -13,7 +13,7 @@ Eigen::Vector3d difference(const LocalVector& u) { return u.segment<3>(3) - u.se
 }  // namespace
 
 Truss::Truss(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector)
-    : Element({{node_p, false}, {node_q, false}}, 1),
+    : Element({translation_of(node_p), translation_of(node_q)}, 1),
       l_0_vector_(l_0_vector),
       l_0_(l_0_vector.norm()) {
   if (!(l_0_ > 0)) throw std::invalid_argument("Truss: zero length");
@@ -31,6 +31,14 @@ void Truss::jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcep
 void Truss::second_derivative(const LocalVector& u, const LocalVector& v, const LocalVector& w,
                               LocalDeformation& result) const noexcept {
   result(0) = Span(l_0_vector_, l_0_, difference(u)).second(difference(v), difference(w));
+}
+
+void Truss::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
+                           LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
+  const auto rates =
+      Span(l_0_vector_, l_0_, difference(u)).direction_rates(difference(v), difference(a));
+  rate << -rates.first.transpose(), rates.first.transpose();
+  second_rate << -rates.second.transpose(), rates.second.transpose();
 }
 
 void Truss::hessian(const LocalVector& u, const LocalDeformation& sigma,

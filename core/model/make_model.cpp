@@ -1,299 +1,330 @@
+// The elements, dofs, inertias and loads of a model, and the whole.
 #include <algorithm>
-#include <map>
 
 #include "core/elements/beam.hpp"
+#include "core/elements/hinge.hpp"
 #include "core/elements/norm_condition.hpp"
+#include "core/elements/planar_beam.hpp"
+#include "core/elements/planar_hinge.hpp"
+#include "core/elements/second_order.hpp"
 #include "core/elements/truss.hpp"
-#include "core/model/model.hpp"
+#include "core/inertia/beam_mass.hpp"
+#include "core/inertia/body.hpp"
+#include "core/inertia/lumped.hpp"
+#include "core/inertia/planar_beam_mass.hpp"
+#include "core/model/automatic_dofs.hpp"
+#include "core/model/builder.hpp"
 #include "core/model/partition.hpp"
+#include "core/model/section.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
 namespace {
 
-enum class CoordinateKind { dependent, dynamic, prescribed, fixed };
+using Kind = SceneElement::Kind;
 
-/// What a scene says of one node's coordinates, before they have numbers.
-struct NodePlan {
-  std::vector<Eigen::Vector3d> directions;  ///< claimed ones, in order
-  std::vector<CoordinateKind> kinds;
-  std::vector<Index> dofs;  ///< index among the scene's dofs, -1 if none
-  std::array<CoordinateKind, 4> rotation_kind{};
-  std::array<Index, 4> rotation_dof{-1, -1, -1, -1};
-  bool rotation_fixed = false, has_translation = true, has_rotation = false;
-};
+bool is_beam(const SceneElement& element) {
+  return element.kind == Kind::beam || element.kind == Kind::rigid_beam;
+}
 
-class Builder {
- public:
-  explicit Builder(const Scene& scene) : scene_(scene), plans_(scene.nodes.size()) {}
-
-  Model build() {
-    model_.title = scene_.title;
-    for (const SceneNode& node : scene_.nodes) {
-      model_.nodes.push_back({node.name, node.position, {}, {}, false});
-    }
-    plan_rotations();
-    claim_directions();
-    number_coordinates();
-    place_elements();
-    resolve_dofs();
-    place_masses_and_loads();
-    check_partition(model_, scene_.dofs_place);
-    return std::move(model_);
+/// The deformation functions of a scene's element.
+std::unique_ptr<const Element> make_element(const SceneElement& element, Index p, Index q,
+                                            const Eigen::Vector3d& l_0, bool planar) {
+  switch (element.kind) {
+    case Kind::truss:
+      return std::make_unique<Truss>(p, q, l_0);
+    case Kind::hinge:
+      if (planar) return std::make_unique<PlanarHinge>(p, q);
+      return std::make_unique<Hinge>(p, q, element.axis);
+    case Kind::beam:
+    case Kind::rigid_beam:
+      break;
   }
-
- private:
-  NodePlan& plan(const std::string& node) {
-    return plans_[static_cast<size_t>(model_.node_index(node))];
+  std::unique_ptr<const Element> beam;
+  if (planar) {
+    beam = std::make_unique<PlanarBeam>(p, q, l_0);
+  } else {
+    const bool free = element.kind == Kind::rigid_beam;
+    beam =
+        std::make_unique<Beam>(p, q, l_0, free ? any_orientation(l_0) : element.beam.orientation);
   }
-
-  void plan_rotations() {
-    for (const SceneElement& element : scene_.elements) {
-      if (element.kind != SceneElement::Kind::rigid_beam) continue;
-      plan(element.node_p).has_rotation = plan(element.node_q).has_rotation = true;
-    }
-    for (const SceneMass& mass : scene_.masses) {
-      if (mass.has_inertia) plan(mass.node).has_rotation = true;
-    }
-    for (const SceneConstraint& support : scene_.supports) {
-      if (!support.rotation) continue;
-      NodePlan& node = plan(support.node);
-      if (!node.has_rotation) {
-        throw InputError(support.place + ": node '" + support.node +
-                         "' has no rotation to fix: no beam and no inertia is attached to it");
-      }
-      node.rotation_fixed = true;
-    }
-    for (size_t i = 0; i < scene_.dofs.size(); ++i) {
-      const SceneDof& dof = scene_.dofs[i];
-      if (dof.euler_parameter == 0) continue;
-      NodePlan& node = plan(dof.node);
-      if (!node.has_rotation || node.rotation_fixed) {
-        throw InputError(dof.place + ": node '" + dof.node + "' has no free rotation");
-      }
-      const auto component = static_cast<size_t>(dof.euler_parameter);
-      if (node.rotation_dof[component] >= 0)
-        throw InputError(dof.place + ": this dof is named twice");
-      node.rotation_kind[component] = CoordinateKind::dynamic;
-      node.rotation_dof[component] = static_cast<Index>(i);
-    }
-  }
-
-  void claim(const std::string& node, const Eigen::Vector3d& direction, CoordinateKind kind,
-             Index dof, const std::string& place) {
-    NodePlan& target = plan(node);
-    for (const Eigen::Vector3d& other : target.directions) {
-      // Directions are unit vectors written with a few digits; 1e-6 is an error of a micrometre on
-      // a metre.
-      if (std::abs(other.dot(direction)) > 1e-6) {
-        throw InputError(place + ": node '" + node +
-                         "': the directions of its supports, prescribed motions and dofs must be "
-                         "perpendicular to each other");
-      }
-    }
-    target.directions.push_back(direction);
-    target.kinds.push_back(kind);
-    target.dofs.push_back(dof);
-  }
-
-  void claim_directions() {
-    for (const SceneConstraint& support : scene_.supports) {
-      for (const auto& d : support.directions) {
-        claim(support.node, d, CoordinateKind::fixed, -1, support.place);
-      }
-    }
-    for (const SceneConstraint& motion : scene_.prescribed) {
-      for (const auto& d : motion.directions) {
-        claim(motion.node, d, CoordinateKind::prescribed, -1, motion.place);
-      }
-    }
-    for (size_t i = 0; i < scene_.dofs.size(); ++i) {
-      const SceneDof& dof = scene_.dofs[i];
-      if (dof.direction) {
-        claim(dof.node, *dof.direction, CoordinateKind::dynamic, static_cast<Index>(i), dof.place);
-      }
-    }
-  }
-
-  /// Completes the claimed directions of a node to an orthonormal basis, the rest dependent.
-  void make_basis(size_t n) {
-    NodePlan& target = plans_[n];
-    Eigen::Matrix3d& basis = model_.nodes[n].translation.basis;
-    Index count = 0;
-    const auto add = [&](Eigen::Vector3d d) {
-      for (Index i = 0; i < count; ++i) d -= basis.col(i).dot(d) * basis.col(i);
-      if (d.norm() < 0.5) return false;
-      basis.col(count++) = d.normalized();
-      return true;
-    };
-    for (const auto& d : target.directions) add(d);
-    for (int axis = 0; axis < 3 && count < 3; ++axis) {
-      if (add(Eigen::Vector3d::Unit(axis))) {
-        target.kinds.push_back(CoordinateKind::dependent);
-        target.dofs.push_back(-1);
-      }
-    }
-    model_.nodes[n].translation.global_axes = basis.isIdentity(0);
-  }
-
-  void number_coordinates() {
-    for (size_t n = 0; n < plans_.size(); ++n) {
-      make_basis(n);
-      if (plans_[n].rotation_fixed) plans_[n].rotation_kind.fill(CoordinateKind::fixed);
-      model_.nodes[n].has_rotation = plans_[n].has_rotation;
-    }
-    dof_index_.assign(scene_.dofs.size(), -1);
-    Index next = 0;
-    for (const auto kind :
-         {CoordinateKind::dependent, CoordinateKind::dynamic, CoordinateKind::prescribed}) {
-      const Index first = next;
-      for (size_t n = 0; n < plans_.size(); ++n) {
-        const NodePlan& p = plans_[n];
-        ModelNode& node = model_.nodes[n];
-        for (size_t i = 0; i < 3; ++i) {
-          if (p.kinds[i] == kind) take(node.translation.column[i], p.dofs[i], next);
-        }
-        for (size_t i = 0; i < 4 && p.has_rotation; ++i) {
-          if (p.rotation_kind[i] == kind) take(node.rotation.column[i], p.rotation_dof[i], next);
-        }
-      }
-      (kind == CoordinateKind::dependent ? model_.n_c
-       : kind == CoordinateKind::dynamic ? model_.n_xd
-                                         : model_.n_r) = next - first;
-    }
-    model_.n_x = next;
-  }
-
-  void take(Index& column, Index dof, Index& next) {
-    column = next++;
-    if (dof >= 0) dof_index_[static_cast<size_t>(dof)] = column;
-  }
-
-  void place_elements() {
-    std::map<std::string, Index>
-        dynamic_element;  // the scene's dof that is this element's deformation
-    for (size_t i = 0; i < scene_.dofs.size(); ++i) {
-      const SceneDof& dof = scene_.dofs[i];
-      if (dof.element.empty()) continue;
-      if (!dynamic_element.emplace(dof.element, static_cast<Index>(i)).second) {
-        throw InputError(dof.place + ": this dof is named twice");
-      }
-      if (scene_element(dof.element).rigid) {
-        throw InputError(dof.place + ": '" + dof.element +
-                         "' is rigid, its deformation can be no dof");
-      }
-    }
-    for (size_t n = 0; n < plans_.size(); ++n) {
-      if (plans_[n].has_rotation && !plans_[n].rotation_fixed) {
-        add_element(model_.nodes[n].name + " (norm)",
-                    std::make_unique<NormCondition>(static_cast<Index>(n)), false);
-      }
-    }
-    for (const SceneElement& element : scene_.elements) {
-      const Index p = model_.node_index(element.node_p), q = model_.node_index(element.node_q);
-      const Eigen::Vector3d l_0 = model_.nodes[static_cast<size_t>(q)].position -
-                                  model_.nodes[static_cast<size_t>(p)].position;
-      if (element.kind == SceneElement::Kind::truss) {
-        add_element(element.name, std::make_unique<Truss>(p, q, l_0), !element.rigid);
-      } else {
-        add_element(element.name, std::make_unique<Beam>(p, q, l_0), false);
-      }
-    }
-    number_deformations(dynamic_element);
-  }
-
-  const SceneElement& scene_element(const std::string& name) const {
-    return *std::find_if(scene_.elements.begin(), scene_.elements.end(),
-                         [&](const SceneElement& e) { return e.name == name; });
-  }
-
-  void add_element(const std::string& name, std::unique_ptr<const Element> element, bool elastic) {
-    ModelElement item;
-    item.name = name;
-    item.elastic = elastic;
-    for (const NodePart& part : element->parts()) {
-      const ModelNode& node = model_.nodes[static_cast<size_t>(part.node)];
-      item.parts.push_back(part.rotation ? node.rotation : node.translation);
-    }
-    item.element = std::move(element);
-    model_.elements.push_back(std::move(item));
-  }
-
-  /// Rows: conditions first (zero and dynamic deformations in the order of the elements), redundant
-  /// ones last.
-  void number_deformations(const std::map<std::string, Index>& dynamic_element) {
-    const auto is_condition = [&](const ModelElement& item) {
-      return !item.elastic || dynamic_element.contains(item.name);
-    };
-    Index row = 0;
-    for (const bool conditions : {true, false}) {
-      const Index first = row;
-      for (ModelElement& item : model_.elements) {
-        if (is_condition(item) != conditions) continue;
-        for (Index i = 0; i < item.element->n_deformations(); ++i) {
-          item.row[static_cast<size_t>(i)] = row++;
-        }
-        const auto dof = dynamic_element.find(item.name);
-        if (dof != dynamic_element.end())
-          dof_index_[static_cast<size_t>(dof->second)] = item.row[0];
-      }
-      if (!conditions) model_.n_redundant = row - first;
-    }
-    model_.n_e = row;
-    model_.stiffness = model_.damping = model_.preload = Eigen::VectorXd::Zero(row);
-    for (const SceneElement& element : scene_.elements) {
-      if (element.rigid) continue;
-      const Index r = model_.elastic_row(element.name);
-      model_.stiffness(r) = element.stiffness;
-      model_.damping(r) = element.damping;
-      model_.preload(r) = element.preload;
-    }
-  }
-
-  void resolve_dofs() {
-    model_.n_d = static_cast<Index>(scene_.dofs.size());
-    if (model_.n_d == 0) throw InputError(scene_.dofs_place + ": dofs: at least one is needed");
-    for (size_t i = 0; i < scene_.dofs.size(); ++i) {
-      const SceneDof& dof = scene_.dofs[i];
-      Model::Dof resolved{
-          .name = {}, .unit = "m", .is_deformation = !dof.element.empty(), .index = dof_index_[i]};
-      if (resolved.is_deformation) {
-        resolved.name = "e(" + dof.element + ")";
-      } else if (dof.direction) {
-        resolved.name = "x(" + dof.node + ")" + std::to_string(i + 1);
-      } else {
-        resolved.name = "lambda_" + std::to_string(dof.euler_parameter) + "(" + dof.node + ")";
-        resolved.unit = "1";
-      }
-      model_.dofs.push_back(resolved);
-    }
-  }
-
-  void place_masses_and_loads() {
-    for (const SceneMass& mass : scene_.masses) {
-      model_.masses.push_back(
-          {model_.node_index(mass.node), mass.mass, mass.inertia, mass.has_inertia});
-    }
-    model_.load = Eigen::VectorXd::Zero(model_.n_x);
-    for (const SceneLoad& load : scene_.loads) {
-      for (int axis = 0; axis < 3; ++axis) {
-        model_.load +=
-            load.force(axis) *
-            model_.translation_row(model_.node_index(load.node), Eigen::Vector3d::Unit(axis))
-                .transpose();
-      }
-    }
-  }
-
-  const Scene& scene_;
-  Model model_;
-  std::vector<NodePlan> plans_;
-  std::vector<Index> dof_index_;
-};
+  if (!element.beam.second_order) return beam;
+  const double length = l_0.norm();
+  return std::make_unique<SecondOrder>(std::move(beam), planar
+                                                            ? planar_second_order_terms(length)
+                                                            : spatial_second_order_terms(length));
+}
 
 }  // namespace
 
-Model make_model(const Scene& scene) { return Builder(scene).build(); }
+Model ModelBuilder::build() {
+  model_.title = scene_.title;
+  model_.planar = scene_.planar;
+  model_.gravity = scene_.gravity;
+  for (const SceneNode& node : scene_.nodes) {
+    model_.nodes.push_back({node.name, node.position, {}, {}});
+  }
+  share_translations();
+  plan_rotations();
+  claim_directions();
+  number_coordinates();
+  place_elements();
+  number_deformations();
+  resolve_dofs();
+  place_inertias();
+  place_loads();
+  place_operating_point();
+  return std::move(model_);
+}
+
+template <class Part>
+std::vector<PartMap> ModelBuilder::maps_of(const Part& part) const {
+  std::vector<PartMap> maps;
+  for (const NodePart& p : part.parts()) {
+    const ModelNode& node = model_.nodes[static_cast<size_t>(p.node)];
+    maps.push_back(p.kind == NodePart::Kind::translation ? node.translation : node.rotation);
+  }
+  return maps;
+}
+
+void ModelBuilder::place_elements() {
+  for (size_t n = 0; n < plans_.size(); ++n) {
+    if (plans_[n].rotation_size == 4 && plans_[n].rotation_kind[0] != CoordinateKind::fixed) {
+      add_element(model_.nodes[n].name + " (norm)",
+                  std::make_unique<NormCondition>(static_cast<Index>(n)));
+      model_.elements.back().zero[0] = true;
+    }
+  }
+  for (const SceneElement& element : scene_.elements) place_element(element);
+}
+
+void ModelBuilder::place_element(const SceneElement& element) {
+  const Index p = node_index_.at(element.node_p), q = node_index_.at(element.node_q);
+  const Eigen::Vector3d l_0 =
+      model_.nodes[static_cast<size_t>(q)].position - model_.nodes[static_cast<size_t>(p)].position;
+  add_element(element.name, make_element(element, p, q, l_0, scene_.planar));
+  ModelElement& item = model_.elements.back();
+  const Index n_e = item.element->n_deformations();
+  for (Index i = 0; i < n_e; ++i)
+    item.zero[static_cast<size_t>(i)] = element.zero[static_cast<size_t>(i)];
+  if (element.rigid()) return;
+  item.S = LocalStiffness(element.stiffness);
+  item.S_d = LocalStiffness(element.damping);
+  if (element.kind == Kind::beam) {
+    const LocalStiffness section = section_stiffness(element.beam, l_0.norm(), scene_.planar);
+    item.S += section;
+    item.S_d += element.beam.damping_time * section;
+  }
+  item.damped = !item.S_d.isZero(0);
+}
+
+void ModelBuilder::add_element(const std::string& name, std::unique_ptr<const Element> element) {
+  ModelElement item;
+  item.name = name;
+  item.parts = maps_of(*element);
+  item.element = std::move(element);
+  model_.elements.push_back(std::move(item));
+}
+
+/// Rows: conditions first (zero, dynamic and prescribed deformations in the order of the elements),
+/// redundant ones last.
+void ModelBuilder::number_deformations() {
+  std::map<std::pair<std::string, int>, Index> dof_of, prescribed;
+  for (size_t i = 0; i < scene_.dofs.size(); ++i) {
+    const SceneDof& dof = scene_.dofs[i];
+    if (dof.element.empty()) continue;
+    if (!dof_of.emplace(std::pair(dof.element, dof.mode), static_cast<Index>(i)).second) {
+      throw InputError(dof.place + ": this dof is named twice");
+    }
+  }
+  for (const SceneConstraint& motion : scene_.prescribed) {
+    if (motion.element.empty()) continue;
+    const std::pair key(motion.element, motion.mode);
+    if (dof_of.contains(key) ||
+        !prescribed.emplace(key, static_cast<Index>(prescribed.size())).second) {
+      throw InputError(motion.place + ": this deformation is prescribed twice, or a dof as well");
+    }
+  }
+  model_.prescribed_rows.assign(prescribed.size(), -1);
+  model_.n_r = model_.n_rx + static_cast<Index>(prescribed.size());
+  Index row = 0;
+  for (const bool conditions : {true, false}) {
+    const Index first = row;
+    for (ModelElement& item : model_.elements) {
+      for (Index i = 0; i < item.element->n_deformations(); ++i) {
+        const std::pair key(item.name, static_cast<int>(i + 1));
+        const auto dof = dof_of.find(key), motion = prescribed.find(key);
+        const bool zero = item.zero[static_cast<size_t>(i)];
+        if (zero && dof != dof_of.end()) {
+          throw InputError(scene_.dofs[static_cast<size_t>(dof->second)].place + ": '" + item.name +
+                           "' is rigid, its deformation can be no dof");
+        }
+        const bool condition = zero || dof != dof_of.end() || motion != prescribed.end();
+        if (condition != conditions) continue;
+        if (conditions) model_.conditions.emplace_back();
+        if (dof != dof_of.end()) {
+          dof_index_[static_cast<size_t>(dof->second)] = row;
+          model_.conditions.back().dof = dof->second;
+        }
+        if (motion != prescribed.end()) {
+          model_.prescribed_rows[static_cast<size_t>(motion->second)] = row;
+          model_.conditions.back().prescribed = motion->second;
+        }
+        item.row[static_cast<size_t>(i)] = row++;
+      }
+    }
+    if (!conditions) model_.n_redundant = row - first;
+  }
+  model_.n_e = row;
+  model_.preload = Eigen::VectorXd::Zero(row);
+  for (const SceneElement& element : scene_.elements) {
+    if (element.rigid()) continue;
+    const ModelElement& item =
+        model_.elements[static_cast<size_t>(model_.element_index(element.name))];
+    for (Index i = 0; i < item.element->n_deformations(); ++i) {
+      model_.preload(item.row[static_cast<size_t>(i)]) = element.preload(i);
+    }
+  }
+}
+
+std::string ModelBuilder::dof_name(const SceneDof& dof, size_t i) const {
+  if (!dof.element.empty()) {
+    const auto& item = model_.elements[static_cast<size_t>(model_.element_index(dof.element))];
+    const bool alone = item.element->n_deformations() == 1;
+    return (alone ? "e(" : "e_" + std::to_string(dof.mode) + "(") + dof.element + ")";
+  }
+  if (dof.rotation) return "phi(" + dof.node + ")";
+  if (!dof.direction) {
+    return "lambda_" + std::to_string(dof.euler_parameter) + "(" + dof.node + ")";
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((*dof.direction)(axis) == 1.0) return std::string(1, "xyz"[axis]) + "(" + dof.node + ")";
+  }
+  return "x(" + dof.node + ")" + std::to_string(i + 1);
+}
+
+void ModelBuilder::resolve_dofs() {
+  model_.n_d = static_cast<Index>(scene_.dofs.size());
+  for (size_t i = 0; i < scene_.dofs.size(); ++i) {
+    const SceneDof& dof = scene_.dofs[i];
+    const bool hinge =
+        !dof.element.empty() &&
+        std::any_of(scene_.elements.begin(), scene_.elements.end(), [&](const SceneElement& e) {
+          return e.name == dof.element && e.kind == Kind::hinge;
+        });
+    const std::string unit = dof.rotation || hinge ? "rad" : dof.euler_parameter >= 0 ? "1" : "m";
+    model_.dofs.push_back({dof_name(dof, i), unit, !dof.element.empty(), dof_index_[i]});
+  }
+}
+
+void ModelBuilder::add_inertia(std::unique_ptr<const Inertia> inertia) {
+  auto maps = maps_of(*inertia);
+  model_.inertias.push_back({std::move(inertia), std::move(maps)});
+}
+
+void ModelBuilder::place_inertias() {
+  for (const SceneMass& mass : scene_.masses) {
+    const Index node = node_index_.at(mass.node);
+    if (mass.mass > 0) add_inertia(std::make_unique<PointMass>(node, mass.mass));
+    if (!mass.has_inertia) continue;
+    if (scene_.planar) {
+      add_inertia(std::make_unique<PlanarBody>(node, mass.inertia(2, 2)));
+    } else {
+      add_inertia(std::make_unique<Body>(node, mass.inertia));
+    }
+  }
+  for (const SceneElement& element : scene_.elements) {
+    const SceneBeam& beam = element.beam;
+    if (!is_beam(element) || (beam.mass_per_length == 0 && beam.inertia_per_length == 0)) continue;
+    const Index p = node_index_.at(element.node_p), q = node_index_.at(element.node_q);
+    const Eigen::Vector3d l_0 = model_.nodes[static_cast<size_t>(q)].position -
+                                model_.nodes[static_cast<size_t>(p)].position;
+    if (beam.lumped_mass) {
+      const Eigen::Vector3d n_x = l_0.normalized();
+      for (const Index node : {p, q}) {
+        add_inertia(std::make_unique<PointMass>(node, 0.5 * beam.mass_per_length * l_0.norm()));
+        if (scene_.planar || beam.inertia_per_length == 0) continue;
+        add_inertia(std::make_unique<Body>(
+            node, 0.5 * beam.inertia_per_length * l_0.norm() * n_x * n_x.transpose()));
+      }
+    } else if (scene_.planar) {
+      add_inertia(std::make_unique<PlanarBeamMass>(p, q, l_0, beam.mass_per_length));
+    } else {
+      add_inertia(
+          std::make_unique<BeamMass>(p, q, l_0, beam.mass_per_length, beam.inertia_per_length));
+    }
+  }
+}
+
+void ModelBuilder::place_loads() {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(model_.n_x + model_.n_0);
+  for (const SceneLoad& load : scene_.loads) {
+    const Index index = node_index_.at(load.node);
+    const ModelNode& node = model_.nodes[static_cast<size_t>(index)];
+    const bool torque = !load.torque.isZero(0);
+    if ((torque || load.follows) && !node.has_rotation()) {
+      throw InputError(load.place + ": node '" + load.node +
+                       "' has no rotation: it takes no torque and turns no force");
+    }
+    // In space a torque acts on Euler parameters, which change with the rotation.
+    const bool turning = load.follows || (torque && !scene_.planar);
+    if (turning) {
+      model_.turning_loads.push_back({index, load.force, load.torque, load.follows});
+      continue;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto row = model_.full_translation_row(index, Eigen::Vector3d::Unit(axis));
+      all += load.force(axis) * row.transpose();
+    }
+    if (torque) all(node.rotation.column[0]) += load.torque.z();
+  }
+  model_.load = all.head(model_.n_x);
+  model_.fixed_load = all.tail(model_.n_0);
+}
+
+void ModelBuilder::place_operating_point() {
+  model_.q_0 = model_.q_dot_0 = Eigen::VectorXd::Zero(model_.n_d);
+  for (size_t i = 0; i < scene_.dofs.size(); ++i) {
+    model_.q_0(static_cast<Index>(i)) = scene_.dofs[i].value;
+    model_.q_dot_0(static_cast<Index>(i)) = scene_.dofs[i].rate;
+  }
+  model_.q_r_0 = model_.q_r_dot_0 = model_.q_r_ddot_0 = Eigen::VectorXd::Zero(model_.n_r);
+  const auto add = [&](const Eigen::VectorXd& pattern, const SceneConstraint& motion) {
+    model_.q_r_0 += motion.value * pattern;
+    model_.q_r_dot_0 += motion.rate * pattern;
+    model_.q_r_ddot_0 += motion.acceleration * pattern;
+  };
+  for (const SceneConstraint& motion : scene_.prescribed) {
+    SceneSignal signal;
+    signal.place = motion.place;
+    signal.node = motion.node;
+    signal.element = motion.element;
+    signal.mode = motion.mode;
+    if (!motion.element.empty()) add(model_.prescribed_pattern(signal), motion);
+    if (motion.rotation) {
+      signal.quantity = Quantity::rotation;
+      add(model_.prescribed_pattern(signal), motion);
+    }
+    signal.quantity = Quantity::position;
+    for (const auto& direction : motion.directions) {
+      signal.direction = direction;
+      add(model_.prescribed_pattern(signal), motion);
+    }
+  }
+}
+
+Model make_model(const Scene& scene) {
+  if (scene.automatic_dofs) {
+    Scene chosen = scene;
+    chosen.automatic_dofs = false;
+    chosen.dofs = automatic_dofs(scene);
+    return make_model(chosen);
+  }
+  if (scene.dofs.empty()) throw InputError(scene.dofs_place + ": dofs: at least one is needed");
+  Model model = ModelBuilder(scene).build();
+  check_partition(model, scene.dofs_place);
+  return model;
+}
 
 }  // namespace stillframe

@@ -41,7 +41,7 @@ Names column_owners(const Model& model) {
   Names owners(static_cast<size_t>(model.n_x));
   const auto claim = [&](const PartMap& map, const std::string& name) {
     for (const Index column : map.column) {
-      if (column >= 0) owners[static_cast<size_t>(column)] = name;
+      if (column >= 0 && column < model.n_x) owners[static_cast<size_t>(column)] = name;
     }
   };
   for (const ModelNode& node : model.nodes) {
@@ -67,22 +67,49 @@ std::string motion_text(const Model& model, const Eigen::MatrixXd& null_space) {
       carriers(null_space.rowwise().norm(), Names(owners.begin(), owners.begin() + model.n_c)));
 }
 
+std::string condition_text(const Model& model, const Eigen::MatrixXd& left) {
+  const Names owners = row_owners(model);
+  return quoted(
+      carriers(left.rowwise().norm(), Names(owners.begin(), owners.begin() + left.rows())));
+}
+
+std::string redundancy_text(const Model& model, const Eigen::MatrixXd& left) {
+  return " (and release " + std::to_string(left.cols()) + " of the conditions of " +
+         condition_text(model, left) + ", which are not independent)";
+}
+
+/// The smallest singular value of a sound J against its largest: rounding leaves about 1e-16, and a
+/// sound scene written with six digits may be within 1e-6 of a singular one and must pass, so the
+/// bound lies between the two.
+constexpr double smallest_ratio = 1e-11;
+
 }  // namespace
 
 void check_partition(const Model& model, const std::string& place) {
-  Data data(model);
-  assemble(model, data);
   const Index n_conditions = model.n_e - model.n_redundant;
-  const Eigen::MatrixXd J = data.D.topLeftCorner(n_conditions, model.n_c);
+  if (n_conditions != model.n_c) refuse_partition(model, place);
+  if (model.n_c == 0) return;
+  const Data data(model);
+  // The estimate from the factors may be a factor of the size off; only near the bound does the
+  // decision need the singular values themselves.
+  const double estimate = data.J.reciprocal_condition();
+  if (estimate > 1e3 * smallest_ratio) return;
+  const Eigen::MatrixXd J = dense_jacobian(model).topLeftCorner(n_conditions, model.n_c);
+  const Eigen::VectorXd values = Eigen::BDCSVD<Eigen::MatrixXd>(J).singularValues();
+  if (values(model.n_c - 1) > smallest_ratio * values(0)) return;
+  refuse_partition(model, place);
+}
+
+void refuse_partition(const Model& model, const std::string& place) {
+  const Index n_conditions = model.n_e - model.n_redundant;
+  const Eigen::MatrixXd J = dense_jacobian(model).topLeftCorner(n_conditions, model.n_c);
   Eigen::MatrixXd U = Eigen::MatrixXd::Identity(n_conditions, n_conditions);
   Eigen::MatrixXd V = Eigen::MatrixXd::Identity(model.n_c, model.n_c);
   Index rank = 0;
   if (J.size() > 0) {  // Eigen decomposes no empty matrix
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::BDCSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeFullU | Eigen::ComputeFullV);
     const Eigen::VectorXd& values = svd.singularValues();
-    // Rounding leaves singular values of about 1e-16 of the largest; a sound scene written with six
-    // digits may be within 1e-6 of a singular one and must pass, so the bound lies between the two.
-    rank = (values.array() > 1e-11 * values(0)).count();
+    rank = (values.array() > smallest_ratio * values(0)).count();
     U = svd.matrixU();
     V = svd.matrixV();
   }
@@ -91,17 +118,14 @@ void check_partition(const Model& model, const std::string& place) {
         place + ": the partition leaves " + std::to_string(model.n_c - rank) +
         " free motion(s) that no dof, element or support takes up, in which these move: " +
         motion_text(model, V.rightCols(model.n_c - rank)) +
-        "; add a dof, an element or a support there");
+        "; add a dof, an element or a support there" +
+        (rank < n_conditions ? redundancy_text(model, U.rightCols(n_conditions - rank)) : ""));
   }
-  if (rank < n_conditions) {
-    const Eigen::MatrixXd left = U.rightCols(n_conditions - rank);
-    const Names owners = row_owners(model);
-    throw InputError(place + ": the conditions are " + std::to_string(n_conditions - rank) +
-                     " too many (overconstrained): not independent are those of " +
-                     quoted(carriers(left.rowwise().norm(),
-                                     Names(owners.begin(), owners.begin() + n_conditions))) +
-                     "; take away a dof, or a rigid element or a support among them");
-  }
+  const Eigen::MatrixXd left = U.rightCols(n_conditions - rank);
+  throw InputError(place + ": the conditions are " + std::to_string(n_conditions - rank) +
+                   " too many (overconstrained): not independent are those of " +
+                   condition_text(model, left) +
+                   "; take away a dof, or a rigid element or a support among them");
 }
 
 }  // namespace stillframe

@@ -9,4 +9,7 @@ namespace stillframe {
 /// `place` that names the free motion or the redundant conditions.
 void check_partition(const Model& model, const std::string& place);
 
+/// Throws that InputError for a partition known to be unsound.
+[[noreturn]] void refuse_partition(const Model& model, const std::string& place);
+
 }  // namespace stillframe

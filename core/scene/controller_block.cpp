@@ -2,23 +2,24 @@
 
 #include <algorithm>
 
-#include "core/scene/structure.hpp"
+#include "core/scene/references.hpp"
 
 namespace stillframe {
 
 namespace {
 
-/// A leg carries the actuator and the force sensor, so it has to be elastic and there once.
+/// A leg carries the actuator and the force sensor along it, so its first deformation (elongation)
+/// has to be elastic, and it has to be there once.
 std::vector<std::string> read_legs(const YamlReader& list, const Scene& scene) {
   std::vector<std::string> legs;
   for (const YamlReader& item : list.items()) {
-    const std::string name = item.text();
-    require_element(item, name, scene);
-    const auto element = std::find_if(scene.elements.begin(), scene.elements.end(),
-                                      [&](const SceneElement& e) { return e.name == name; });
-    if (element->rigid) item.fail("'" + name + "' is rigid: it can be no actuator");
-    if (std::find(legs.begin(), legs.end(), name) != legs.end()) item.fail("named twice");
-    legs.push_back(name);
+    const SceneElement& element = read_element_name(item, scene);
+    if (element.zero.front()) {
+      item.fail("'" + element.name + "' is rigid" + (element.rigid() ? "" : " in deformation 1") +
+                ": it can be no actuator");
+    }
+    if (std::find(legs.begin(), legs.end(), element.name) != legs.end()) item.fail("named twice");
+    legs.push_back(element.name);
   }
   if (legs.empty()) list.fail("at least one leg is needed");
   return legs;

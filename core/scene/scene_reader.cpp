@@ -45,9 +45,9 @@ SceneSimulation read_simulation(const YamlReader& block) {
 
 Scene read_scene_map(const YamlReader& root, const std::string& text,
                      const std::optional<std::filesystem::path>& controller_file) {
-  root.allow_only({"title", "nodes", "masses", "elements", "supports", "prescribed", "dofs",
-                   "loads", "inputs", "outputs", "monitors", "compare", "controller", "floor",
-                   "simulation"});
+  root.allow_only({"title", "planar", "gravity", "operating_point", "nodes", "masses", "elements",
+                   "supports", "prescribed", "dofs", "loads", "inputs", "outputs", "monitors",
+                   "compare", "controller", "floor", "simulation"});
   Scene scene;
   scene.text = text;
   scene.hash = text_hash(text);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/scene/structure.hpp"
+#include "core/scene/references.hpp"
 
 namespace stillframe {
 
@@ -11,55 +11,99 @@ namespace {
 
 enum class Side { input, output };
 
+/// What a signal belongs to, and so which keys go with it.
+enum class Of { translation, rotation, deformation };
+
+struct SignalKey {
+  const char* word;
+  Quantity quantity;
+  Of of;
+  bool as_input, as_output;
+};
+
+constexpr SignalKey signal_keys[] = {
+    {"position", Quantity::position, Of::translation, true, true},
+    {"velocity", Quantity::velocity, Of::translation, true, true},
+    {"acceleration", Quantity::acceleration, Of::translation, true, true},
+    {"force", Quantity::force, Of::translation, true, false},
+    {"reaction", Quantity::reaction, Of::translation, false, true},
+    {"rotation", Quantity::rotation, Of::rotation, true, true},
+    {"angular_velocity", Quantity::angular_velocity, Of::rotation, true, true},
+    {"angular_acceleration", Quantity::angular_acceleration, Of::rotation, true, true},
+    {"torque", Quantity::torque, Of::rotation, true, false},
+    {"reaction_moment", Quantity::reaction_moment, Of::rotation, false, true},
+    {"stress", Quantity::stress, Of::deformation, true, true},
+    {"deformation", Quantity::deformation, Of::deformation, true, true},
+    {"deformation_rate", Quantity::deformation_rate, Of::deformation, true, true},
+    {"deformation_acceleration", Quantity::deformation_acceleration, Of::deformation, true, true},
+};
+
+void allow_signal_keys(const YamlReader& value, Side side) {
+  if (side == Side::input) {
+    value.allow_only({"name", "along", "mode", "position", "velocity", "acceleration", "force",
+                      "rotation", "angular_velocity", "angular_acceleration", "torque", "stress",
+                      "deformation", "deformation_rate", "deformation_acceleration"});
+  } else {
+    value.allow_only({"name", "along", "mode", "position", "velocity", "acceleration", "reaction",
+                      "rotation", "angular_velocity", "angular_acceleration", "reaction_moment",
+                      "stress", "deformation", "deformation_rate", "deformation_acceleration"});
+  }
+}
+
+/// The one quantity of a signal.
+const SignalKey& find_signal_key(const YamlReader& value, Side side) {
+  const SignalKey* found = nullptr;
+  int n_found = 0;
+  std::string words;
+  for (const SignalKey& key : signal_keys) {
+    if (!(side == Side::input ? key.as_input : key.as_output)) continue;
+    words += (words.empty() ? "" : ", ") + std::string(key.word);
+    if (!value.find(key.word)) continue;
+    found = &key;
+    ++n_found;
+  }
+  if (n_found != 1) {
+    value.fail((side == Side::input ? "an input has one of " : "an output has one of ") + words);
+  }
+  return *found;
+}
+
+/// All rotations of a planar scene are about z, those of a spatial one about a given direction.
+Eigen::Vector3d read_along(const YamlReader& value, const SignalKey& key, const Scene& scene) {
+  const auto along = value.find("along");
+  if (scene.planar && key.of == Of::rotation) {
+    if (along) along->fail("a planar scene turns about z and needs none");
+    return Eigen::Vector3d::UnitZ();
+  }
+  if (!along) value.fail("the key 'along' (a direction) is missing");
+  return read_direction(*along, scene);
+}
+
 /// The quantity is the key: {name: a, acceleration: mount_1, along: y} or {name: s, stress: leg_1}.
 SceneSignal read_signal(const YamlReader& value, Side side, const Scene& scene) {
-  struct Key {
-    const char* word;
-    Quantity quantity;
-    bool of_element, as_input, as_output;
-  };
-  static constexpr Key keys[] = {
-      {"position", Quantity::position, false, true, true},
-      {"velocity", Quantity::velocity, false, true, true},
-      {"acceleration", Quantity::acceleration, false, true, true},
-      {"force", Quantity::force, false, true, false},
-      {"stress", Quantity::stress, true, true, true},
-      {"deformation", Quantity::deformation, true, false, true},
-  };
-  if (side == Side::input) {
-    value.allow_only({"name", "along", "position", "velocity", "acceleration", "force", "stress"});
-  } else {
-    value.allow_only(
-        {"name", "along", "position", "velocity", "acceleration", "stress", "deformation"});
-  }
+  allow_signal_keys(value, side);
   SceneSignal signal;
   signal.place = value.place();
   signal.name = value.require("name").text();
-  int found = 0;
-  for (const Key& key : keys) {
-    const auto where = value.find(key.word);
-    if (!where) continue;
-    ++found;
-    signal.quantity = key.quantity;
-    if (key.of_element) {
-      require_element(*where, where->text(), scene);
-      signal.element = where->text();
-    } else {
-      require_node(*where, where->text(), scene);
-      signal.node = where->text();
-    }
+  const SignalKey& key = find_signal_key(value, side);
+  signal.quantity = key.quantity;
+  const YamlReader where = value.require(key.word);
+  if (key.of == Of::deformation) {
+    const SceneElement& element = read_element_name(where, scene);
+    signal.element = element.name;
+    signal.mode = read_mode(value, element, 1);
+    if (value.find("along")) value.fail("the signal of an element has no direction");
+    return signal;
   }
-  if (found != 1) {
-    value.fail(side == Side::input
-                   ? "an input has one of position, velocity, acceleration, force, stress"
-                   : "an output has one of position, velocity, acceleration, stress, deformation");
+  signal.node = read_node_name(where, scene).name;
+  if (const auto mode = value.find("mode")) mode->fail("the signal of a node has none");
+  if (!scene.planar && side == Side::input && key.of == Of::rotation &&
+      key.quantity != Quantity::torque) {
+    where.fail(
+        "only in a planar scene can the rotation of a node be an input; prescribe a deformation of "
+        "a hinge instead");
   }
-  const auto along = value.find("along");
-  if (!signal.node.empty() == !along) {
-    value.fail(along ? "the signal of an element has no direction"
-                     : "the key 'along' (a direction) is missing");
-  }
-  if (along) signal.direction = read_direction(*along);
+  signal.direction = read_along(value, key, scene);
   return signal;
 }
 

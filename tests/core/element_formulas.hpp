@@ -37,35 +37,105 @@ Triple<T> rotate(const T* lambda, const Triple<T>& n) {
               (one - two * (x * x + y * y)) * n[2]};
 }
 
+/// n turned about z.
 template <class T>
-std::vector<T> truss_formula(const Eigen::Vector3d& l_0, const std::vector<T>& u) {
-  const Triple<T> start = constant<T>(l_0);
-  const Triple<T> l = {start[0] + (u[3] - u[0]), start[1] + (u[4] - u[1]),
-                       start[2] + (u[5] - u[2])};
-  return {square_root(dot(l, l)) - square_root(dot(start, start))};
+Triple<T> turn(const T& angle, const Triple<T>& n) {
+  const T c = cosine(angle), s = sine(angle);
+  return {c * n[0] - s * n[1], s * n[0] + c * n[1], n[2]};
 }
 
-/// n_y is the free choice that core/elements/beam.cpp makes: Eigen's perpendicular of n_x.
+/// l_0 + u_q - u_p, where the translations start at p and q in u.
 template <class T>
-std::vector<T> beam_formula(const Eigen::Vector3d& l_0, const std::vector<T>& u) {
-  const Eigen::Vector3d n_x = l_0 / l_0.norm(), y = n_x.unitOrthogonal(), z = n_x.cross(y);
+Triple<T> span(const Eigen::Vector3d& l_0, const std::vector<T>& u, size_t p, size_t q) {
+  const Triple<T> start = constant<T>(l_0);
+  return {start[0] + (u[q] - u[p]), start[1] + (u[q + 1] - u[p + 1]),
+          start[2] + (u[q + 2] - u[p + 2])};
+}
+
+template <class T>
+T elongation(const Eigen::Vector3d& l_0, const Triple<T>& l) {
+  const Triple<T> start = constant<T>(l_0);
+  return square_root(dot(l, l)) - square_root(dot(start, start));
+}
+
+template <class T>
+std::vector<T> truss_formula(const Eigen::Vector3d& l_0, const std::vector<T>& u) {
+  return {elongation(l_0, span(l_0, u, 0, 3))};
+}
+
+// What is subtracted below from the products of axes is zero in exact numbers; it takes out the
+// rounding of the axes themselves.
+
+template <class T>
+std::vector<T> beam_formula(const Eigen::Vector3d& l_0, const Eigen::Vector3d& orientation,
+                            const std::vector<T>& u) {
+  const Eigen::Vector3d n_x = l_0 / l_0.norm(), z = n_x.cross(orientation).normalized(),
+                        y = z.cross(n_x);
   const Triple<T> start = constant<T>(l_0), n_y = constant<T>(y), n_z = constant<T>(z);
-  const Triple<T> l = {start[0] + (u[7] - u[0]), start[1] + (u[8] - u[1]),
-                       start[2] + (u[9] - u[2])};
+  const Triple<T> l = span(l_0, u, 0, 7);
   const T one(1.0), half(0.5), zero(0.0);
   const T p[4] = {one + u[3], u[4], u[5], u[6]}, q[4] = {one + u[10], u[11], u[12], u[13]};
   const Triple<T> py = rotate(p, n_y), pz = rotate(p, n_z), qy = rotate(q, n_y),
                   qz = rotate(q, n_z);
-  const T length_0 = square_root(dot(start, start));
-  // torsion_0, y_0 and z_0 are zero in exact numbers; they take out the rounding of n_y and n_z
-  // themselves.
-  const T torsion_0 = dot(n_z, n_y) - dot(n_y, n_z), y_0 = dot(n_y, start), z_0 = dot(n_z, start);
-  return {square_root(dot(l, l)) - length_0,
-          half * length_0 * (dot(pz, qy) - dot(py, qz) - torsion_0),
+  const T y_0 = dot(n_y, start), z_0 = dot(n_z, start);
+  return {elongation(l_0, l),
+          half * square_root(dot(start, start)) * (dot(pz, qy) - dot(py, qz)),
           zero - (dot(pz, l) - z_0),
           dot(qz, l) - z_0,
           dot(py, l) - y_0,
           zero - (dot(qy, l) - y_0)};
+}
+
+template <class T>
+std::vector<T> planar_beam_formula(const Eigen::Vector3d& l_0, const std::vector<T>& u) {
+  const Eigen::Vector3d n_x = l_0 / l_0.norm();
+  const Triple<T> n_y = constant<T>(Eigen::Vector3d::UnitZ().cross(n_x)), l = span(l_0, u, 0, 4);
+  const T y_0 = dot(n_y, constant<T>(l_0)), zero(0.0);
+  return {elongation(l_0, l), zero - (dot(turn(u[3], n_y), l) - y_0),
+          dot(turn(u[7], n_y), l) - y_0};
+}
+
+template <class T>
+std::vector<T> hinge_formula(const Eigen::Vector3d& axis, const std::vector<T>& u) {
+  const Eigen::Vector3d x = axis.normalized(), y = x.unitOrthogonal(), z = x.cross(y);
+  const Triple<T> n_x = constant<T>(x), n_y = constant<T>(y), n_z = constant<T>(z);
+  const T one(1.0), zero(0.0), two(2.0);
+  const T p[4] = {one + u[0], u[1], u[2], u[3]}, q[4] = {one + u[4], u[5], u[6], u[7]};
+  // Quaternion product conj(p) q, entry by entry.
+  const T mu_0 = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3];
+  const Triple<T> mu = {p[0] * q[1] - p[1] * q[0] - p[2] * q[3] + p[3] * q[2],
+                        p[0] * q[2] - p[2] * q[0] - p[3] * q[1] + p[1] * q[3],
+                        p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1]};
+  const Triple<T> qx = rotate(q, n_x);
+  return {two * arc_tangent(dot(mu, n_x), mu_0), zero - (dot(rotate(p, n_z), qx) - dot(n_z, n_x)),
+          dot(rotate(p, n_y), qx) - dot(n_y, n_x)};
+}
+
+/// The elongation of the arc: what bends by a and b is shorter than its length by
+/// (2 a^2 + a b + 2 b^2) / (30 l_0).
+template <class T>
+std::vector<T> with_arc_elongation(const Eigen::Vector3d& l_0, std::vector<T> c) {
+  const Triple<T> start = constant<T>(l_0);
+  const T thirty_l = T(30.0) * square_root(dot(start, start)), two(2.0);
+  for (size_t i = c.size() == 3 ? 1 : 2; i < c.size(); i += 2) {
+    const T a = c[i], b = c[i + 1];
+    c[0] = c[0] + (two * a * a + a * b + two * b * b) / thirty_l;
+  }
+  return c;
+}
+
+/// c_i + c^T Q_i c / 2.
+template <class T, class Matrices>
+std::vector<T> with_quadratic_terms(const Matrices& Q, const std::vector<T>& c) {
+  std::vector<T> e = c;
+  for (size_t i = 0; i < c.size(); ++i) {
+    for (size_t j = 0; j < c.size(); ++j) {
+      for (size_t k = 0; k < c.size(); ++k) {
+        e[i] = e[i] + T(0.5 * Q[i](static_cast<int>(j), static_cast<int>(k))) * c[j] * c[k];
+      }
+    }
+  }
+  return e;
 }
 
 template <class T>

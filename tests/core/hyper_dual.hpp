@@ -4,35 +4,65 @@
 
 namespace stillframe::test {
 
-/// a + b eps_1 + c eps_2 + d eps_1 eps_2 with eps_1^2 = eps_2^2 = 0: after a calculation with seeds
-/// b and c, d is the second derivative in those two directions, exact but for rounding.
-struct HyperDual {
-  double value = 0, d1 = 0, d2 = 0, d12 = 0;
-  HyperDual() = default;
-  HyperDual(double v) : value(v) {}
-  HyperDual(double v, double first, double second) : value(v), d1(first), d2(second) {}
+/// a + b eps with eps^2 = 0: a calculation on it gives the derivative exact but for rounding. Over
+/// itself it gives the mixed higher derivatives, one eps a level.
+template <class T>
+struct Dual {
+  T value, d;
+  Dual(double v = 0) : value(v), d(0.0) {}
+  Dual(const T& v, const T& derivative) : value(v), d(derivative) {}
 };
 
-inline HyperDual make(double v, double d1, double d2, double d12) {
-  HyperDual result(v, d1, d2);
-  result.d12 = d12;
-  return result;
+/// a + b eps_1 + c eps_2 + d eps_1 eps_2.
+using HyperDual = Dual<Dual<double>>;
+inline HyperDual hyper_dual(double v, double d1, double d2, double d12 = 0) {
+  return {Dual<double>(v, d1), Dual<double>(d2, d12)};
 }
-inline HyperDual operator+(const HyperDual& a, const HyperDual& b) {
-  return make(a.value + b.value, a.d1 + b.d1, a.d2 + b.d2, a.d12 + b.d12);
+inline double first(const HyperDual& a) { return a.value.d; }
+inline double second(const HyperDual& a) { return a.d.d; }
+
+template <class T>
+Dual<T> operator+(const Dual<T>& a, const Dual<T>& b) {
+  return {a.value + b.value, a.d + b.d};
 }
-inline HyperDual operator-(const HyperDual& a, const HyperDual& b) {
-  return make(a.value - b.value, a.d1 - b.d1, a.d2 - b.d2, a.d12 - b.d12);
+template <class T>
+Dual<T> operator-(const Dual<T>& a, const Dual<T>& b) {
+  return {a.value - b.value, a.d - b.d};
 }
-inline HyperDual operator*(const HyperDual& a, const HyperDual& b) {
-  return make(a.value * b.value, a.d1 * b.value + a.value * b.d1, a.d2 * b.value + a.value * b.d2,
-              a.d12 * b.value + a.d1 * b.d2 + a.d2 * b.d1 + a.value * b.d12);
+template <class T>
+Dual<T> operator*(const Dual<T>& a, const Dual<T>& b) {
+  return {a.value * b.value, a.d * b.value + a.value * b.d};
 }
-inline HyperDual square_root(const HyperDual& a) {
-  const double root = std::sqrt(a.value), first = 0.5 / root, second = -0.25 / (root * a.value);
-  return make(root, first * a.d1, first * a.d2, first * a.d12 + second * a.d1 * a.d2);
+template <class T>
+Dual<T> operator/(const Dual<T>& a, const Dual<T>& b) {
+  const T ratio = a.value / b.value;
+  return {ratio, (a.d - ratio * b.d) / b.value};
 }
+
 inline double square_root(double a) { return std::sqrt(a); }
+inline double sine(double a) { return std::sin(a); }
+inline double cosine(double a) { return std::cos(a); }
+inline double arc_tangent(double y, double x) { return std::atan2(y, x); }
+
+template <class T>
+Dual<T> square_root(const Dual<T>& a) {
+  const T root = square_root(a.value);
+  return {root, a.d / (root + root)};
+}
+template <class T>
+Dual<T> sine(const Dual<T>& a) {
+  return {sine(a.value), cosine(a.value) * a.d};
+}
+template <class T>
+Dual<T> cosine(const Dual<T>& a) {
+  return {cosine(a.value), T(0.0) - sine(a.value) * a.d};
+}
+/// The angle of (x, y), in (-pi, pi].
+template <class T>
+Dual<T> arc_tangent(const Dual<T>& y, const Dual<T>& x) {
+  return {arc_tangent(y.value, x.value),
+          (x.value * y.d - y.value * x.d) / (x.value * x.value + y.value * y.value)};
+}
 
 /// 113 bits: what is exact enough to judge the last digits of a double.
 __extension__ using Quad = __float128;
@@ -42,6 +72,22 @@ inline Quad square_root(Quad a) {
   // Newton's method doubles the 53 good bits with each step.
   for (int i = 0; i < 3; ++i) root = (root + a / root) / 2;
   return root;
+}
+/// The sum of (-1)^k a^(2k + n) / (2k + n)!, for angles of a few radians.
+inline Quad alternating_series(Quad a, int n) {
+  Quad term = n == 0 ? Quad(1) : a, sum = term;
+  for (int k = n + 1; k < 80; k += 2) {
+    term *= -a * a / (Quad(k) * (k + 1));
+    sum += term;
+  }
+  return sum;
+}
+inline Quad sine(Quad a) { return alternating_series(a, 1); }
+inline Quad cosine(Quad a) { return alternating_series(a, 0); }
+inline Quad arc_tangent(Quad y, Quad x) {
+  const Quad start = std::atan2(static_cast<double>(y), static_cast<double>(x));
+  // What is left is an angle of 1e-16, whose sine it is to 1e-48.
+  return start + (y * cosine(start) - x * sine(start)) / square_root(x * x + y * y);
 }
 
 }  // namespace stillframe::test

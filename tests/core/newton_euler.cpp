@@ -66,8 +66,8 @@ RigidAcceleration newton_euler(const Scene& scene, const Model& model, const Dat
     const Vector3d rate = point_velocity(body, b) - translation(model, data.x_dot, leg.node_p);
     const double l_0 = (position(model, leg.node_q) - position(model, leg.node_p)).norm();
     const Vector3d along = span.normalized();
-    const double sigma = leg.preload + sigma_a(model.elastic_row(leg.name)) +
-                         leg.stiffness * (span.norm() - l_0) + leg.damping * along.dot(rate);
+    const double sigma = leg.preload(0) + sigma_a(model.deformation_row(leg.name)) +
+                         leg.stiffness(0, 0) * (span.norm() - l_0) + leg.damping(0, 0) * along.dot(rate);
     const Vector3d pull = -sigma * along;
     force += pull;
     moment += b.cross(body.R.transpose() * pull);

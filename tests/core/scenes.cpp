@@ -26,7 +26,11 @@ void add_node(Scene& scene, const std::string& name, const Vector3d& at) {
 }
 
 SceneConstraint constraint(const std::string& node, const std::vector<Vector3d>& directions) {
-  return {node, here, directions, false};
+  SceneConstraint item;
+  item.node = node;
+  item.place = here;
+  item.directions = directions;
+  return item;
 }
 
 std::vector<Vector3d> world_axes() {
@@ -43,9 +47,10 @@ SceneElement truss(const std::string& name, const std::string& p, const std::str
   element.place = here;
   element.node_p = p;
   element.node_q = q;
-  element.stiffness = stiffness;
-  element.damping = damping;
-  element.preload = preload;
+  element.zero = {false};
+  element.stiffness = Eigen::MatrixXd::Constant(1, 1, stiffness);
+  element.damping = Eigen::MatrixXd::Constant(1, 1, damping);
+  element.preload = Eigen::VectorXd::Constant(1, preload);
   return element;
 }
 
@@ -57,7 +62,8 @@ SceneElement rigid(const std::string& name, SceneElement::Kind kind, const std::
   element.kind = kind;
   element.node_p = p;
   element.node_q = q;
-  element.rigid = true;
+  element.n_deformations = kind == SceneElement::Kind::truss ? 1 : 6;
+  element.zero.assign(static_cast<size_t>(element.n_deformations), true);
   return element;
 }
 
@@ -74,19 +80,48 @@ SceneMass body(const std::string& node, double mass, const Vector3d& moments) {
 
 }  // namespace
 
-SceneDof dof_of_element(const std::string& element) { return {here, element, "", std::nullopt, 0}; }
+SceneDof dof_of_element(const std::string& element, int mode) {
+  SceneDof dof;
+  dof.place = here;
+  dof.element = element;
+  dof.mode = mode;
+  return dof;
+}
 SceneDof dof_along(const std::string& node, const Vector3d& direction) {
-  return {here, "", node, direction, 0};
+  SceneDof dof;
+  dof.place = here;
+  dof.node = node;
+  dof.direction = direction;
+  return dof;
 }
 SceneDof dof_euler(const std::string& node, int parameter) {
-  return {here, "", node, std::nullopt, parameter};
+  SceneDof dof;
+  dof.place = here;
+  dof.node = node;
+  dof.euler_parameter = parameter;
+  return dof;
 }
 SceneSignal node_signal(const std::string& name, const std::string& node, Quantity quantity,
                         const Vector3d& direction) {
-  return {name, here, node, "", quantity, direction.normalized()};
+  return {name, here, node, "", quantity, direction.normalized(), 1};
 }
-SceneSignal element_signal(const std::string& name, const std::string& element, Quantity quantity) {
-  return {name, here, "", element, quantity, Vector3d::Zero()};
+SceneSignal element_signal(const std::string& name, const std::string& element, Quantity quantity,
+                           int mode) {
+  return {name, here, "", element, quantity, Vector3d::Zero(), mode};
+}
+
+SceneLoad force_at(const std::string& node, const Vector3d& force) {
+  SceneLoad load;
+  load.node = node;
+  load.place = here;
+  load.force = force;
+  return load;
+}
+
+MotionState position_state(const Model& model, const Eigen::VectorXd& q_d) {
+  MotionState state(model);
+  state.q_d = q_d;
+  return state;
 }
 
 Scene frame_scene() { return read_scene(scenes_folder + "metrology_frame.yaml"); }
@@ -116,8 +151,8 @@ Scene preloaded_frame() {
     const bool vertical = leg.name.back() == 'v';
     const double tension = 500.0 * i;
     SceneElement& own = scene.elements[static_cast<size_t>(&leg - elements.data())];
-    own.preload = tension - (vertical ? weight / 3 : 0.0);
-    own.damping = 200.0 * i;
+    own.preload.setConstant(tension - (vertical ? weight / 3 : 0.0));
+    own.damping.setConstant(200.0 * i);
     const std::string node = "opposite_" + leg.name;
     const Vector3d mount = position(scene, leg.node_q);
     add_node(scene, node, 2 * mount - position(scene, leg.node_p));
@@ -126,7 +161,7 @@ Scene preloaded_frame() {
     (vertical ? scene.prescribed : scene.supports)
         .push_back(constraint(node, vertical ? oblique_axes() : world_axes()));
   }
-  scene.loads.push_back({"lens", here, Vector3d(0, 0, -weight)});
+  scene.loads.push_back(force_at("lens", Vector3d(0, 0, -weight)));
   return scene;
 }
 
@@ -235,7 +270,15 @@ Scene moved(Scene scene, const Matrix3d& Q, const Vector3d& t) {
   for (SceneDof& dof : scene.dofs) {
     if (dof.direction) dof.direction = Q * *dof.direction;
   }
-  for (SceneLoad& load : scene.loads) load.force = Q * load.force;
+  scene.gravity = Q * scene.gravity;
+  for (SceneElement& element : scene.elements) {
+    element.axis = Q * element.axis;
+    element.beam.orientation = Q * element.beam.orientation;
+  }
+  for (SceneLoad& load : scene.loads) {
+    load.force = Q * load.force;
+    load.torque = Q * load.torque;
+  }
   for (auto* list : {&scene.inputs, &scene.outputs, &scene.monitors}) {
     for (SceneSignal& signal : *list) signal.direction = Q * signal.direction;
   }

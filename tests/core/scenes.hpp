@@ -48,11 +48,15 @@ Eigen::VectorXd random_vector(Eigen::Index n, std::mt19937& engine);
 /// alike.
 MotionState random_motion(const Model& model, double size, double rate, std::mt19937& engine);
 
-SceneDof dof_of_element(const std::string& element);
+SceneDof dof_of_element(const std::string& element, int mode = 1);
 SceneDof dof_along(const std::string& node, const Eigen::Vector3d& direction);
 SceneDof dof_euler(const std::string& node, int parameter);
 SceneSignal node_signal(const std::string& name, const std::string& node, Quantity quantity,
                         const Eigen::Vector3d& direction);
-SceneSignal element_signal(const std::string& name, const std::string& element, Quantity quantity);
+SceneSignal element_signal(const std::string& name, const std::string& element, Quantity quantity,
+                           int mode = 1);
+SceneLoad force_at(const std::string& node, const Eigen::Vector3d& force);
+/// Dofs q_d, at rest, prescribed motion as written.
+MotionState position_state(const Model& model, const Eigen::VectorXd& q_d);
 
 }  // namespace stillframe::test

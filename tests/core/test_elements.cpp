@@ -5,8 +5,12 @@
 #include <stdexcept>
 
 #include "core/elements/beam.hpp"
+#include "core/elements/hinge.hpp"
 #include "core/elements/norm_condition.hpp"
+#include "core/elements/planar_beam.hpp"
+#include "core/elements/planar_hinge.hpp"
 #include "core/elements/rotation.hpp"
+#include "core/elements/second_order.hpp"
 #include "core/elements/truss.hpp"
 #include "tests/core/element_formulas.hpp"
 
@@ -16,29 +20,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-struct Case {
-  std::unique_ptr<Element> element;
-  std::function<std::vector<HyperDual>(const std::vector<HyperDual>&)> formula;
-  std::function<std::vector<Quad>(const std::vector<Quad>&)> exact_formula;
-  Eigen::Vector3d l_0;
-};
-
-Case make_case(const std::string& kind, const Eigen::Vector3d& l_0) {
-  if (kind == "truss") {
-    return {std::make_unique<Truss>(0, 1, l_0),
-            [l_0](const auto& u) { return truss_formula<HyperDual>(l_0, u); },
-            [l_0](const auto& u) { return truss_formula<Quad>(l_0, u); }, l_0};
-  }
-  if (kind == "beam") {
-    return {std::make_unique<Beam>(0, 1, l_0),
-            [l_0](const auto& u) { return beam_formula<HyperDual>(l_0, u); },
-            [l_0](const auto& u) { return beam_formula<Quad>(l_0, u); }, l_0};
-  }
-  return {std::make_unique<NormCondition>(0),
-          [](const auto& u) { return norm_formula<HyperDual>(u); },
-          [](const auto& u) { return norm_formula<Quad>(u); }, l_0};
-}
 
 class Random {
  public:
@@ -55,13 +36,95 @@ class Random {
   std::normal_distribution<double> normal_;
 };
 
+struct Case {
+  std::unique_ptr<const Element> element;
+  std::function<std::vector<HyperDual>(const std::vector<HyperDual>&)> formula;
+  std::function<std::vector<Dual<HyperDual>>(const std::vector<Dual<HyperDual>>&)> third_formula;
+  std::function<std::vector<Quad>(const std::vector<Quad>&)> exact_formula;
+  Eigen::Vector3d l_0;
+};
+
+template <class Formula>
+Case case_of(std::unique_ptr<const Element> element, const Formula& formula,
+             const Eigen::Vector3d& l_0) {
+  return {std::move(element), formula, formula, formula, l_0};
+}
+
+/// Symmetric matrices for every deformation, of the size of a length's reciprocal.
+std::vector<LocalStiffness> any_terms(Index n_e) {
+  Random random(29);
+  std::vector<LocalStiffness> terms;
+  for (Index i = 0; i < n_e; ++i) {
+    const MatrixXd A = random.vector(n_e * n_e).reshaped(n_e, n_e);
+    terms.emplace_back(0.1 * (A + A.transpose()));
+  }
+  return terms;
+}
+
+/// kinds: truss, beam, planar_beam, hinge, planar_hinge, norm; arc_beam and planar_arc_beam with
+/// the second-order terms of a beam, quadratic_beam with terms in every deformation.
+Case make_case(const std::string& kind, Eigen::Vector3d l_0) {
+  if (kind == "truss") {
+    return case_of(
+        std::make_unique<Truss>(0, 1, l_0), [l_0](const auto& u) { return truss_formula(l_0, u); },
+        l_0);
+  }
+  if (kind.starts_with("planar")) l_0.z() = 0;
+  if (kind == "planar_hinge") {
+    return case_of(
+        std::make_unique<PlanarHinge>(0, 1), [](const auto& u) { return std::vector{u[1] - u[0]}; },
+        l_0);
+  }
+  if (kind == "planar_beam") {
+    return case_of(
+        std::make_unique<PlanarBeam>(0, 1, l_0),
+        [l_0](const auto& u) { return planar_beam_formula(l_0, u); }, l_0);
+  }
+  if (kind == "planar_arc_beam") {
+    auto inner = std::make_unique<PlanarBeam>(0, 1, l_0);
+    return case_of(
+        std::make_unique<SecondOrder>(std::move(inner), planar_second_order_terms(l_0.norm())),
+        [l_0](const auto& u) { return with_arc_elongation(l_0, planar_beam_formula(l_0, u)); },
+        l_0);
+  }
+  if (kind == "hinge") {
+    return case_of(
+        std::make_unique<Hinge>(0, 1, l_0), [l_0](const auto& u) { return hinge_formula(l_0, u); },
+        l_0);
+  }
+  if (kind == "norm") {
+    return case_of(
+        std::make_unique<NormCondition>(0), [](const auto& u) { return norm_formula(u); }, l_0);
+  }
+  // Neither a unit vector nor perpendicular to the beam.
+  const Eigen::Vector3d orientation = 0.4 * l_0 + 2.0 * l_0.unitOrthogonal();
+  auto beam = std::make_unique<Beam>(0, 1, l_0, orientation);
+  if (kind == "beam") {
+    return case_of(
+        std::move(beam), [=](const auto& u) { return beam_formula(l_0, orientation, u); }, l_0);
+  }
+  if (kind == "arc_beam") {
+    return case_of(
+        std::make_unique<SecondOrder>(std::move(beam), spatial_second_order_terms(l_0.norm())),
+        [=](const auto& u) { return with_arc_elongation(l_0, beam_formula(l_0, orientation, u)); },
+        l_0);
+  }
+  const auto terms = any_terms(6);
+  return case_of(
+      std::make_unique<SecondOrder>(std::move(beam), terms),
+      [=](const auto& u) { return with_quadratic_terms(terms, beam_formula(l_0, orientation, u)); },
+      l_0);
+}
+
 /// Displacements of the size of the element, and rotations of any angle.
 LocalVector random_state(const Element& element, const Eigen::Vector3d& l_0, Random& random) {
   LocalVector u(element.n_local());
   Index at = 0;
   for (const NodePart& part : element.parts()) {
-    if (part.rotation) {
+    if (part.kind == NodePart::Kind::rotation) {
       u.segment<4>(at) = random.quaternion() - Vector4::Unit(0);
+    } else if (part.kind == NodePart::Kind::angle) {
+      u(at) = 2.0 * random.vector(1)(0);
     } else {
       u.segment<3>(at) = 0.5 * l_0.norm() * random.vector(3);
     }
@@ -74,7 +137,7 @@ LocalVector random_state(const Element& element, const Eigen::Vector3d& l_0, Ran
 std::vector<HyperDual> differentiate(const Case& c, const LocalVector& u, const VectorXd& v,
                                      const VectorXd& w) {
   std::vector<HyperDual> seeded;
-  for (Index i = 0; i < u.size(); ++i) seeded.emplace_back(u(i), v(i), w(i));
+  for (Index i = 0; i < u.size(); ++i) seeded.push_back(hyper_dual(u(i), v(i), w(i)));
   return c.formula(seeded);
 }
 
@@ -114,20 +177,20 @@ TEST_P(Elements, FirstAndSecondDerivativesAgreeWithHyperDualNumbers) {
     const LocalVector u = random_state(*c.element, c.l_0, random_);
     const VectorXd v = random_.vector(n), w = random_.vector(n);
     LocalJacobian D(n_e, n);
-    LocalDeformation second(n_e);
+    LocalDeformation found(n_e);
     c.element->jacobian(u, D);
-    c.element->second_derivative(u, v, w, second);
+    c.element->second_derivative(u, v, w, found);
     MatrixXd expected(n_e, n);
     for (Index j = 0; j < n; ++j) {
       const auto column = differentiate(c, u, VectorXd::Unit(n, j), w);
-      for (Index i = 0; i < n_e; ++i) expected(i, j) = column[static_cast<size_t>(i)].d1;
+      for (Index i = 0; i < n_e; ++i) expected(i, j) = first(column[static_cast<size_t>(i)]);
     }
     EXPECT_LE((D - expected).cwiseAbs().maxCoeff(),
               derivative_tolerance * expected.cwiseAbs().maxCoeff());
     const auto along = differentiate(c, u, v, w);
     VectorXd expected_second(n_e);
-    for (Index i = 0; i < n_e; ++i) expected_second(i) = along[static_cast<size_t>(i)].d12;
-    EXPECT_LE((second - expected_second).cwiseAbs().maxCoeff(),
+    for (Index i = 0; i < n_e; ++i) expected_second(i) = second(along[static_cast<size_t>(i)]);
+    EXPECT_LE((found - expected_second).cwiseAbs().maxCoeff(),
               derivative_tolerance * expected_second.cwiseAbs().maxCoeff());
   }
 }
@@ -145,11 +208,47 @@ TEST_P(Elements, HessianAgreesWithHyperDualNumbersEntryByEntry) {
       for (Index b = 0; b < n; ++b) {
         const auto values = differentiate(c, u, VectorXd::Unit(n, a), VectorXd::Unit(n, b));
         for (Index i = 0; i < n_e; ++i)
-          expected(a, b) += sigma(i) * values[static_cast<size_t>(i)].d12;
+          expected(a, b) += sigma(i) * second(values[static_cast<size_t>(i)]);
       }
     }
     EXPECT_LE((MatrixXd(H) - expected).cwiseAbs().maxCoeff(),
               derivative_tolerance * expected.cwiseAbs().maxCoeff());
+  }
+}
+
+/// D_x, dD_x/dt and d2D_x/dt2 entry by entry: t is eps_1 + eps_2, so that t^2 / 2 is eps_1 eps_2,
+/// and eps_3 stands on one coordinate.
+std::array<MatrixXd, 2> rates_by_third_derivatives(const Case& c, const LocalVector& u,
+                                                   const VectorXd& v, const VectorXd& a) {
+  const Index n_e = c.element->n_deformations(), n = c.element->n_local();
+  std::array<MatrixXd, 2> rates{MatrixXd(n_e, n), MatrixXd(n_e, n)};
+  for (Index j = 0; j < n; ++j) {
+    std::vector<Dual<HyperDual>> seeded;
+    for (Index i = 0; i < n; ++i) {
+      seeded.emplace_back(hyper_dual(u(i), v(i), v(i), a(i)), HyperDual(i == j ? 1.0 : 0.0));
+    }
+    const auto values = c.third_formula(seeded);
+    for (Index i = 0; i < n_e; ++i) {
+      rates[0](i, j) = first(values[static_cast<size_t>(i)].d);
+      rates[1](i, j) = second(values[static_cast<size_t>(i)].d);
+    }
+  }
+  return rates;
+}
+
+TEST_P(Elements, JacobianRatesAgreeWithThirdDerivatives) {
+  for (int k = 0; k < n_states; ++k) {
+    const Case c = next_case();
+    const Index n_e = c.element->n_deformations(), n = c.element->n_local();
+    const LocalVector u = random_state(*c.element, c.l_0, random_);
+    const VectorXd v = random_.vector(n), a = random_.vector(n);
+    LocalJacobian rate(n_e, n), second_rate(n_e, n);
+    c.element->jacobian_rates(u, v, a, rate, second_rate);
+    const auto expected = rates_by_third_derivatives(c, u, v, a);
+    EXPECT_LE((rate - expected[0]).cwiseAbs().maxCoeff(),
+              derivative_tolerance * expected[0].cwiseAbs().maxCoeff());
+    EXPECT_LE((second_rate - expected[1]).cwiseAbs().maxCoeff(),
+              derivative_tolerance * expected[1].cwiseAbs().maxCoeff());
   }
 }
 
@@ -163,20 +262,25 @@ TEST_P(Elements, TheSceneAsWrittenIsUndeformed) {
 TEST_P(Elements, RigidMotionDeformsNothing) {
   for (int k = 0; k < n_states; ++k) {
     const Case c = next_case();
+    const bool planar = std::string(GetParam()).starts_with("planar");
     const Eigen::Vector3d p = random_.vector(3), t = random_.vector(3);
-    const Vector4 lambda = random_.quaternion();
+    const double angle = 2.0 * random_.vector(1)(0);
+    const Vector4 lambda =
+        planar ? Vector4(std::cos(angle / 2), 0, 0, std::sin(angle / 2)) : random_.quaternion();
     const Eigen::Matrix3d R =
         Eigen::Quaterniond(lambda(0), lambda(1), lambda(2), lambda(3)).toRotationMatrix();
     LocalVector u(c.element->n_local());
     Index at = 0;
-    bool first = true;
+    bool at_p = true;
     for (const NodePart& part : c.element->parts()) {
-      if (part.rotation) {
+      if (part.kind == NodePart::Kind::rotation) {
         u.segment<4>(at) = lambda - Vector4::Unit(0);
+      } else if (part.kind == NodePart::Kind::angle) {
+        u(at) = angle;
       } else {
-        const Eigen::Vector3d X = first ? p : Eigen::Vector3d(p + c.l_0);
+        const Eigen::Vector3d X = at_p ? p : Eigen::Vector3d(p + c.l_0);
         u.segment<3>(at) = R * X + t - X;
-        first = false;
+        at_p = false;
       }
       at += part.size();
     }
@@ -203,7 +307,10 @@ TEST_P(Elements, APicometreOnAMetreKeepsThirteenDigits) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, Elements, testing::Values("truss", "beam", "norm"),
+INSTANTIATE_TEST_SUITE_P(Kinds, Elements,
+                         testing::Values("truss", "beam", "norm", "planar_beam", "hinge",
+                                         "planar_hinge", "arc_beam", "planar_arc_beam",
+                                         "quadratic_beam"),
                          [](const auto& param) { return std::string(param.param); });
 
 TEST(Truss, APicometreOnTopOfAMicrometreOfCommonMotion) {
@@ -230,7 +337,8 @@ TEST(Truss, ElongationIsTheStretchInClosedForm) {
 TEST(Beam, DeformationsMeanWhatTheHeaderSays) {
   // A rotation of end q about the beam is torsion alone.
   const double angle = 1e-6, length = 2.0;
-  const Beam beam(0, 1, {length, 0, 0});
+  const Eigen::Vector3d l_0(length, 0, 0);
+  const Beam beam(0, 1, l_0, any_orientation(l_0));
   LocalDeformation e(6);
   LocalVector u = LocalVector::Zero(14);
   u(11) = std::sin(angle / 2);
@@ -248,9 +356,66 @@ TEST(Beam, DeformationsMeanWhatTheHeaderSays) {
   EXPECT_NEAR(e(0), 1e-12 / (2 * length), 1e-24);  // the next term is s^4 / (8 l^3)
 }
 
+TEST(PlanarBeam, DeformationsMeanWhatTheHeaderSays) {
+  const PlanarBeam beam(0, 1, {0, 2, 0});  // n_y is -x
+  LocalDeformation e(3);
+  LocalVector u = LocalVector::Zero(8);
+  u(3) = 0.3;
+  beam.deformations(u, e);
+  // The axis at p turns away from the chord: -(R n_y) . l = l_0 sin(angle).
+  EXPECT_LE((e - Eigen::Vector3d(0, 2 * std::sin(0.3), 0)).norm(), 1e-15);
+  u.setZero();
+  u(7) = 0.3;
+  beam.deformations(u, e);
+  EXPECT_LE((e - Eigen::Vector3d(0, 0, -2 * std::sin(0.3))).norm(), 1e-15);
+  u.setZero();
+  u(4) = -1e-6;
+  beam.deformations(u, e);
+  EXPECT_LE((e - Eigen::Vector3d(1e-12 / 4, -1e-6, 1e-6)).norm(), 1e-21);
+}
+
+TEST(Hinge, TurnsByAnyAngleAboutAnObliqueAxis) {
+  Random random(13);
+  const Eigen::Vector3d axis(1, -2, 0.5), n = axis.normalized();
+  const Hinge hinge(0, 1, axis);
+  for (double angle = -30; angle < 30; angle += 0.37) {
+    const Vector4 lambda = random.quaternion();
+    const Eigen::Quaterniond p(lambda(0), lambda(1), lambda(2), lambda(3));
+    const Eigen::Quaterniond q = p * Eigen::Quaterniond(Eigen::AngleAxisd(angle, n));
+    LocalVector u(8);
+    u << lambda - Vector4::Unit(0), q.w() - 1, q.vec();
+    LocalDeformation e(3);
+    hinge.deformations(u, e);
+    // Exact up to whole periods and to the rounding of the sine and cosine of 30 rad.
+    EXPECT_NEAR(std::remainder(e(0) - angle, hinge.period()), 0.0, 1e-14);
+    EXPECT_NEAR(e(1), 0.0, 1e-15);
+    EXPECT_NEAR(e(2), 0.0, 1e-15);
+  }
+}
+
+TEST(Hinge, TiltsAreTheSinesOfTheOtherTwoRotations) {
+  const Eigen::Vector3d n_x = Eigen::Vector3d(2, 1, -1).normalized(), n_y = n_x.unitOrthogonal();
+  const Hinge hinge(0, 1, n_x);
+  for (const auto& [axis, expected] :
+       {std::pair(n_y, Eigen::Vector3d(0, std::sin(0.4), 0)),
+        std::pair(Eigen::Vector3d(n_x.cross(n_y)), Eigen::Vector3d(0, 0, std::sin(0.4)))}) {
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(0.4, axis));
+    LocalVector u = LocalVector::Zero(8);
+    u.tail<4>() << q.w() - 1, q.vec();
+    LocalDeformation e(3);
+    hinge.deformations(u, e);
+    EXPECT_LE((e - expected).norm(), 1e-15);
+  }
+}
+
 TEST(ElementSetUp, ZeroLengthIsRefused) {
   EXPECT_THROW(Truss(0, 1, Eigen::Vector3d::Zero()), std::invalid_argument);
-  EXPECT_THROW(Beam(0, 1, Eigen::Vector3d::Zero()), std::invalid_argument);
+  EXPECT_THROW(Beam(0, 1, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY()),
+               std::invalid_argument);
+  EXPECT_THROW(PlanarBeam(0, 1, Eigen::Vector3d::Zero()), std::invalid_argument);
+  EXPECT_THROW(Hinge(0, 1, Eigen::Vector3d::Zero()), std::invalid_argument);
+  EXPECT_THROW(Beam(0, 1, Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(-2, -4, -6)),
+               std::invalid_argument);
   EXPECT_THROW(Truss(0, 1, Eigen::Vector3d::Constant(std::nan(""))), std::invalid_argument);
 }
 
@@ -263,11 +428,11 @@ TEST(Rotation, BodyRateMatrixGivesTheAngularVelocityOfTheRotationMatrix) {
     Eigen::Matrix3d R, R_dot;
     for (int j = 0; j < 3; ++j) {
       HyperDual seeded[4];
-      for (int i = 0; i < 4; ++i) seeded[i] = HyperDual(lambda(i), rate(i), 0);
+      for (int i = 0; i < 4; ++i) seeded[i] = hyper_dual(lambda(i), rate(i), 0);
       const auto column = rotate(seeded, constant<HyperDual>(Eigen::Vector3d::Unit(j)));
       for (int i = 0; i < 3; ++i) {
-        R(i, j) = column[static_cast<size_t>(i)].value;
-        R_dot(i, j) = column[static_cast<size_t>(i)].d1;
+        R(i, j) = column[static_cast<size_t>(i)].value.value;
+        R_dot(i, j) = first(column[static_cast<size_t>(i)]);
       }
     }
     const Eigen::Vector3d omega = 2.0 * body_rate_matrix(lambda) * rate;

@@ -34,7 +34,9 @@ class Kinematics : public testing::TestWithParam<NamedScene> {
   MotionState large_motion() { return random_motion(model_, GetParam().size, 1.0, engine_); }
 
   VectorXd positions(const VectorXd& q_d, const VectorXd& q_r) {
-    EXPECT_TRUE(solve_positions(model_, data_, q_d, q_r));
+    MotionState state = position_state(model_, q_d);
+    state.q_r = q_r;
+    EXPECT_TRUE(solve_positions(model_, data_, state));
     return data_.x;
   }
 };
@@ -52,7 +54,7 @@ TEST_P(Kinematics, SolvedPositionsMeetEveryCondition) {
   for (const double size : {1e-12, 1e-6, 1e-3, GetParam().size}) {
     for (int k = 0; k < 10; ++k) {
       const MotionState state = random_motion(model_, size, 0, engine_);
-      ASSERT_TRUE(solve_positions(model_, data_, state.q_d, state.q_r)) << size;
+      ASSERT_TRUE(solve_positions(model_, data_, state)) << size;
       assemble(model_, data_);
       VectorXd wanted = VectorXd::Zero(model_.n_c);
       for (Index i = 0; i < model_.n_d; ++i) {
@@ -76,8 +78,8 @@ TEST_P(Kinematics, SolvedPositionsMeetEveryCondition) {
 TEST_P(Kinematics, ComesBackToTheSceneAsWritten) {
   // The solution is exactly zero, so that no rounding relative to it ever ends the iteration.
   const MotionState away = large_motion(), home(model_);
-  ASSERT_TRUE(solve_positions(model_, data_, away.q_d, away.q_r));
-  ASSERT_TRUE(solve_positions(model_, data_, home.q_d, home.q_r));
+  ASSERT_TRUE(solve_positions(model_, data_, away));
+  ASSERT_TRUE(solve_positions(model_, data_, home));
   EXPECT_LE(data_.x.cwiseAbs().maxCoeff(), 1e-29);
 }
 
@@ -124,7 +126,7 @@ TEST_P(Kinematics, RatesAreTheDerivativesOfPositionsInTime) {
     const MotionState s = large_motion();
     positions(s.q_d, s.q_r);
     geometric_transfer_functions(model_, data_);
-    velocities(model_, data_, s.q_d_dot, s.q_r_dot, s.q_r_ddot);
+    velocities(model_, data_, s);
     const VectorXd x_dot = data_.x_dot, x_ddot_0 = data_.x_ddot_0, e_dot = data_.e_dot;
     const auto motion = [&](double t) -> VectorXd {
       VectorXd all(model_.n_x + model_.n_e);
@@ -174,7 +176,7 @@ TEST(FrameKinematics, TheFrameStaysRigidAndTheLegsHaveTheirLength) {
   std::mt19937 engine(2);
   for (int k = 0; k < 20; ++k) {
     const MotionState s = random_motion(model, 0.02, 0, engine);
-    ASSERT_TRUE(solve_positions(model, data, s.q_d, s.q_r));
+    ASSERT_TRUE(solve_positions(model, data, s));
     size_t dof = 0;
     for (const SceneElement& element : scene.elements) {
       const Eigen::Vector3d now =
@@ -182,7 +184,7 @@ TEST(FrameKinematics, TheFrameStaysRigidAndTheLegsHaveTheirLength) {
       const Eigen::Vector3d before =
           model.nodes[static_cast<size_t>(model.node_index(element.node_q))].position -
           model.nodes[static_cast<size_t>(model.node_index(element.node_p))].position;
-      const double change = element.rigid ? 0.0 : s.q_d(static_cast<Index>(dof++));
+      const double change = element.rigid() ? 0.0 : s.q_d(static_cast<Index>(dof++));
       EXPECT_NEAR(now.norm() - before.norm(), change, 1e-15);  // a few roundings of half a metre
     }
     // Rigid arms hold their angles, too: mount to mount stays 0.6 sqrt(3) m.
@@ -198,10 +200,10 @@ TEST(FrameKinematics, EveryRotationNodeOfOneBodyHasTheSameUnitEulerParameters) {
   Data data(model);
   VectorXd q = VectorXd::Zero(6);
   q.tail<3>() << 0.5, -0.3, 0.4;  // 95 degrees
-  ASSERT_TRUE(solve_positions(model, data, q, VectorXd::Zero(model.n_r)));
+  ASSERT_TRUE(solve_positions(model, data, position_state(model, q)));
   const double lambda_0 = std::sqrt(1 - q.squaredNorm());
   for (const ModelNode& node : model.nodes) {
-    if (!node.has_rotation) continue;
+    if (!node.has_rotation()) continue;
     EXPECT_NEAR(1 + data.x(node.rotation.column[0]), lambda_0, 1e-14) << node.name;
     for (size_t i = 1; i < 4; ++i) {
       EXPECT_NEAR(data.x(node.rotation.column[i]), q(static_cast<Index>(i) + 2), 1e-14)
@@ -213,11 +215,10 @@ TEST(FrameKinematics, EveryRotationNodeOfOneBodyHasTheSameUnitEulerParameters) {
 TEST(FrameKinematics, APicometreOfElongationMovesTheFrameByPicometres) {
   const Model model = make_model(frame_scene());
   Data data(model);
-  const VectorXd zero = VectorXd::Zero(model.n_r);
   geometric_transfer_functions(model, data);
   const MatrixXd DF = data.DF;
   for (Index i = 0; i < 6; ++i) {
-    ASSERT_TRUE(solve_positions(model, data, 1e-12 * VectorXd::Unit(6, i), zero));
+    ASSERT_TRUE(solve_positions(model, data, position_state(model, 1e-12 * VectorXd::Unit(6, i))));
     // At this size the motion is linear to 1e-11, as its second order is (1e-12 m)^2 / 0.15 m.
     EXPECT_LE(relative_error(data.x / 1e-12, DF.col(i)), 2e-11);
   }
@@ -227,7 +228,7 @@ TEST(FrameKinematics, AnUnreachableConfigurationIsAnsweredNotInvented) {
   const Model model = make_model(mechanism());
   Data data(model);
   const VectorXd q_d = Eigen::Vector3d(0.9, 0.9, 0.9);  // no unit quaternion has these three
-  EXPECT_FALSE(solve_positions(model, data, q_d, VectorXd::Zero(model.n_r)));
+  EXPECT_FALSE(solve_positions(model, data, position_state(model, q_d)));
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ TEST(FrequencyResponse, AgreesWithTheStateSpace) {
   const Scene scene = frame_scene();
   std::vector<SceneSignal> inputs = scene.inputs, outputs = scene.outputs;
   for (const SceneElement& element : scene.elements) {
-    if (element.rigid) continue;
+    if (element.rigid()) continue;
     inputs.push_back(element_signal("a" + element.name, element.name, Quantity::stress));
     outputs.push_back(element_signal("s" + element.name, element.name, Quantity::stress));
   }

@@ -114,7 +114,7 @@ TEST(PartitionInvariance, NonlinearAccelerationsInOneConfiguration) {
                 DynamicsStatus::ok);
       MotionState state_a(by_elongation);
       for (Index i = 0; i < 6; ++i) {
-        const Index row = by_lens.elastic_row(a.dofs[static_cast<size_t>(i)].element);
+        const Index row = by_lens.deformation_row(a.dofs[static_cast<size_t>(i)].element);
         state_a.q_d(i) = data_b.e(row);
         state_a.q_d_dot(i) = data_b.e_dot(row);
       }

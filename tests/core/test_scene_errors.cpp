@@ -7,6 +7,9 @@
 #include "core/model/model.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
+#include "tests/core/bad_elements.hpp"
+#include "tests/core/bad_motions.hpp"
+#include "tests/core/bad_planar_scenes.hpp"
 #include "tests/core/bad_scenes.hpp"
 
 namespace stillframe::test {
@@ -38,14 +41,15 @@ std::string error_of(const std::string& text) {
   return "";
 }
 
-TEST(SoundScene, IsAccepted) { EXPECT_EQ(error_of(sound_scene), ""); }
+TEST(SoundScene, IsAccepted) {
+  EXPECT_EQ(error_of(sound_scene), "");
+  EXPECT_EQ(error_of(sound_crane), "");
+  EXPECT_EQ(error_of(sound_crank), "");
+}
 
-class SceneErrors : public testing::TestWithParam<BadScene> {};
-
-TEST_P(SceneErrors, SayWhereWhatAndHow) {
-  const BadScene& bad = GetParam();
-  ASSERT_NE(sound_scene.find(bad.from), std::string::npos) << "the table is wrong: " << bad.from;
-  const std::string text = changed(sound_scene, bad.from, bad.to), message = error_of(text);
+void expect_message(const std::string& sound, const BadScene& bad) {
+  ASSERT_NE(sound.find(bad.from), std::string::npos) << "the table is wrong: " << bad.from;
+  const std::string text = changed(sound, bad.from, bad.to), message = error_of(text);
   ASSERT_NE(message, "") << "accepted";
   if (!bad.at.empty()) {
     EXPECT_TRUE(message.starts_with(place_of(bad.at, text))) << message;
@@ -57,8 +61,22 @@ TEST_P(SceneErrors, SayWhereWhatAndHow) {
   EXPECT_EQ(message.find('\n'), std::string::npos) << "one line: " << message;
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, SceneErrors, testing::ValuesIn(bad_scenes),
-                         [](const auto& param) { return std::string(param.param.name); });
+std::string name_of(const testing::TestParamInfo<BadScene>& info) { return info.param.name; }
+
+class SceneErrors : public testing::TestWithParam<BadScene> {};
+class ElementErrors : public SceneErrors {};
+class MotionErrors : public SceneErrors {};
+class PlanarErrors : public SceneErrors {};
+
+TEST_P(SceneErrors, SayWhereWhatAndHow) { expect_message(sound_scene, GetParam()); }
+TEST_P(ElementErrors, SayWhereWhatAndHow) { expect_message(sound_crane, GetParam()); }
+TEST_P(MotionErrors, SayWhereWhatAndHow) { expect_message(sound_crane, GetParam()); }
+TEST_P(PlanarErrors, SayWhereWhatAndHow) { expect_message(sound_crank, GetParam()); }
+
+INSTANTIATE_TEST_SUITE_P(Table, SceneErrors, testing::ValuesIn(bad_scenes), name_of);
+INSTANTIATE_TEST_SUITE_P(Table, ElementErrors, testing::ValuesIn(bad_elements), name_of);
+INSTANTIATE_TEST_SUITE_P(Table, MotionErrors, testing::ValuesIn(bad_motions), name_of);
+INSTANTIATE_TEST_SUITE_P(Table, PlanarErrors, testing::ValuesIn(bad_planar_scenes), name_of);
 
 /// A scene without a dependent coordinate has no condition to factorise.
 TEST(Partition, WithoutDependentCoordinatesIsSoundOrSaysWhatIsTooMuch) {

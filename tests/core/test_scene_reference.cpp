@@ -1,15 +1,18 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "core/control_loop.hpp"
+#include "core/linearisation.hpp"
 #include "core/modes.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
@@ -53,24 +56,33 @@ std::map<std::string, std::map<std::string, std::string>> tables() {
 /// together.
 const char* const full_scene = R"(
 title: Everything
+planar: false
+gravity: [0, 0, 0]
+operating_point: as_written
 nodes:
   floor: {position: [0, 0, 0]}
   body: {position: [0, 0, 1]}
   side: {position: [1, 0, 1]}
+  turned: {position: [1, 0, 1]}
   wall: {position: [2, 0, 1]}
 masses:
   - {node: body, mass: 1, inertia: [1, 1, 1]}
 elements:
   leg: {type: truss, nodes: [floor, body], stiffness: 1, damping: 1, preload: 0}
   arm: {type: rigid_beam, nodes: [body, side]}
+  joint: {type: hinge, nodes: [side, turned], axis: z, rigid: [2], stiffness: [1, 0, 0],
+    damping: [1, 0, 0], preload: [1, 0, 0]}
+  spring: {type: beam, nodes: [turned, wall], orientation: z, EA: 1, GJ: 1, EI_y: 1, EI_z: 1,
+    shear_y: 1, shear_z: 1, mass_per_length: 1, inertia_per_length: 1, mass: lumped,
+    second_order: true, damping_time: 1, rigid: [], preload: [0, 0, 0, 0, 0, 0], divide: 2}
 supports:
   - {nodes: [body, wall], fix: [x, y]}
 prescribed:
-  - {nodes: [floor], move: [x, y, z]}
+  - {nodes: [floor], move: [x, y, z], value: 1, rate: 1, acceleration: 1}
 dofs:
-  - {element: leg}
+  - {element: leg, mode: 1, value: 1, rate: 1}
 loads:
-  - {node: body, force: [0, 0, 0]}
+  - {node: body, force: [0, 0, 0], torque: [0, 0, 0], follows: true}
 inputs:
   - {name: w, acceleration: floor, along: z}
 outputs:
@@ -82,6 +94,19 @@ compare:
 controller: {legs: [leg], target_hz: 1, damping_ratio: 1, order: exact, realisation: naive_pi,
   sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, lead_samples: 1, roll_off_hz: 10, force_limit_n: 1}
 simulation: {duration_s: 1, relative_tolerance: 1e-6}
+)";
+
+const char* const full_planar_scene = R"(
+title: Everything in a plane
+planar: true
+nodes:
+  clamp: {position: [0, 0]}
+  tip: {position: [1, 0]}
+masses: []
+elements:
+  strip: {type: beam, nodes: [clamp, tip], EA: 1, EI: 1, shear: 1, mass_per_length: 1, mass: lumped,
+    second_order: true, damping_time: 1, rigid: [], preload: [0, 0, 0], divide: 2}
+dofs: auto
 )";
 
 const char* const full_floor = R"(
@@ -99,6 +124,9 @@ const std::map<std::string, Path> places = {
     {"nodes", {"nodes", "floor"}},
     {"masses", {"masses", "#0"}},
     {"elements: truss", {"elements", "leg"}},
+    {"elements: beam", {"elements", "spring"}},
+    {"elements: beam, planar", {"elements", "strip"}},
+    {"elements: hinge", {"elements", "joint"}},
     {"elements: rigid_beam", {"elements", "arm"}},
     {"supports", {"supports", "#0"}},
     {"prescribed", {"prescribed", "#0"}},
@@ -117,10 +145,11 @@ const std::map<std::string, Path> places = {
 };
 
 bool is_floor(const std::string& table) { return table.starts_with("floor"); }
+bool is_planar(const std::string& table) { return table.ends_with(", planar"); }
 
 /// The document of a table; a floor has one kind only.
 YAML::Node document(const std::string& table) {
-  if (!is_floor(table)) return YAML::Load(full_scene);
+  if (!is_floor(table)) return YAML::Load(is_planar(table) ? full_planar_scene : full_scene);
   YAML::Node all = YAML::Load(full_floor), one;
   const Path& path = places.at(table);
   const std::string kind = path.empty() ? "still" : path.front();
@@ -188,7 +217,8 @@ TEST(SceneReference, SaysWhichKeysAreRequired) {
       const std::string message = error_of(table, node);
       if (otherwise.starts_with("required")) {
         EXPECT_NE(message.find(key), std::string::npos) << table << ": " << key << ": " << message;
-      } else if (key != "outputs" && key != "monitors") {  // compare refers to both
+      } else if (key != "outputs" && key != "monitors" && key != "operating_point") {
+        // compare refers to the outputs and monitors, the value of a dof needs its operating point
         EXPECT_EQ(message, "") << table << ": " << key;
       }
     }
@@ -204,8 +234,32 @@ TEST(SceneReference, NumbersAmongTheDefaultsAreThoseOfTheReader) {
   EXPECT_EQ(all.at("controller").at("realisation"), "`implicit_feedthrough`");
   EXPECT_EQ(SceneController().realisation, Realisation::implicit_feedthrough);
   EXPECT_EQ(SceneController().lead_samples, std::stod(all.at("controller").at("lead_samples")));
-  EXPECT_EQ(SceneElement().damping, std::stod(all.at("elements: truss").at("damping")));
-  EXPECT_EQ(SceneElement().preload, std::stod(all.at("elements: truss").at("preload")));
+  for (const char* const table : {"elements: beam", "elements: beam, planar"}) {
+    const auto& beam = all.at(table);
+    EXPECT_EQ(SceneBeam().mass_per_length, std::stod(beam.at("mass_per_length")));
+    EXPECT_EQ(SceneBeam().damping_time, std::stod(beam.at("damping_time")));
+    EXPECT_EQ(beam.at("mass"), "`consistent`");
+    EXPECT_FALSE(SceneBeam().lumped_mass);
+    EXPECT_EQ(beam.at("second_order"), "false");
+    EXPECT_FALSE(SceneBeam().second_order);
+  }
+  EXPECT_EQ(SceneBeam().inertia_per_length,
+            std::stod(all.at("elements: beam").at("inertia_per_length")));
+  EXPECT_EQ(all.at("The scene").at("planar"), "false");
+  EXPECT_FALSE(Scene().planar);
+  EXPECT_EQ(all.at("The scene").at("operating_point"), "`equilibrium`");
+  EXPECT_EQ(Scene().operating_point, OperatingPoint::equilibrium);
+  EXPECT_EQ(all.at("loads").at("follows"), "false");
+  EXPECT_FALSE(SceneLoad().follows);
+  for (const char* const table : {"inputs", "outputs and monitors"}) {
+    EXPECT_EQ(SceneSignal().mode, std::stoi(all.at(table).at("mode")));
+  }
+  for (const char* const key : {"value", "rate", "acceleration"}) {
+    EXPECT_EQ(0, std::stod(all.at("prescribed").at(key))) << key;
+  }
+  EXPECT_EQ(SceneConstraint().value, 0);
+  EXPECT_EQ(SceneConstraint().rate, 0);
+  EXPECT_EQ(SceneConstraint().acceleration, 0);
   const floor::RecordingSpec recording{
       .block = YamlReader::from_text("{}", ""), .file = {}, .axes = {}};
   EXPECT_EQ(recording.scale, std::stod(all.at("floor: recording").at("scale")));
@@ -217,21 +271,73 @@ TEST(SceneReference, NumbersAmongTheDefaultsAreThoseOfTheReader) {
   EXPECT_EQ(floor::WhiteSpec().high_pass_hz, std::stod(all.at("floor: white").at("high_pass_hz")));
 }
 
-TEST(SceneReference, TheFirstSceneDoesWhatTheTextSays) {
+/// Elements without their optional keys have the defaults of the tables.
+TEST(SceneReference, DefaultsOfElementsAreThoseOfTheReader) {
+  const auto all = tables();
+  for (const char* const name : {"leg", "joint"}) {
+    YAML::Node node = YAML::Load(full_scene);
+    YAML::Node map = node["elements"][name];
+    for (const char* const key : {"rigid", "damping", "preload"}) map.remove(key);
+    if (std::string(name) == "joint") map.remove("stiffness");
+    const Scene scene = parse_scene(YAML::Dump(node), "scene.yaml");
+    for (const SceneElement& element : scene.elements) {
+      if (element.name != name) continue;
+      const bool truss = element.kind == SceneElement::Kind::truss;
+      const auto& table = all.at(truss ? "elements: truss" : "elements: hinge");
+      EXPECT_EQ(element.damping.sum(), std::stod(table.at("damping"))) << name;
+      EXPECT_EQ(element.preload.sum(), std::stod(table.at("preload"))) << name;
+      EXPECT_EQ(table.at("rigid"), truss ? "false" : "`[2, 3]`");
+      EXPECT_EQ(element.zero,
+                truss ? std::vector<bool>{false} : (std::vector<bool>{false, true, true}));
+    }
+  }
+  EXPECT_EQ(all.at("elements: beam").at("divide"), "1");
+}
+
+/// The n-th example of the text, from 0.
+std::string example(int n) {
   const std::string text = reference(), fence = "```yaml\n";
-  const size_t from = text.find(fence) + fence.size(), to = text.find("```", from);
-  ASSERT_LT(from, to);
-  const std::string example = text.substr(from, to - from);
-  const Scene scene = parse_scene(example, "docs/scene.md");
+  size_t from = text.find(fence) + fence.size();
+  for (int i = 0; i < n; ++i) from = text.find(fence, from) + fence.size();
+  const size_t to = text.find("```", from);
+  EXPECT_LT(from, to);
+  return text.substr(from, to - from);
+}
+
+TEST(SceneReference, TheFirstSceneDoesWhatTheTextSays) {
+  const Scene scene = parse_scene(example(0), "docs/scene.md");
   const Model model = make_model(scene);
   EXPECT_EQ(model.n_c, 1);  // the count in the text: one coordinate left, one condition
   EXPECT_EQ(model.n_r, 1);
   const ControlLoop loop = make_control_loop(scene, model);
   EXPECT_NEAR(modes(loop.plant).natural_frequencies_hz(0), 31.8, 0.05);
-  EXPECT_NE(text.find("31.8 Hz"), std::string::npos);
-  const auto root = YamlReader::from_text(example, "docs/scene.md");
+  EXPECT_NE(reference().find("31.8 Hz"), std::string::npos);
+  const auto root = YamlReader::from_text(example(0), "docs/scene.md");
   EXPECT_NO_THROW(
       floor::read_floor_block(root.require("floor"), scene.controller->sample_rate_hz, 1));
+}
+
+TEST(SceneReference, TheFlexibleBeamDoesWhatTheTextSays) {
+  const Scene scene = parse_scene(example(1), "docs/scene.md");
+  const Model model = make_model(scene);
+  EXPECT_EQ(model.n_c, 12);  // the count in the text
+  EXPECT_EQ(model.n_d, 12);
+  const auto frequencies = modes(linearise(model, {}, {})).natural_frequencies_hz;
+  // A clamped beam, in root(EI / (mass_per_length L^4)) / 2 pi; 0.2 % is what the text says.
+  const double unit = std::sqrt(0.3333 / (0.156 * std::pow(0.2, 4))) / (2 * std::numbers::pi);
+  EXPECT_NEAR(frequencies(0), 3.516015 * unit, 2e-3 * 3.516015 * unit);
+  EXPECT_NEAR(frequencies(1), 22.034492 * unit, 2e-3 * 22.034492 * unit);
+  // The choice of dofs changes no natural frequency; 1e-9 is the rounding of highest over lowest.
+  std::string automatic = example(1);
+  const std::string dofs = "  - {deformations: strip}\n";
+  automatic.replace(automatic.find("dofs:"),
+                    automatic.find(dofs) + dofs.size() - automatic.find("dofs:"), "dofs: auto\n");
+  const Model other = make_model(parse_scene(automatic, "docs/scene.md"));
+  const auto again = modes(linearise(other, {}, {})).natural_frequencies_hz;
+  EXPECT_LE((again - frequencies).cwiseAbs().maxCoeff(), 1e-9 * frequencies(0)) << again;
+  EXPECT_NE(reference().find("20.4 Hz and 128 Hz"), std::string::npos);
+  EXPECT_NEAR(frequencies(0), 20.4, 0.05);
+  EXPECT_NEAR(frequencies(1), 128, 0.5);
 }
 
 }  // namespace

@@ -1,0 +1,77 @@
+#include "core/buckling.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/dynamics.hpp"
+#include "core/linearisation/projection.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Stress resultants to first order in the load: S D_e q for the elastic deformations, those of the
+/// others from the equations of reaction.
+void first_order_stresses(const Model& model, Data& data, const Columns& columns,
+                          const VectorXd& q) {
+  RowMatrix E;
+  for (size_t k = 0; k < model.elements.size(); ++k) {
+    const ModelElement& item = model.elements[k];
+    if (item.S.size() == 0) continue;
+    deformation_columns(model, data, columns, k, E);
+    const VectorXd sigma = item.S * (E * q);
+    for (Index i = 0; i < sigma.size(); ++i) {
+      data.sigma(item.row[static_cast<size_t>(i)]) += sigma(i);
+    }
+  }
+  reaction_stresses(model, data);
+}
+
+}  // namespace
+
+Buckling buckling(const Model& model) {
+  const NominalMotion rest(model);
+  const MatrixXd K = linearise(model, rest, {}, {}, {.mass = false, .damping = false}).K;
+  Data data(model);
+  generalised_forces(model, data, rest.state, VectorXd::Zero(model.n_e));
+  complete_accelerations(data, rest.q_d_ddot);
+  if (data.f_dd.isZero(0) && data.f.isZero(0) && model.preload.isZero(0)) {
+    throw Refusal("there is no load to multiply: add loads, gravity or preloads");
+  }
+  const Eigen::LLT<MatrixXd> factors(K);
+  if (factors.info() != Eigen::Success) {
+    throw Refusal("the stiffness matrix of the unloaded scene is not positive definite: it can move "
+                  "without strain, or has dofs that nothing resists");
+  }
+  Columns columns(model, MatrixXd::Zero(model.n_r, 0), {});
+  columns.compute(model, data, false);
+  first_order_stresses(model, data, columns, factors.solve(data.f_dd));
+  const MatrixXd G = geometric_stiffness(model, data, columns);
+  // Rounding of the projections leaves 1e-13; a load that follows, parts of the order of G itself.
+  if ((G - G.transpose()).norm() > 1e-9 * G.norm()) {
+    throw Refusal("the geometric stiffness is not symmetric, as a load follows its node: such a "
+                  "load has no buckling multiplier; follow the modes under growing load instead");
+  }
+  // G v = mu K v with mu = -1 / lambda: the smallest multipliers are the best determined numbers.
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (G + G.transpose()), K);
+  const VectorXd& mu = solver.eigenvalues();  // ascending
+  const double threshold = -1e-13 * mu.cwiseAbs().maxCoeff();
+  Index count = 0;
+  while (count < mu.size() && mu(count) < threshold) ++count;
+  Buckling result;
+  for (const Model::Dof& dof : model.dofs) result.q_names.push_back(dof.name);
+  result.load_multipliers = -mu.head(count).cwiseInverse();
+  result.shapes = solver.eigenvectors().leftCols(count);
+  for (auto shape : result.shapes.colwise()) {
+    Index largest = 0;
+    shape.cwiseAbs().maxCoeff(&largest);
+    shape /= shape(largest);
+  }
+  return result;
+}
+
+}  // namespace stillframe

@@ -1,0 +1,324 @@
+#include "core/certificate.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/dynamics.hpp"
+#include "core/equilibrium.hpp"
+#include "core/extrapolation.hpp"
+#include "core/linearisation/signal_rows.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+enum class Order { position, velocity, acceleration };
+
+/// The nonlinear equations beside the linear model: one model of their own, whose loads may change.
+class Certifier {
+ public:
+  explicit Certifier(const Scene& scene)
+      : scene_(scene),
+        model_(make_model(scene)),
+        nominal_(nominal_motion(scene, model_)),
+        linear_(linearise(model_, nominal_, scene.inputs, scene.outputs)),
+        data_(model_),
+        sigma_a_(VectorXd::Zero(model_.n_e)) {
+    for (const SceneSignal& output : scene.outputs) {
+      outputs_.push_back(resolve_output(model_, output));
+    }
+    for (const SceneSignal& input : scene.inputs) {
+      inputs_.push_back(resolve_input(model_, input));
+    }
+    evaluate(nominal_.state, nominal_.q_d_ddot);
+    base_ = data_;
+    base_inertia_ = inertia_forces(model_, data_).head(model_.n_x);
+    M_.compute(linear_.M);
+    if (M_.info() != Eigen::Success) throw Refusal("the mass matrix is not positive definite");
+  }
+
+  std::vector<BlockCertificate> run() {
+    second_order_blocks();
+    whole_equations();
+    return std::move(result_);
+  }
+
+ private:
+  /// Everything at given q''; positions start from the nominal ones.
+  void evaluate(const MotionState& state, const VectorXd& q_d_ddot) {
+    data_.x = nominal_.x;
+    if (!generalised_forces(model_, data_, state, sigma_a_)) {
+      throw Refusal("a position near the operating point cannot be reached");
+    }
+    complete_accelerations(data_, q_d_ddot);
+    reaction_stresses(model_, data_);
+  }
+
+  Index n_columns() const { return model_.n_d + static_cast<Index>(inputs_.size()); }
+  bool is_motion_column(Index j) const {
+    return j < model_.n_d || is_motion(inputs_[static_cast<size_t>(j - model_.n_d)].quantity);
+  }
+  /// A state (with q'') that differs by t in one column and order.
+  std::pair<MotionState, VectorXd> changed(Index j, Order order, double t) const {
+    std::pair<MotionState, VectorXd> at{nominal_.state, nominal_.q_d_ddot};
+    MotionState& s = at.first;
+    if (j < model_.n_d) {
+      (order == Order::position ? s.q_d : order == Order::velocity ? s.q_d_dot : at.second)(j) += t;
+    } else {
+      (order == Order::position   ? s.q_r
+       : order == Order::velocity ? s.q_r_dot
+                                  : s.q_r_ddot) +=
+          t * model_.prescribed_pattern(scene_.inputs[static_cast<size_t>(j - model_.n_d)]);
+    }
+    return at;
+  }
+  /// A step of column j that moves nodes by about a hundredth of the scene's size, or of a radian.
+  double step(Index j) {
+    MotionState unit(model_);
+    VectorXd x;
+    if (j < model_.n_d) {
+      x = base_.DF.col(j);
+    } else {
+      x = prescribed_transfer_functions(
+          model_, base_,
+          model_.prescribed_pattern(scene_.inputs[static_cast<size_t>(j - model_.n_d)]));
+    }
+    double size = 0, largest = 0;
+    for (const ModelNode& a : model_.nodes) {
+      size = std::max(size, (a.position - model_.nodes.front().position).norm());
+    }
+    for (const ModelNode& node : model_.nodes) {
+      for (const PartMap* map : {&node.translation, &node.rotation}) {
+        for_each_column({*map}, model_.n_x, [&](Index, Index column) {
+          largest = std::max(
+              largest, std::abs(x(column)) / (map == &node.rotation || size == 0 ? 1.0 : size));
+        });
+      }
+    }
+    return largest > 0 ? 0.02 / largest : 0.02;
+  }
+
+  /// DF_e^T sigma with the transfer functions of the operating point.
+  VectorXd project_stresses(const RowMatrix& DF_e, const VectorXd& sigma) const {
+    VectorXd f = DF_e.transpose() * sigma.tail(model_.n_redundant);
+    for (Index i = 0; i < model_.n_d; ++i) {
+      const Model::Dof& dof = model_.dofs[static_cast<size_t>(i)];
+      if (dof.is_deformation) f(i) += sigma(dof.index);
+    }
+    return f;
+  }
+  /// S e or S_d e' of all elements.
+  VectorXd elastic(bool viscous) const {
+    VectorXd sigma = VectorXd::Zero(model_.n_e);
+    for (const ModelElement& item : model_.elements) {
+      const LocalStiffness& S = viscous ? item.S_d : item.S;
+      const VectorXd& e = viscous ? data_.e_dot : data_.e;
+      for (Index i = 0; i < S.rows(); ++i) {
+        for (Index k = 0; k < S.rows(); ++k) {
+          if (item.zero[static_cast<size_t>(k)]) continue;
+          sigma(item.row[static_cast<size_t>(i)]) += S(i, k) * e(item.row[static_cast<size_t>(k)]);
+        }
+      }
+    }
+    return sigma;
+  }
+
+  /// The force of a block at the state in data_; the part that the block holds constant is that of
+  /// the operating point.
+  VectorXd force_of(char block) const {
+    const auto inertia = [&] { return inertia_forces(model_, data_).head(model_.n_x).eval(); };
+    switch (block) {
+      case 'M':
+      case 'C':
+        return base_.DF.transpose() * inertia();
+      case 'D':
+        return project_stresses(base_.DF_e, elastic(true));
+      case 'K':
+        return project_stresses(base_.DF_e, elastic(false));
+      case 'N':
+        return base_.DF.transpose() * inertia() + project_stresses(base_.DF_e, elastic(true));
+      default:
+        return data_.DF.transpose() *
+                   (base_inertia_ - applied_forces(model_, data_).head(model_.n_x)) +
+               data_.DF_e.transpose() * base_.sigma.tail(model_.n_redundant);
+    }
+  }
+
+  void second_order_blocks() {
+    const struct {
+      char name;
+      Order order;
+      double factor;  ///< of the step
+      const MatrixXd &dofs, &motions;
+    } blocks[] = {{'M', Order::acceleration, 100, linear_.M, linear_.M_r},
+                  {'C', Order::velocity, 10, linear_.C, linear_.C_r},
+                  {'D', Order::velocity, 10, linear_.D, linear_.D_r},
+                  {'K', Order::position, 1, linear_.K, linear_.K_r},
+                  {'N', Order::position, 1, linear_.N, linear_.N_r},
+                  {'G', Order::position, 1, linear_.G, linear_.G_r}};
+    for (const auto& block : blocks) {
+      double difference = 0, size = 0, scale = 0;
+      for (Index j = 0; j < n_columns(); ++j) {
+        if (!is_motion_column(j)) continue;
+        const VectorXd expected = extrapolated_derivative(
+            [&](double t) {
+              const auto [state, q_ddot] = changed(j, block.order, t);
+              evaluate(state, q_ddot);
+              return force_of(block.name);
+            },
+            block.factor * step(j));
+        const VectorXd found =
+            j < model_.n_d ? block.dofs.col(j) : block.motions.col(j - model_.n_d);
+        difference = std::max(difference, (found - expected).lpNorm<Eigen::Infinity>());
+        size = std::max(size, found.lpNorm<Eigen::Infinity>());
+        scale = std::max(scale, expected.lpNorm<Eigen::Infinity>());
+      }
+      add(std::string(1, block.name), difference, size, scale);
+    }
+  }
+
+  void add(const std::string& name, double difference, double size, double expected) {
+    // A block that is exactly zero is right if the differences are zero to rounding of the forces.
+    const double reference = std::max(size, expected);
+    result_.push_back(
+        {name, size == 0 && expected <= 1e-9 * zero_scale() ? 0 : difference / reference, size});
+  }
+  /// The size of forces against which a zero is a zero.
+  double zero_scale() const {
+    return std::max(
+        {linear_.M.cwiseAbs().maxCoeff(), linear_.stiffness().cwiseAbs().maxCoeff(), 1e-300});
+  }
+
+  /// q''^d and y of the equations as they are simulated, with one input changed.
+  VectorXd answer(Index j, Order order, double t) {
+    auto [state, q_ddot] = changed_or_same(j, order, t);
+    const VectorXd load = model_.load, fixed_load = model_.fixed_load;
+    const size_t n_turning = model_.turning_loads.size();
+    sigma_a_.setZero();
+    if (j >= model_.n_d && !is_motion_column(j))
+      push(inputs_[static_cast<size_t>(j - model_.n_d)], t);
+    data_.x = nominal_.x;
+    const auto status = accelerations(model_, data_, state, sigma_a_, q_ddot);
+    if (status != DynamicsStatus::ok) {
+      throw Refusal("the equations of motion cannot be evaluated near the operating point");
+    }
+    reaction_stresses(model_, data_);
+    VectorXd result(model_.n_d + static_cast<Index>(outputs_.size()));
+    result << q_ddot, nonlinear_outputs(model_, data_, outputs_, nominal_.x);
+    model_.load = load;
+    model_.fixed_load = fixed_load;
+    model_.turning_loads.resize(n_turning);
+    sigma_a_.setZero();
+    return result;
+  }
+  std::pair<MotionState, VectorXd> changed_or_same(Index j, Order order, double t) const {
+    if (is_motion_column(j)) return changed(j, order, t);
+    return {nominal_.state, nominal_.q_d_ddot};
+  }
+  void push(const ResolvedSignal& input, double t) {
+    if (input.quantity == Quantity::stress) {
+      sigma_a_(input.row) = t;
+    } else if (input.quantity == Quantity::force || model_.planar) {
+      const VectorXd f = t * unit_force(model_, nominal_.x, input);
+      model_.load += f.head(model_.n_x);
+      model_.fixed_load += f.tail(model_.n_0);
+    } else {
+      model_.turning_loads.push_back(
+          {input.node, Eigen::Vector3d::Zero(), t * input.direction, false});
+    }
+  }
+
+  /// Columns of the linear model: q''^d and y answering one change.
+  VectorXd predicted(Index j, Order order) const {
+    const auto both = [&](const VectorXd& force, const VectorXd& y) {
+      VectorXd result(force.size() + y.size());
+      result.head(force.size()) = M_.solve(force);
+      result.tail(y.size()) = y + linear_.Y_a * result.head(force.size());
+      return result;
+    };
+    const LinearModel& l = linear_;
+    if (j < model_.n_d) {
+      return order == Order::position ? both(-l.stiffness().col(j), l.Y_p.col(j))
+                                      : both(-l.damping().col(j), l.Y_v.col(j));
+    }
+    const Index k = j - model_.n_d;
+    if (!is_motion_column(j)) return both(l.B.col(k), l.D_u.col(k));
+    return order == Order::position   ? both(-l.stiffness_r().col(k), l.R_p.col(k))
+           : order == Order::velocity ? both(-l.damping_r().col(k), l.R_v.col(k))
+                                      : both(-l.M_r.col(k), l.R_a.col(k));
+  }
+
+  void whole_equations() {
+    const Index n_y = static_cast<Index>(outputs_.size());
+    // Columns of A and C_y, then of B and D_y.
+    answers_to_states_.setZero(n_y);
+    for (const bool states : {true, false}) {
+      MatrixXd found(model_.n_d + n_y, 0), expected = found;
+      const Index first = states ? 0 : model_.n_d, last = states ? model_.n_d : n_columns();
+      for (Index j = first; j < last; ++j) {
+        std::vector<std::pair<Order, double>> orders = {{Order::position, 1},
+                                                        {Order::velocity, 10}};
+        if (!states) orders.push_back({Order::acceleration, 100});
+        if (!is_motion_column(j)) orders = {{Order::position, 1}};
+        for (const auto& [order, factor] : orders) {
+          const double h = is_motion_column(j) ? factor * step(j) : 1.0;
+          found.conservativeResize(Eigen::NoChange, found.cols() + 1);
+          expected.conservativeResize(Eigen::NoChange, expected.cols() + 1);
+          found.rightCols<1>() = predicted(j, order);
+          expected.rightCols<1>() =
+              extrapolated_derivative([&](double t) { return answer(j, order, t); }, h);
+        }
+      }
+      if (found.cols() == 0) continue;
+      const MatrixXd q_ddot = found.topRows(model_.n_d);
+      const MatrixXd y = found.bottomRows(n_y), from_q_ddot = linear_.Y_a * q_ddot;
+      MatrixXd terms(n_y, 2 * y.cols());
+      terms << (y - from_q_ddot).cwiseAbs() + linear_.Y_a.cwiseAbs() * q_ddot.cwiseAbs(),
+          answers_to_states_.replicate(1, y.cols());
+      if (states) answers_to_states_ = terms.rowwise().maxCoeff();
+      judge(states ? "A" : "B", q_ddot, expected.topRows(model_.n_d), q_ddot.cwiseAbs(), false);
+      judge(states ? "C_y" : "D_y", y, expected.bottomRows(n_y), terms, true);
+    }
+  }
+
+  /// terms: the sizes of what an output's entries are the sums of, and its answers to the states.
+  /// An output that answers less than 1e-6 of them is zero to rounding.
+  void judge(const std::string& name, const MatrixXd& found, const MatrixXd& expected,
+             const MatrixXd& terms, bool by_row) {
+    if (found.size() == 0) return;
+    const double size = found.cwiseAbs().maxCoeff();
+    double difference = 0;
+    for (Index i = 0; i < found.rows(); ++i) {
+      const double row =
+          std::max(expected.row(i).cwiseAbs().maxCoeff(), 1e-6 * terms.row(i).maxCoeff());
+      const double scale = by_row ? row : size;
+      if (scale > 0) {
+        difference = std::max(difference, (found - expected).row(i).cwiseAbs().maxCoeff() / scale);
+      }
+    }
+    result_.push_back({name, difference, size});
+  }
+
+  const Scene& scene_;
+  Model model_;
+  NominalMotion nominal_;
+  LinearModel linear_;
+  Data data_;
+  Data base_{model_};
+  VectorXd sigma_a_, base_inertia_, answers_to_states_;
+  std::vector<ResolvedSignal> inputs_, outputs_;
+  Eigen::LLT<MatrixXd> M_;
+  std::vector<BlockCertificate> result_;
+};
+
+}  // namespace
+
+std::vector<BlockCertificate> certify(const Scene& scene) { return Certifier(scene).run(); }
+
+}  // namespace stillframe

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/linearisation.hpp"
+
+namespace stillframe {
+
+/// How far one block of a linear model is from the derivatives of the nonlinear equations.
+struct BlockCertificate {
+  std::string block;      ///< "M", "C", "D", "K", "N", "G", or "A", "B", "C_y", "D_y"
+  double difference = 0;  ///< largest difference, relative to the largest entry of its kind
+  double size = 0;        ///< largest entry of the block; 0: the block is zero on both sides
+};
+
+/// Linearises the scene about its operating point and compares every block with extrapolated
+/// differences of the nonlinear equations.
+///   M = d/dq'' of DF^T f_I, C = d/dq' of it, D = d/dq' of DF_e^T S_d e', K = d/dq of DF_e^T S e,
+///   N = d/dq of DF^T f_I + DF_e^T S_d e' (DF, DF_e held), G = d/dq of DF^T (f_I - f) + DF_e^T
+///   sigma (f_I and sigma held),
+/// each for the dofs and for the prescribed motions among the inputs; A, B from the accelerations
+/// of the equations of motion as they are simulated, C_y and D_y (the deck's C and D) from the
+/// outputs. The second-order blocks are judged by their largest entry, rows of A and B by the
+/// largest of the accelerations, each output by its own largest entry. Errors: as linearise.
+std::vector<BlockCertificate> certify(const Scene& scene);
+
+}  // namespace stillframe

@@ -1,0 +1,121 @@
+#include "core/condition_factors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stillframe {
+
+struct ConditionFactors::Sparse {
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::SparseMatrix<double> J;
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+  bool analysed = false, sound = false;
+};
+
+ConditionFactors::ConditionFactors(Index n, Index columns) : n_(n) {
+  if (dense()) {
+    J_ = Eigen::MatrixXd::Zero(n, n);
+    lu_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
+    permuted_ = RowMatrix::Zero(n, std::max<Index>(columns, 1));
+  } else {
+    sparse_ = std::make_shared<Sparse>();
+    sparse_->J.resize(n, n);
+  }
+}
+
+void ConditionFactors::clear() noexcept {
+  if (dense()) {
+    J_.setZero();
+  } else {
+    sparse_->entries.clear();
+  }
+}
+
+void ConditionFactors::add(Index row, Index column, double value) noexcept {
+  if (dense()) {
+    J_(row, column) += value;
+  } else {
+    sparse_->entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  }
+}
+
+void ConditionFactors::factorise() noexcept {
+  if (n_ == 0) return;
+  if (dense()) {
+    lu_.compute(J_);
+    return;
+  }
+  // Entries that happen to be zero stay, so that the pattern never changes.
+  sparse_->J.setFromTriplets(sparse_->entries.begin(), sparse_->entries.end());
+  if (!sparse_->analysed) {
+    sparse_->lu.analyzePattern(sparse_->J);
+    sparse_->analysed = true;
+  }
+  sparse_->lu.factorize(sparse_->J);
+  sparse_->sound = sparse_->lu.info() == Eigen::Success;
+}
+
+/// Eigen permutes in place with a mask that it allocates, so the rows go by way of work space.
+template <class Matrix>
+void ConditionFactors::solve_dense(Matrix& b) noexcept {
+  auto permuted = permuted_.leftCols(b.cols());
+  permuted = b;
+  const auto& target = lu_.permutationP().indices();
+  for (Index i = 0; i < b.rows(); ++i) b.row(target(i)) = permuted.row(i);
+  lu_.matrixLU().template triangularView<Eigen::UnitLower>().solveInPlace(b);
+  lu_.matrixLU().template triangularView<Eigen::Upper>().solveInPlace(b);
+}
+
+void ConditionFactors::solve(Eigen::VectorXd& b) noexcept {
+  if (b.size() == 0) return;
+  if (dense()) return solve_dense(b);
+  if (!sparse_->sound) {
+    b.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  const Eigen::VectorXd right = b;
+  b = sparse_->lu.solve(right);
+}
+
+void ConditionFactors::solve(RowMatrix& b) noexcept {
+  if (b.size() == 0) return;
+  if (dense()) {
+    if (b.cols() <= permuted_.cols()) return solve_dense(b);
+    b = lu_.solve(b).eval();
+    return;
+  }
+  if (!sparse_->sound) {
+    b.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  const Eigen::MatrixXd columns = b;
+  const Eigen::MatrixXd solution = sparse_->lu.solve(columns);
+  b = solution;
+}
+
+void ConditionFactors::solve_transposed(Eigen::VectorXd& b) const {
+  if (b.size() == 0) return;
+  b = dense() ? Eigen::VectorXd(lu_.transpose().solve(b))
+              : Eigen::VectorXd(sparse_->lu.transpose().solve(b));
+}
+
+double ConditionFactors::reciprocal_condition() const {
+  if (n_ == 0) return 1;
+  if (dense()) return lu_.rcond();
+  if (!sparse_->sound) return 0;
+  // Power iteration on J^-1 J^-T: the start is no eigenvector of anything regular.
+  Eigen::VectorXd b(n_);
+  for (Index i = 0; i < n_; ++i) b(i) = 1.0 + 0.5 * static_cast<double>(i % 7);
+  double inverse_norm = 0;
+  for (int step = 0; step < 4; ++step) {
+    b.normalize();
+    Eigen::VectorXd y = sparse_->lu.transpose().solve(b);
+    b = sparse_->lu.solve(y);
+    inverse_norm = std::sqrt(b.norm());
+    if (!std::isfinite(inverse_norm)) return 0;
+  }
+  return 1.0 / (inverse_norm * sparse_->J.norm());
+}
+
+}  // namespace stillframe

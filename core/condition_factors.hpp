@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/LU>
+#include <Eigen/SparseLU>
+#include <memory>
+#include <vector>
+
+#include "core/model/local.hpp"
+
+namespace stillframe {
+
+/// J = [D^(c)D^(0); D^(c)D^(m)] (n x n) and its factors, which serve every order of the geometric
+/// transfer functions and, transposed, the reactions. Small matrices are dense, and then everything
+/// is hot: noexcept, no allocation; above `largest_dense` the factors are sparse.
+class ConditionFactors {
+ public:
+  /// Where dense and sparse factors of a chain of beams take the same time.
+  static constexpr Index largest_dense = 120;
+
+  /// columns: of the widest right-hand side.
+  ConditionFactors(Index n, Index columns);
+
+  void clear() noexcept;
+  void add(Index row, Index column, double value) noexcept;
+  void factorise() noexcept;
+  Index size() const { return n_; }
+
+  /// J^-1 b and J^-T b in place, b n x k.
+  void solve(Eigen::VectorXd& b) noexcept;
+  void solve(RowMatrix& b) noexcept;
+  void solve_transposed(Eigen::VectorXd& b) const;
+
+  /// Estimate of the smallest over the largest singular value, from a few steps of inverse
+  /// iteration on the factors; 0 if J is singular.
+  double reciprocal_condition() const;
+
+ private:
+  template <class Matrix>
+  void solve_dense(Matrix& b) noexcept;
+  bool dense() const { return n_ <= largest_dense; }
+
+  Index n_;
+  Eigen::MatrixXd J_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  RowMatrix permuted_;
+  struct Sparse;
+  std::shared_ptr<Sparse> sparse_;
+};
+
+}  // namespace stillframe

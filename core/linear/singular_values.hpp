@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace stillframe {
+
+/// Singular values of many small complex matrices of one shape, largest first: bidiagonal form by
+/// reflections, then the differential qd algorithm. Several matrices go through at once, one in
+/// each lane of a vector register. Rows and columns are put in order of falling size first, so that
+/// small values that come from rows and columns of small scale (metres beside m/s^2) keep their
+/// relative accuracy; otherwise the error is rounding times the largest value, as in LAPACK.
+/// Values below 1e-140 of the largest entry are not resolved. Source: Golub and Kahan, SIAM Journal
+/// on Numerical Analysis 2 (1965) 205-224; for the order Barlow, BIT 42 (2002).
+class SingularValues {
+ public:
+  static constexpr Eigen::Index lanes = 4;
+  using Lanes [[gnu::vector_size(lanes * sizeof(double))]] = double;
+  /// Complex numbers, one a lane.
+  struct Numbers {
+    Lanes re, im;
+  };
+
+  /// Set-up. Errors: std::invalid_argument for a negative size.
+  SingularValues(Eigen::Index rows, Eigen::Index columns);
+
+  /// Column i of values, min(rows, columns) x count, from G[i], rows x columns; NaN where G[i] has
+  /// an entry that is not finite. Fastest with count a multiple of `lanes`. Hot: noexcept, no
+  /// allocation; not for two threads at once.
+  void compute(const Eigen::MatrixXcd* G, Eigen::Index count,
+               Eigen::Ref<Eigen::MatrixXd> values) noexcept;
+
+ private:
+  double load(const Eigen::Ref<const Eigen::MatrixXcd>& G, Eigen::Index lane) noexcept;
+
+  Eigen::Index m_, n_;  ///< m_ >= n_: the wide are transposed
+  bool transposed_;
+  void (*reduce_)(Numbers*, Eigen::Index, Eigen::Index, Numbers*, Numbers*) noexcept;
+  std::vector<Numbers> work_;     ///< m_ x n_, then m_
+  std::vector<Numbers> squares_;  ///< of the bidiagonal form; n_
+  std::vector<double> scalars_, sizes_;
+  std::vector<Eigen::Index> rows_, columns_;
+};
+
+/// The singular values of one matrix.
+Eigen::VectorXd singular_values(const Eigen::MatrixXcd& matrix);
+
+}  // namespace stillframe

@@ -1,0 +1,67 @@
+#include "core/model/automatic_dofs.hpp"
+
+#include <Eigen/QR>
+#include <set>
+
+#include "core/kinematics.hpp"
+#include "core/model/builder.hpp"
+#include "core/model/partition.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe {
+
+namespace {
+
+/// The dofs that are the given columns of a model without dofs.
+std::vector<SceneDof> as_dofs(const Model& model, const std::set<Index>& columns,
+                              const std::string& place) {
+  std::vector<SceneDof> dofs;
+  std::set<Index> taken;
+  const auto take = [&](Index column, const std::string& node) -> SceneDof* {
+    if (!columns.contains(column) || !taken.insert(column).second) return nullptr;
+    SceneDof& dof = dofs.emplace_back();
+    dof.place = place;
+    dof.node = node;
+    return &dof;
+  };
+  for (const ModelNode& node : model.nodes) {
+    for (int i = 0; i < 3; ++i) {
+      if (SceneDof* dof = take(node.translation.column[static_cast<size_t>(i)], node.name)) {
+        dof->direction = node.translation.basis.col(i);
+      }
+    }
+    for (int i = 0; i < node.rotation.size; ++i) {
+      SceneDof* dof = take(node.rotation.column[static_cast<size_t>(i)], node.name);
+      if (!dof) continue;
+      dof->rotation = model.planar;
+      if (!model.planar) dof->euler_parameter = i;
+    }
+  }
+  return dofs;
+}
+
+}  // namespace
+
+std::vector<SceneDof> automatic_dofs(const Scene& scene) {
+  Scene without = scene;
+  without.dofs.clear();
+  const Model model = ModelBuilder(without).build();
+  const Index n_conditions = model.n_e - model.n_redundant, n_free = model.n_c;
+  std::set<Index> columns;
+  for (Index i = 0; i < n_free; ++i) columns.insert(i);
+  if (n_conditions > 0) {
+    if (n_conditions > n_free) refuse_partition(model, scene.dofs_place);
+    const Eigen::MatrixXd D = dense_jacobian(model).topLeftCorner(n_conditions, n_free);
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(D);
+    // As in check_partition: rounding leaves 1e-16, a scene written with six digits 1e-6.
+    const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
+    if (pivots(n_conditions - 1) <= 1e-11 * pivots(0)) refuse_partition(model, scene.dofs_place);
+    for (Index i = 0; i < n_conditions; ++i) columns.erase(qr.colsPermutation().indices()(i));
+  }
+  if (columns.empty()) {
+    throw InputError(scene.dofs_place + ": dofs: nothing in the scene can move freely");
+  }
+  return as_dofs(model, columns, scene.dofs_place);
+}
+
+}  // namespace stillframe
