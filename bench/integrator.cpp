@@ -2,9 +2,9 @@
 // row a tolerance. The error is that of the first frame acceleration over the whole run, relative,
 // against the first row.
 #include <chrono>
-#include <fstream>
 #include <iostream>
 
+#include "bench/machine.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/plant.hpp"
@@ -15,14 +15,6 @@ namespace {
 using namespace stillframe;
 
 constexpr int samples = 4000;
-
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  }
-  return "unknown processor";
-}
 
 struct Run {
   Eigen::VectorXd acceleration;
@@ -57,7 +49,7 @@ int main() try {
   const std::filesystem::path config = std::filesystem::path(STILLFRAME_SOURCE_DIR) / "config";
   const Scene scene = read_scene(config / "scenes/metrology_frame.yaml");
   const Model model = make_model(scene);
-  std::cout << processor() << "; " << __VERSION__ << "; " << STILLFRAME_FLAGS << "\n";
+  std::cout << machine_line(STILLFRAME_FLAGS) << "\n";
   report::Table table({"tolerance", "us a sample", "evaluations", "relative error"}, 0);
   Eigen::VectorXd reference;
   for (const double tolerance : {1e-12, 1e-10, 1e-8, 1e-7, 1e-6, 1e-5}) {

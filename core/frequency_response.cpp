@@ -1,7 +1,6 @@
 #include "core/frequency_response.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 
 namespace stillframe {
@@ -37,10 +36,10 @@ MatrixXcd transfer_function(const LinearModel& model, Complex s) {
   const auto w = position.asDiagonal();
   const MatrixXcd H = s * s * model.M.cast<Complex>() + s * model.damping().cast<Complex>() +
                       model.stiffness().cast<Complex>();
-  const MatrixXcd drive =
-      model.B.cast<Complex>() - (s * s * model.M_r.cast<Complex>() + s * model.damping_r().cast<Complex>() +
-                                 model.stiffness_r().cast<Complex>()) *
-                                    w;
+  const MatrixXcd drive = model.B.cast<Complex>() - (s * s * model.M_r.cast<Complex>() +
+                                                     s * model.damping_r().cast<Complex>() +
+                                                     model.stiffness_r().cast<Complex>()) *
+                                                        w;
   const MatrixXcd Y =
       model.Y_p.cast<Complex>() + s * model.Y_v.cast<Complex>() + s * s * model.Y_a.cast<Complex>();
   const MatrixXcd R =
@@ -54,10 +53,6 @@ MatrixXcd closed_loop(const MatrixXcd& G, Index n_w, Index n_y, const MatrixXcd&
   const MatrixXcd loop = MatrixXcd::Identity(m_y, m_y) - G_22 * C;
   return G.topLeftCorner(n_y, n_w) +
          G_12 * C * loop.partialPivLu().solve(G.bottomLeftCorner(m_y, n_w));
-}
-
-Eigen::VectorXd singular_values(const MatrixXcd& matrix) {
-  return Eigen::JacobiSVD<MatrixXcd>(matrix).singularValues();
 }
 
 Eigen::VectorXd logarithmic_frequencies(double from_hz, double to_hz, Index n) {

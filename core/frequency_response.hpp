@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <complex>
 
+#include "core/linear/singular_values.hpp"
 #include "core/linearisation.hpp"
 
 namespace stillframe {
@@ -17,10 +18,6 @@ Eigen::MatrixXcd transfer_function(const LinearModel& model, std::complex<double
 /// the feedback u = C y_sigma (m x m). Source: deck, section 11.2.
 Eigen::MatrixXcd closed_loop(const Eigen::MatrixXcd& G, Eigen::Index n_w, Eigen::Index n_y,
                              const Eigen::MatrixXcd& C);
-
-/// Singular values, largest first, by the one-sided Jacobi method, which keeps the small ones
-/// accurate.
-Eigen::VectorXd singular_values(const Eigen::MatrixXcd& matrix);
 
 /// n frequencies evenly spaced on a logarithmic axis, both ends included, Hz.
 Eigen::VectorXd logarithmic_frequencies(double from_hz, double to_hz, Eigen::Index n);

@@ -51,12 +51,17 @@ void condition_residual(const Model& model, Data& data, const MotionState& state
   for (size_t i = 0; i < model.prescribed_rows.size(); ++i) {
     data.condition(model.prescribed_rows[i]) -= state.q_r(model.n_rx + static_cast<Index>(i));
   }
-  // A hinge is at the same place after a whole number of its periods.
+  // A hinge is at the same place after a whole number of its periods. The remainder of the wanted
+  // angle alone is exact; that of a difference would have lost digits after many revolutions.
   for (const ModelElement& item : model.elements) {
     const double period = item.element->period();
     if (period == 0 || item.row[0] >= model.n_c) continue;
-    double& angle = data.condition(item.row[0]);
-    angle = std::remainder(angle, period);
+    const auto [dof, prescribed] = model.conditions[static_cast<size_t>(item.row[0])];
+    const double wanted = dof >= 0          ? state.q_d(dof)
+                          : prescribed >= 0 ? state.q_r(model.n_rx + prescribed)
+                                            : 0.0;
+    data.condition(item.row[0]) =
+        std::remainder(data.e(item.row[0]) - std::remainder(wanted, period), period);
   }
 }
 

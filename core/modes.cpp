@@ -2,64 +2,143 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <algorithm>
-#include <iterator>
+#include <complex>
 #include <numbers>
 #include <vector>
 
+#include "core/linear/balance.hpp"
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
 namespace {
 
-/// Real matrices have exact conjugates; each stands behind its own, also where moduli are equal.
-Eigen::VectorXcd sorted_eigenvalues(const Eigen::MatrixXd& A) {
-  const Eigen::VectorXcd values = A.eigenvalues();
-  std::vector<std::complex<double>> upper;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(upper),
-               [](const auto& value) { return value.imag() >= 0; });
-  std::stable_sort(upper.begin(), upper.end(),
-                   [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); });
-  Eigen::VectorXcd sorted = Eigen::VectorXcd::Zero(values.size());
+using Complex = std::complex<double>;
+
+/// Below this part of the largest one, an eigenvalue is the rounding of a zero one, which is
+/// double: about the square root of epsilon.
+constexpr double zero_part = 1e-7;
+
+/// Squares of the natural frequencies, upwards, and mass-normalised shapes.
+struct Shapes {
+  VectorXd squares;
+  MatrixXd V;
+};
+
+/// K = L_K L_K^T: the natural frequencies themselves are the singular values of L_K^T L_M^-T, so
+/// that a soft mode beside stiff ones loses epsilon omega_max and not epsilon omega_max^2.
+Shapes by_singular_values(const Eigen::LLT<MatrixXd>& K, const Eigen::LLT<MatrixXd>& M) {
+  const MatrixXd W_t = M.matrixL().solve(MatrixXd(K.matrixL()));
+  // Jacobi's method is the more accurate one, and as fast for few dofs.
+  constexpr Index few = 64;
+  const auto answer = [&](const auto& svd) -> Shapes {
+    const MatrixXd V = svd.matrixU().rowwise().reverse();
+    return {svd.singularValues().reverse().array().square(), M.matrixU().solve(V)};
+  };
+  if (W_t.rows() <= few) {
+    return answer(Eigen::JacobiSVD<MatrixXd>(W_t, Eigen::ComputeFullU));
+  }
+  return answer(Eigen::BDCSVD<MatrixXd>(W_t, Eigen::ComputeFullU));
+}
+
+Shapes natural_shapes(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
+  const MatrixXd stiffness = model.stiffness();
+  const MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
+  const Eigen::LLT<MatrixXd> factors(K);
+  if (factors.info() == Eigen::Success) return by_singular_values(factors, M);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K, model.M);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+/// Squares are sorted upwards; those of rigid-body modes are zero to rounding.
+bool is_stable(const VectorXd& squares) {
+  return squares.size() == 0 || squares(0) >= -1e-10 * squares.cwiseAbs().maxCoeff();
+}
+
+/// Of the parts that are not symmetric by construction.
+bool is_symmetric(const LinearModel& model) {
+  const MatrixXd S = model.N + model.G;
+  return (S - S.transpose()).norm() <= 1e-9 * S.norm() + 1e-14 * model.K.norm();
+}
+
+/// Of an undamped model at rest: exact conjugates on the imaginary axis.
+Eigen::VectorXcd imaginary_pairs(const VectorXd& squares) {
+  Eigen::VectorXcd values(2 * squares.size());
+  for (Index i = 0; i < squares.size(); ++i) {
+    const double omega = std::sqrt(std::max(squares(i), 0.0));
+    values(2 * i) = {0, omega};
+    values(2 * i + 1) = {0, -omega};
+  }
+  return values;
+}
+
+Eigen::VectorXcd sorted_eigenvalues(const MatrixXd& A) {
+  const Eigen::VectorXcd values = balanced(A).eigenvalues();
+  std::vector<Complex> real;
+  std::vector<std::pair<Complex, Complex>> pairs;
+  for (const Complex& value : values) {
+    if (value.imag() == 0) real.push_back(value);
+    if (value.imag() > 0) pairs.emplace_back(value, std::conj(value));
+  }
+  const auto smaller = [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); };
+  std::stable_sort(real.begin(), real.end(), smaller);
+  for (size_t i = 0; i + 1 < real.size(); i += 2) pairs.emplace_back(real[i], real[i + 1]);
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [&](const auto& a, const auto& b) { return smaller(a.first, b.first); });
+  Eigen::VectorXcd sorted(values.size());
   Index next = 0;
-  for (const std::complex<double>& value : upper) {
-    sorted(next++) = value;
-    if (value.imag() > 0) sorted(next++) = std::conj(value);
+  for (const auto& [one, other] : pairs) {
+    sorted(next++) = one;
+    sorted(next++) = other;
   }
   return sorted;
+}
+
+/// damping_ratios and n_growing from the eigenvalues.
+void judge(Modes& modes) {
+  const Eigen::VectorXcd& values = modes.eigenvalues;
+  const double largest = values.size() ? values.cwiseAbs().maxCoeff() : 0.0;
+  modes.damping_ratios.setZero(values.size() / 2);
+  for (Index i = 0; i < values.size(); ++i) {
+    const double modulus = std::abs(values(i)), real = values(i).real();
+    if (modulus <= zero_part * largest) continue;
+    double& ratio = modes.damping_ratios(i / 2);
+    ratio = i % 2 == 0 ? -real / modulus : std::min(ratio, -real / modulus);
+    // The rounding of an undamped one is no growth.
+    if (real > std::max(1e-8 * modulus, 1e-12 * largest)) ++modes.n_growing;
+  }
 }
 
 }  // namespace
 
 Modes modes(const LinearModel& model) {
-  const Index n = model.M.rows();
-  const Eigen::MatrixXd K = model.stiffness();
-  if (Eigen::LLT<Eigen::MatrixXd>(model.M).info() != Eigen::Success) {
-    throw Refusal("the mass matrix is not positive definite: a dof moves no mass");
-  }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (K + K.transpose()),
-                                                                         model.M);
+  const Eigen::LLT<MatrixXd> M = mass_factors(model);
   Modes result;
-  result.shapes = solver.eigenvectors();
-  result.natural_frequencies_hz.resize(n);
-  const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
-  for (Index i = 0; i < n; ++i) {
-    const double square = solver.eigenvalues()(i);
-    // A rigid-body mode has omega^2 = 0 up to rounding of the largest one.
-    if (square < -1e-10 * largest) {
-      throw Refusal("the configuration is not stable: omega^2 = " + std::to_string(square) +
-                    " (rad/s)^2 in mode " + std::to_string(i + 1));
+  result.moving = !model.C.isZero(0) || !model.N.isZero(0);
+  bool undamped = false;
+  if (is_symmetric(model)) {
+    const Shapes shapes = natural_shapes(model, M);
+    const bool stable = is_stable(shapes.squares);
+    if (!stable && !result.moving) {
+      throw Refusal("the configuration is not stable: omega^2 = " +
+                    std::to_string(shapes.squares(0)) + " (rad/s)^2 in mode 1");
     }
-    result.natural_frequencies_hz(i) = std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi);
+    if (stable) {
+      result.natural_frequencies_hz =
+          shapes.squares.cwiseMax(0.0).cwiseSqrt() / (2 * std::numbers::pi);
+      result.shapes = shapes.V;
+      undamped = !result.moving && model.D.isZero(0);
+      if (undamped) result.eigenvalues = imaginary_pairs(shapes.squares);
+    }
   }
-  result.eigenvalues = sorted_eigenvalues(state_matrix(model));
-  result.damping_ratios.resize(n);
-  for (Index i = 0; i < n; ++i) {
-    const std::complex<double> value = result.eigenvalues(2 * i);
-    result.damping_ratios(i) = std::abs(value) > 0 ? -value.real() / std::abs(value) : 0.0;
-  }
+  if (!undamped) result.eigenvalues = sorted_eigenvalues(state_matrix(model));
+  judge(result);
   return result;
 }
 

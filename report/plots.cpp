@@ -79,7 +79,7 @@ void plot_singular_values(const SingularValuePlot& plot, const std::filesystem::
       frequency_range({&plot.frequencies_hz, &plot.open_measured.frequencies_hz,
                        &plot.closed_measured.frequencies_hz});
   std::string script = one_panel(plot.title, 2) + frequency_axis(lowest, highest, "frequency (Hz)");
-  script += "set ylabel 'singular values, floor to frame acceleration (dB)'\n";
+  script += "set ylabel " + plot_text("singular values, " + plot.quantity + " (dB)") + "\n";
   script += "set yrange [" + plot_number(plot.lowest_db) + ":*]\nset ytics 20\nset mytics 2\n";
   std::vector<std::string> parts;
   const auto add = [&](const std::string& name, const std::vector<double>& f,

@@ -18,9 +18,10 @@ struct MeasuredValues {
   Eigen::MatrixXd singular_values;     ///< n_f x n_s
 };
 
-/// Singular values from floor to frame acceleration, over frequency.
+/// Singular values over frequency.
 struct SingularValuePlot {
   std::string title;
+  std::string quantity = "floor to frame acceleration";  ///< on the axis
   std::vector<double> frequencies_hz;  ///< n_g, Hz, of the predicted curves
   Eigen::MatrixXd open_predicted;      ///< n_g x n_s
   Eigen::MatrixXd closed_predicted;    ///< n_g x n_s

@@ -11,6 +11,7 @@
 #include "report/table.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
+#include "tools/matrix_table.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -30,21 +31,6 @@ const char* word(GainOrder order) { return order == GainOrder::exact ? "exact" :
 Eigen::VectorXcd poles(const LoopDesign& design) {
   return closed_loop_poles(design.loop.legs, design.loop.gains,
                            2 * std::numbers::pi * design.scene.controller->target_hz);
-}
-
-/// Entries that are the rounding of others are printed as zero.
-void print_matrix(const char* name, const char* unit, const Eigen::MatrixXd& matrix) {
-  const double rounding = 1e-12 * matrix.cwiseAbs().maxCoeff();
-  std::cout << name << " (" << unit << ")\n";
-  report::Table table(std::vector<std::string>(static_cast<size_t>(matrix.cols())), 0);
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    std::vector<std::string> row;
-    for (Index j = 0; j < matrix.cols(); ++j) {
-      row.push_back(report::cell("%.6g", std::abs(matrix(i, j)) < rounding ? 0.0 : matrix(i, j)));
-    }
-    table.add(row);
-  }
-  std::cout << table.print().substr(1);
 }
 
 void print_transfer(const LoopDesign& design) {
@@ -98,9 +84,8 @@ void print_page(const LoopDesign& design) {
              "Sampled at %g Hz, a command takes effect %d sample(s) after its measurement, lead %g "
              "sample(s)\n\n",
              block.sample_rate_hz, block.delay_samples, block.lead_samples);
-  print_matrix("K_P", "1", design.gains.K_P);
-  print_matrix("K_I", "1/s", design.gains.K_I);
-  std::cout << "\n";
+  std::cout << matrix_table("K_P (1)", design.gains.K_P)
+            << matrix_table("K_I (1/s)", design.gains.K_I) << "\n";
   print_poles(design);
   std::cout << report::cell("Sampled closed loop: spectral radius %.9f\n\n", design.radius);
   print_transfer(design);

@@ -22,6 +22,7 @@ constexpr const char* description =
 constexpr const char* footer =
     "Try:\n"
     "  stillframe modes config/scenes/metrology_frame.yaml\n"
+    "  stillframe linearise config/scenes/cart.yaml\n"
     "  stillframe design config/scenes/metrology_frame.yaml\n"
     "  scripts/private_network stillframe run config/scenes/metrology_frame.yaml\n"
     "Every verb has --help, and --json for machines.\n"
@@ -37,7 +38,9 @@ void require_known_verb(CLI::App& app, int argc, char** argv) {
   const std::string near = nearest_name(argv[1], verbs);
   std::string text = "there is no verb '" + std::string(argv[1]) + "'";
   if (!near.empty()) text += " (did you mean '" + near + "'?)";
-  throw InputError(text + "; allowed: modes, sigma, design, run");
+  std::string allowed;
+  for (const std::string& verb : verbs) allowed += (allowed.empty() ? "" : ", ") + verb;
+  throw InputError(text + "; allowed: " + allowed);
 }
 
 int say(const char* what, const std::string& text, int code) {
@@ -57,6 +60,9 @@ int main(int argc, char** argv) {
   int exit_code = exit_done;
   try {
     add_modes(app, exit_code);
+    add_equilibrium(app, exit_code);
+    add_buckling(app, exit_code);
+    add_linearise(app, exit_code);
     add_sigma(app, exit_code);
     add_design(app, exit_code);
     add_run(app, exit_code);

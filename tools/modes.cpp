@@ -2,10 +2,12 @@
 
 #include <iostream>
 #include <memory>
+#include <numbers>
 
 #include "core/scene/scene_reader.hpp"
 #include "report/table.hpp"
-#include "tools/json.hpp"
+#include "tools/operating_point.hpp"
+#include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -17,28 +19,78 @@ struct Options {
   bool json = false;
 };
 
-int run(const Options& options) {
-  const Scene scene = read_scene(options.scene);
-  const LinearModel linear = linearise(make_model(scene), {}, {});
-  const Modes result = modes(linear);
-  if (options.json) {
-    print({{"scene", scene.title},
-           {"dofs", linear.q_names},
-           {"natural_frequencies_hz", to_json(result.natural_frequencies_hz)},
-           {"damping_ratios", to_json(result.damping_ratios)},
-           {"eigenvalues", to_json(result.eigenvalues)},
-           {"mode_shapes", to_json(result.shapes)}});
-    return exit_done;
-  }
-  std::cout << scene.title << ": " << linear.q_names.size() << " degrees of freedom\n";
-  report::Table table({"mode", "frequency Hz", "damping ratio"}, 0);
+/// A ratio below 1e-10 is the rounding of an eigenvalue problem, not damping.
+double shown_ratio(double ratio) { return std::abs(ratio) < 1e-10 ? 0.0 : ratio; }
+
+void print_frequencies(const Modes& result) {
+  report::Table table({"mode", "frequency Hz"}, 0);
   for (Index i = 0; i < result.natural_frequencies_hz.size(); ++i) {
-    // A ratio below 1e-10 is the rounding of an eigenvalue problem, not damping.
-    const double ratio = result.damping_ratios(i);
-    table.add({report::cell("%td", i + 1), report::cell("%.4f", result.natural_frequencies_hz(i)),
-               report::cell("%.4g", std::abs(ratio) < 1e-10 ? 0.0 : ratio)});
+    table.add({report::cell("%td", i + 1), report::cell("%.4f", result.natural_frequencies_hz(i))});
   }
-  std::cout << table.print();
+  std::cout << "Natural frequencies, without damping" << (result.moving ? " and gyroscopy" : "")
+            << "\n"
+            << table.print();
+}
+
+void print_eigenvalues(const Modes& result) {
+  report::Table table({"pair", "real 1/s", "imaginary rad/s", "frequency Hz", "damping ratio"}, 0);
+  // Parts below 1e-10 of the largest are the rounding of zeros.
+  const double rounding =
+      result.eigenvalues.size() ? 1e-10 * result.eigenvalues.cwiseAbs().maxCoeff() : 0.0;
+  const auto shown = [&](double part) { return std::abs(part) < rounding ? 0.0 : part; };
+  for (Index i = 0; i < result.eigenvalues.size(); ++i) {
+    const std::complex<double> value = result.eigenvalues(i);
+    // A complex pair is one line, with its positive frequency.
+    if (value.imag() < 0) continue;
+    table.add({i % 2 == 0 ? report::cell("%td", i / 2 + 1) : "", report::cell("%.6g", value.real()),
+               report::cell("%.6g", value.imag()),
+               report::cell("%.4f", value.imag() / (2 * std::numbers::pi)),
+               report::cell("%.4g", shown_ratio(result.damping_ratios(i / 2)))});
+  }
+  std::cout << "Eigenvalues\n" << table.print();
+}
+
+void print_page(const Scene& scene, const LinearModel& linear, const Modes& result) {
+  const bool natural = result.natural_frequencies_hz.size() == result.eigenvalues.size() / 2;
+  std::cout << scene.title << ": " << linear.q_names.size() << " degrees of freedom, about "
+            << operating_point_in_words(scene) << "\n";
+  if (natural) {
+    print_frequencies(result);
+  } else if (result.moving) {
+    std::cout
+        << "No natural frequencies: the stiffness is not symmetric or not positive in motion\n";
+  } else {
+    std::cout << "No natural frequencies: the stiffness is not symmetric, as a load follows its "
+                 "node\n";
+  }
+  if (!natural || result.moving || !linear.D.isZero(0)) print_eigenvalues(result);
+  if (result.n_growing > 0) {
+    std::cout << report::cell("NOT STABLE: %td eigenvalue(s) with a positive real part\n",
+                              result.n_growing);
+  }
+}
+
+void print_json(const Scene& scene, const LinearModel& linear, const Modes& result) {
+  print({{"scene", scene.title},
+         {"scene_hash", scene.hash},
+         {"dofs", linear.q_names},
+         {"moving", result.moving},
+         {"natural_frequencies_hz", to_json(result.natural_frequencies_hz)},
+         {"damping_ratios", to_json(result.damping_ratios)},
+         {"eigenvalues", to_json(result.eigenvalues)},
+         {"growing_eigenvalues", result.n_growing},
+         {"mode_shapes", to_json(result.shapes)}});
+}
+
+int run(const Options& options) {
+  Patience patience("reading the scene");
+  const Scene scene = read_scene(options.scene);
+  const Model model = make_model(scene);
+  patience.now("linearising");
+  const LinearModel linear = linearise_scene(scene, model, {}, {});
+  patience.now("eigenvalues");
+  const Modes result = modes(linear);
+  options.json ? print_json(scene, linear, result) : print_page(scene, linear, result);
   return exit_done;
 }
 
@@ -47,12 +99,21 @@ int run(const Options& options) {
 void add_modes(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand(
-      "modes", "Natural frequencies, damping ratios and mode shapes of a scene at rest");
+      "modes",
+      "Natural frequencies, damping ratios and mode shapes of a scene about its operating point");
   verb->add_option("scene", options->scene, "Scene file (YAML)")->required()->type_name("SCENE");
-  verb->add_flag(
-      "--json", options->json,
-      "Print JSON: natural_frequencies_hz, damping_ratios, eigenvalues [re, im] in rad/s, dofs, "
-      "mode_shapes (a row a dof, a column a mode, mass-normalised)");
+  verb->add_flag("--json", options->json, "Print JSON (keys below)");
+  verb->footer(
+      "At rest an unstable scene is refused; in motion its growing eigenvalues are printed.\n"
+      "Keys of --json:\n"
+      "  scene, scene_hash, dofs, moving\n"
+      "  natural_frequencies_hz  of (K + N + G) v = omega^2 M v, upwards; empty where that has no\n"
+      "                          solution (stiffness not symmetric, or not positive in motion)\n"
+      "  eigenvalues             [re, im] in rad/s, of the whole model, in pairs by modulus\n"
+      "  damping_ratios          -re / |.|, one a pair\n"
+      "  growing_eigenvalues     how many have a positive real part\n"
+      "  mode_shapes             a row a dof, a column a natural frequency, mass-normalised\n"
+      "Example: stillframe modes config/scenes/metrology_frame.yaml");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

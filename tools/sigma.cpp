@@ -5,12 +5,16 @@
 #include <optional>
 
 #include "core/frequency_response.hpp"
+#include "core/linear/frequency_sweep.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/plots.hpp"
 #include "report/table.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
+#include "tools/operating_point.hpp"
+#include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -43,19 +47,33 @@ Eigen::MatrixXd rows_of(const Eigen::VectorXd& frequencies_hz,
   return rows;
 }
 
-Curves without_controller(const Scene& scene, const Eigen::VectorXd& frequencies_hz) {
+/// The state space of the scene about its operating point.
+StateSpace open_system(const Scene& scene) {
   if (scene.inputs.empty() || scene.outputs.empty()) {
     throw InputError(scene.file +
                      ": singular values need at least one of 'inputs' and of 'outputs'");
   }
-  const LinearModel linear = linearise(make_model(scene), scene.inputs, scene.outputs);
-  return {frequencies_hz,
-          rows_of(frequencies_hz,
-                  [&](double omega) {
-                    return transfer_function(linear, {0.0, omega});
-                  }),
-          {},
-          {}};
+  return state_space(linearise_scene(scene, make_model(scene), scene.inputs, scene.outputs));
+}
+
+Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequencies_hz,
+                          Patience& patience) {
+  FrequencySweep sweep(system);
+  SingularValues decomposition(sweep.n_outputs(), sweep.n_inputs());
+  constexpr Index batch = 64;  // the decomposition takes several at once
+  std::vector<Eigen::MatrixXcd> G(batch, Eigen::MatrixXcd(sweep.n_outputs(), sweep.n_inputs()));
+  const Index n = frequencies_hz.size();
+  Eigen::MatrixXd values(std::min(sweep.n_outputs(), sweep.n_inputs()), n);
+  for (Index begin = 0; begin < n; begin += batch) {
+    patience.now("singular values", 100.0 * static_cast<double>(begin) / static_cast<double>(n));
+    const Index count = std::min(batch, n - begin);
+    for (Index i = 0; i < count; ++i) {
+      const double omega = 2 * std::numbers::pi * frequencies_hz(begin + i);
+      sweep.evaluate({0.0, omega}, G[static_cast<size_t>(i)]);
+    }
+    decomposition.compute(G.data(), count, values.middleCols(begin, count));
+  }
+  return {frequencies_hz, values.transpose(), {}, {}};
 }
 
 Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
@@ -114,6 +132,12 @@ void plot(const std::string& title, const Curves& curves, const Scene& scene,
   if (scene.controller) {
     picture.target_frequency_hz = scene.controller->target_hz;
     picture.target_damping = scene.controller->damping_ratio;
+  } else {
+    // Units of all kinds: 120 dB below the highest point, and the values that are zero there too.
+    const double highest = curves.open.array().isFinite().select(curves.open, 0.0).maxCoeff();
+    picture.quantity = "inputs to outputs";
+    picture.lowest_db = 20 * std::floor(std::log10(std::max(highest, 1e-300))) - 120;
+    picture.open_predicted = curves.open.cwiseMax(std::pow(10.0, picture.lowest_db / 20));
   }
   report::plot_singular_values(picture, file);
 }
@@ -123,13 +147,21 @@ int run(const Options& options) {
     throw InputError("--from: found " + std::to_string(options.from_hz) +
                      ", allowed is below --to");
   }
+  Patience patience("linearising");
   const Scene scene = read_scene(options.scene, options.controller);
   std::optional<LoopDesign> design;
-  if (scene.controller) design = make_loop_design(options.scene, options.controller);
+  StateSpace system;
+  if (scene.controller) {
+    design = make_loop_design(options.scene, options.controller);
+  } else {
+    system = open_system(scene);
+  }
   const auto curves_of = [&](int points) {
+    patience.now("singular values");
     const Eigen::VectorXd frequencies =
         logarithmic_frequencies(options.from_hz, options.to_hz, points);
-    return design ? with_controller(*design, frequencies) : without_controller(scene, frequencies);
+    return design ? with_controller(*design, frequencies)
+                  : without_controller(system, frequencies, patience);
   };
   if (design && options.to_hz > design->gains.sample_rate_hz / 2) {
     std::cerr << "stillframe: note: above half the sample rate the sampled loop repeats itself\n";
@@ -163,11 +195,17 @@ void add_sigma(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
   verb->add_option("--plot", options->plot, "Draw the curves into a PNG file")->type_name("FILE");
-  verb->add_flag(
-      "--json", options->json,
-      "Print JSON: frequencies_hz, singular_values (open loop, a row a frequency, largest first), "
-      "and "
-      "with a controller closed_singular_values (continuous law) and sampled_singular_values");
+  verb->add_flag("--json", options->json, "Print JSON (keys below)");
+  verb->footer(
+      "Without a controller: outputs from inputs, each in the units the scene gives them, about "
+      "the\n"
+      "scene's operating point. With one: floor accelerations to output accelerations.\n"
+      "Keys of --json:\n"
+      "  scene, frequencies_hz\n"
+      "  singular_values          open loop, a row a frequency, largest first; null at a pole\n"
+      "  closed_singular_values   with a controller, continuous law\n"
+      "  sampled_singular_values  with a controller, as it is sampled\n"
+      "Example: stillframe sigma config/scenes/cart.yaml --from 0.5 --to 20 --points 9");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -9,6 +9,9 @@ namespace stillframe::tools {
 inline constexpr int exit_done = 0, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
 
 void add_modes(CLI::App& app, int& exit_code);
+void add_equilibrium(CLI::App& app, int& exit_code);
+void add_buckling(CLI::App& app, int& exit_code);
+void add_linearise(CLI::App& app, int& exit_code);
 void add_sigma(CLI::App& app, int& exit_code);
 void add_design(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);

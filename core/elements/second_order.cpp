@@ -102,6 +102,23 @@ std::vector<LocalStiffness> spatial_second_order_terms(double l_0) {
   std::vector<LocalStiffness> terms(6, LocalStiffness::Zero(6, 6));
   add_shortening(terms[0], 2, l_0);
   add_shortening(terms[0], 4, l_0);
+  const auto add = [&](Eigen::Index i, Eigen::Index j, Eigen::Index k, double factor) {
+    LocalStiffness& Q = terms[static_cast<size_t>(i)];
+    Q(j, k) = Q(k, j) = factor / l_0;
+  };
+  // Torsion of an axis bent both ways: (c_4 c_5 - c_3 c_6) / l_0.
+  add(1, 2, 5, -1.0);
+  add(1, 3, 4, 1.0);
+  // Bending in axes that turn with the twist: +- c_2 (c_5 + c_6) / (6 l_0), -+ c_2 (c_3 + c_4) /
+  // (6 l_0).
+  for (const Eigen::Index k : {4, 5}) {
+    add(2, 1, k, 1.0 / 6);
+    add(3, 1, k, -1.0 / 6);
+  }
+  for (const Eigen::Index k : {2, 3}) {
+    add(4, 1, k, -1.0 / 6);
+    add(5, 1, k, 1.0 / 6);
+  }
   return terms;
 }
 

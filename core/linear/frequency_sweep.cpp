@@ -7,6 +7,7 @@
 
 #include "core/linear/balance.hpp"
 #include "core/linear/doubled.hpp"
+#include "core/linear/singular_values.hpp"
 
 namespace stillframe {
 
@@ -22,7 +23,7 @@ constexpr Index chunk = 8;
 
 /// Nearer to a pole than this part of the norm of T, a solution is refined. The error without is
 /// about epsilon times the inverse of it.
-constexpr double near_part = 1e-4;
+constexpr double near_part = 1e-3;
 
 /// out[0..width) += sum_j coefficients[j] rows[j stride + 0..width); width a multiple of chunk.
 void add_combination(const double* coefficients, const double* rows, Index stride, Index count,
@@ -193,7 +194,7 @@ void FrequencySweep::residual(Complex s) noexcept {
 
 /// Improves X_0, a solution of (s I - A) X_0 = F, until it stands still.
 void FrequencySweep::refine(Complex s) noexcept {
-  double last = std::numeric_limits<double>::infinity();
+  double last = std::numeric_limits<double>::infinity(), first = 1;
   for (int step = 0; step < 10; ++step) {
     residual(s);
     X_.setZero();
@@ -205,11 +206,13 @@ void FrequencySweep::refine(Complex s) noexcept {
     for (Index i = 0; i < n_; ++i) {
       add_combination(&Q_(i, 0), X_.data(), width_, n_, width_, R_.data() + i * width_);
     }
-    const double change = R_.squaredNorm();
+    const double change = R_.squaredNorm() / X_0_.squaredNorm();
     if (!(change < last)) return;
     X_0_ += R_;
     last = change / 4;
-    if (change < 1e-34 * X_0_.squaredNorm()) return;
+    // Every change is smaller than the one before by about the first: would the next be rounding?
+    if (step == 0) first = change;
+    if (change * first < 1e-33) return;
   }
 }
 
@@ -233,6 +236,22 @@ void FrequencySweep::evaluate(Complex s, Eigen::Ref<Eigen::MatrixXcd> G) noexcep
     add_combination(C.data() + i * n_, X.data(), width_, n_, width_, row);
     for (Index j = 0; j < m_; ++j) G(i, j) = {row[2 * j], row[2 * j + 1]};
   }
+}
+
+Eigen::MatrixXd singular_values_over(const StateSpace& system, const Eigen::VectorXd& omega) {
+  FrequencySweep sweep(system);
+  const Index p = sweep.n_outputs(), m = sweep.n_inputs();
+  SingularValues singular_values(p, m);
+  std::vector<Eigen::MatrixXcd> G(lanes, Eigen::MatrixXcd(p, m));
+  Eigen::MatrixXd values(std::min(p, m), omega.size());
+  for (Index begin = 0; begin < omega.size(); begin += lanes) {
+    const Index count = std::min(lanes, omega.size() - begin);
+    for (Index i = 0; i < count; ++i) {
+      sweep.evaluate({0.0, omega(begin + i)}, G[static_cast<size_t>(i)]);
+    }
+    singular_values.compute(G.data(), count, values.middleCols(begin, count));
+  }
+  return values;
 }
 
 }  // namespace stillframe

@@ -32,10 +32,10 @@ class FrequencySweep {
 
  private:
   using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  /// The columns of B, D of one input, and the factors at s that make them one.
+  /// One column of B and D that acts, of which input, times which power of s.
   struct Term {
     Eigen::Index input, column;
-    int power;  ///< of s
+    int power;
   };
 
   void combine(std::complex<double> s, const RowMatrix& columns, RowMatrix& out) const noexcept;
@@ -54,5 +54,9 @@ class FrequencySweep {
   // by side, padded to width_), since T, Q and C are real.
   RowMatrix X_, X_0_, F_, R_, Y_;
 };
+
+/// Singular values of G(j omega), largest first: min(p, m) rows, a column a frequency; omega in
+/// rad/s. NaN where G is not finite. Errors: as FrequencySweep.
+Eigen::MatrixXd singular_values_over(const StateSpace& system, const Eigen::VectorXd& omega);
 
 }  // namespace stillframe

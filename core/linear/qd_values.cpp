@@ -99,10 +99,10 @@ void split_at_start(const double* q, double* e, Index n) noexcept {
 
 }  // namespace
 
-void qd_values(double* q, double* e, Index n, double* work, double* values) noexcept {
+void qd_values(double* q, double* e, Index n, double start, double* work, double* values) noexcept {
   double* taken = work + 2 * n;  // the shifts so far, of every row
-  std::fill(taken, taken + n, 0.0);
-  if (n > 0) split_at_start(q, e, n);
+  std::fill(taken, taken + n, start);
+  if (n > 0 && start == 0) split_at_start(q, e, n);
   for (Index end = n; end > 0;) {
     Index first = end - 1;
     while (first > 0 && !negligible(e[first - 1], q[first], taken[first])) --first;
@@ -125,7 +125,6 @@ void qd_values(double* q, double* e, Index n, double* work, double* values) noex
     const double shift = advance(q + first, e + first, size, work);
     for (Index i = first; i < end; ++i) taken[i] += shift;
   }
-  std::sort(values, values + n, std::greater<>());
 }
 
 }  // namespace stillframe

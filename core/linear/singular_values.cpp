@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
+#include "core/linear/qd_lanes.hpp"
 #include "core/linear/qd_values.hpp"
 
 namespace stillframe {
@@ -13,16 +15,6 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index lanes = SingularValues::lanes;
-using Lanes = SingularValues::Lanes;
-
-using Numbers = SingularValues::Numbers;
-
-/// In place: vectors by value would make the call depend on the instruction set.
-[[gnu::always_inline]] inline void take_root(Lanes& x) noexcept {
-  for (Index l = 0; l < lanes; ++l) x[l] = std::sqrt(x[l]);
-}
-
 /// The reflector v (in place of x, `count` numbers `step` apart, conjugated first if asked) and
 /// 2 / v^H v, for which (I - v v^H 2 / v^H v) x has one entry that is not zero; its modulus.
 /// Source: Golub and Van Loan, Matrix Computations, section 5.1.
@@ -30,10 +22,11 @@ struct Reflector {
   Lanes factor, modulus;
 };
 
-[[gnu::always_inline]] inline Reflector reflector(Numbers* x, Index count, Index step) noexcept {
+[[gnu::always_inline]] inline Reflector reflector(ComplexNumber* x, Index count,
+                                                  Index step) noexcept {
   Lanes square{}, zero{};
   for (Index i = 0; i < count; ++i) {
-    const Numbers& a = x[i * step];
+    const ComplexNumber& a = x[i * step];
     square += a.re * a.re + a.im * a.im;
   }
   Lanes modulus = square, size = x->re * x->re + x->im * x->im;
@@ -48,8 +41,8 @@ struct Reflector {
 
 /// Columns `from` to `end` of A -= v (v^H A) factor on `count` rows; v and the top of the columns
 /// given.
-[[gnu::always_inline]] inline void reflect_columns(const Numbers* v, const Lanes& factor,
-                                                   Index count, Numbers* column, Index stride,
+[[gnu::always_inline]] inline void reflect_columns(const ComplexNumber* v, const Lanes& factor,
+                                                   Index count, ComplexNumber* column, Index stride,
                                                    Index n_columns) noexcept {
   for (Index j = 0; j < n_columns; ++j, column += stride) {
     Lanes re{}, im{};
@@ -68,13 +61,13 @@ struct Reflector {
 
 /// A -= (A v) v^H factor, with the row vector v^H given, its entries and the columns of A `stride`
 /// apart; w: `count` numbers of work.
-[[gnu::always_inline]] inline void reflect_rows(const Numbers* row, const Lanes& factor,
-                                                Index count, Numbers* top, Index stride,
-                                                Index n_columns, Numbers* w) noexcept {
+[[gnu::always_inline]] inline void reflect_rows(const ComplexNumber* row, const Lanes& factor,
+                                                Index count, ComplexNumber* top, Index stride,
+                                                Index n_columns, ComplexNumber* w) noexcept {
   for (Index i = 0; i < count; ++i) w[i].re = w[i].im = Lanes{};
   for (Index j = 0; j < n_columns; ++j) {
     const Lanes re = factor * row[j * stride].re, im = factor * row[j * stride].im;
-    const Numbers* column = top + j * stride;
+    const ComplexNumber* column = top + j * stride;
     for (Index i = 0; i < count; ++i) {  // times the conjugate
       w[i].re += column[i].re * re + column[i].im * im;
       w[i].im += column[i].im * re - column[i].re * im;
@@ -82,7 +75,7 @@ struct Reflector {
   }
   for (Index j = 0; j < n_columns; ++j) {
     const Lanes re = row[j * stride].re, im = row[j * stride].im;
-    Numbers* column = top + j * stride;
+    ComplexNumber* column = top + j * stride;
     for (Index i = 0; i < count; ++i) {
       column[i].re -= w[i].re * re - w[i].im * im;
       column[i].im -= w[i].re * im + w[i].im * re;
@@ -90,39 +83,53 @@ struct Reflector {
   }
 }
 
-/// Squares of the entries of the bidiagonal form, by reflections from both sides:
-/// in re those of the diagonal, in im those beside it. w: m of work.
-[[gnu::always_inline]] inline void reduce(Numbers* A, Index m, Index n, Numbers* w,
-                                          Numbers* squares) noexcept {
-  for (Index k = 0; k < n; ++k) {
-    Numbers* corner = A + k * m + k;
-    const Index below = m - k, right = n - k - 1;
+}  // namespace
+
+/// Squares of the entries of the bidiagonal form, by reflections from both sides, then as many
+/// values as can be had in all lanes together.
+[[gnu::always_inline]] inline void SingularValues::reduce_here() noexcept {
+  ComplexNumber *A = work_.data(), *w = A + m_ * n_;
+  QdLanes qd;
+  qd.q = scalars_.data();
+  qd.e = qd.q + n_;
+  qd.q_new = qd.e + n_;
+  qd.e_new = qd.q_new + n_;
+  qd.taken = Lanes{};
+  qd.end = n_;
+  for (Index k = 0; k < n_; ++k) {
+    ComplexNumber* corner = A + k * m_ + k;
+    const Index below = m_ - k, right = n_ - k - 1;
     const Reflector left = reflector(corner, below, 1);
-    reflect_columns(corner, left.factor, below, corner + m, m, right);
-    squares[k].re = left.modulus * left.modulus;
+    reflect_columns(corner, left.factor, below, corner + m_, m_, right);
+    qd.q[k].value = left.modulus * left.modulus;
     if (right == 0) break;
-    Numbers* row = corner + m;
-    const Reflector across = reflector(row, right, m);
-    reflect_rows(row, across.factor, below - 1, row + 1, m, right, w);
-    squares[k].im = across.modulus * across.modulus;
+    ComplexNumber* row = corner + m_;
+    const Reflector across = reflector(row, right, m_);
+    reflect_rows(row, across.factor, below - 1, row + 1, m_, right, w);
+    qd.e[k].value = across.modulus * across.modulus;
   }
+  if (n_ > 0) qd_together(qd, found_.data());
+  rest_ = {qd.q, qd.e, qd.end, {qd.taken}};
 }
 
-void reduce_plain(Numbers* A, Index m, Index n, Numbers* w, Numbers* squares) noexcept {
-  reduce(A, m, n, w, squares);
-}
+void SingularValues::reduce_plain() noexcept { reduce_here(); }
 
 #ifdef __x86_64__
 // The same operations on wider registers, without fused ones: the same bits.
-[[gnu::target("avx2")]] void reduce_wide(Numbers* A, Index m, Index n, Numbers* w,
-                                         Numbers* squares) noexcept {
-  reduce(A, m, n, w, squares);
-}
-bool wide_registers() { return __builtin_cpu_supports("avx2"); }
+[[gnu::target("avx2")]] void SingularValues::reduce_wide() noexcept { reduce_here(); }
 #else
-constexpr auto reduce_wide = reduce_plain;
-bool wide_registers() { return false; }
+void SingularValues::reduce_wide() noexcept { reduce_here(); }
 #endif
+
+namespace {
+
+bool has_wide_registers() {
+#ifdef __x86_64__
+  return __builtin_cpu_supports("avx2");
+#else
+  return false;
+#endif
+}
 
 }  // namespace
 
@@ -130,11 +137,12 @@ SingularValues::SingularValues(Index rows, Index columns)
     : m_(std::max(rows, columns)),
       n_(std::min(rows, columns)),
       transposed_(rows < columns),
-      reduce_(wide_registers() ? reduce_wide : reduce_plain) {
+      wide_(has_wide_registers()) {
   if (n_ < 0) throw std::invalid_argument("singular values: negative size");
   work_.resize(static_cast<size_t>(m_ * n_ + m_));
-  squares_.resize(static_cast<size_t>(n_));
-  scalars_.resize(static_cast<size_t>(5 * n_));
+  scalars_.resize(static_cast<size_t>(4 * n_));
+  found_.resize(static_cast<size_t>(n_));
+  work_of_rest_.resize(static_cast<size_t>(5 * n_));
   sizes_.resize(static_cast<size_t>(m_));
   rows_.resize(static_cast<size_t>(m_));
   columns_.resize(static_cast<size_t>(n_));
@@ -175,7 +183,7 @@ double SingularValues::load(const Eigen::Ref<const Eigen::MatrixXcd>& G, Index l
   int exponent = 0;
   std::frexp(largest, &exponent);
   const double scale = std::ldexp(1.0, std::clamp(exponent, -1000, 1000)), inverse = 1.0 / scale;
-  Numbers* target = work_.data();
+  ComplexNumber* target = work_.data();
   for (Index j = 0; j < n_; ++j) {
     for (Index i = 0; i < m_; ++i, ++target) {
       const std::complex<double> value =
@@ -193,21 +201,30 @@ void SingularValues::compute(const Eigen::MatrixXcd* G, Index count,
   for (Index begin = 0; begin < count; begin += lanes) {
     const Index used = std::min(lanes, count - begin);
     for (Index lane = 0; lane < used; ++lane) scale[lane] = load(G[begin + lane], lane);
-    reduce_(work_.data(), m_, n_, work_.data() + m_ * n_, squares_.data());
-    double *q = scalars_.data(), *e = q + n_;
+    wide_ ? reduce_wide() : reduce_plain();
     for (Index lane = 0; lane < used; ++lane) {
       auto out = values.col(begin + lane);
       if (scale[lane] == 0.0) {
         out.setConstant(std::numeric_limits<double>::quiet_NaN());
         continue;
       }
-      for (Index i = 0; i < n_; ++i) {
-        q[i] = squares_[static_cast<size_t>(i)].re[lane];
-        e[i] = squares_[static_cast<size_t>(i)].im[lane];
-      }
-      qd_values(q, e, n_, e + n_, out.data());
+      finish(lane, out.data());
+      std::sort(out.data(), out.data() + n_, std::greater<>());
       out *= scale[lane];
     }
+  }
+}
+
+/// The values of one lane, in no order: those found in all lanes together, and the rest.
+void SingularValues::finish(Index lane, double* values) noexcept {
+  double *q = work_of_rest_.data(), *e = q + n_;
+  for (Index i = 0; i < rest_.end; ++i) {
+    q[i] = rest_.q[i].value[lane];
+    if (i + 1 < rest_.end) e[i] = rest_.e[i].value[lane];
+  }
+  qd_values(q, e, rest_.end, rest_.taken.value[lane], e + n_, values);
+  for (Index i = rest_.end; i < n_; ++i) {
+    values[i] = std::sqrt(found_[static_cast<size_t>(i)].value[lane]);
   }
 }
 

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/linear/lanes.hpp"
+
 namespace stillframe {
 
 /// Singular values of many small complex matrices of one shape, largest first: bidiagonal form by
@@ -14,13 +16,6 @@ namespace stillframe {
 /// on Numerical Analysis 2 (1965) 205-224; for the order Barlow, BIT 42 (2002).
 class SingularValues {
  public:
-  static constexpr Eigen::Index lanes = 4;
-  using Lanes [[gnu::vector_size(lanes * sizeof(double))]] = double;
-  /// Complex numbers, one a lane.
-  struct Numbers {
-    Lanes re, im;
-  };
-
   /// Set-up. Errors: std::invalid_argument for a negative size.
   SingularValues(Eigen::Index rows, Eigen::Index columns);
 
@@ -33,12 +28,24 @@ class SingularValues {
  private:
   double load(const Eigen::Ref<const Eigen::MatrixXcd>& G, Eigen::Index lane) noexcept;
 
+  void reduce_here() noexcept;
+  void reduce_plain() noexcept;
+  void reduce_wide() noexcept;
+  void finish(Eigen::Index lane, double* values) noexcept;
+
+  /// What the lanes left to be done one by one: rows 0 to end of q and e.
+  struct Rest {
+    Number *q, *e;
+    Eigen::Index end;
+    Number taken;
+  };
+
   Eigen::Index m_, n_;  ///< m_ >= n_: the wide are transposed
-  bool transposed_;
-  void (*reduce_)(Numbers*, Eigen::Index, Eigen::Index, Numbers*, Numbers*) noexcept;
-  std::vector<Numbers> work_;     ///< m_ x n_, then m_
-  std::vector<Numbers> squares_;  ///< of the bidiagonal form; n_
-  std::vector<double> scalars_, sizes_;
+  bool transposed_, wide_;
+  Rest rest_{};
+  std::vector<ComplexNumber> work_;      ///< m_ x n_, then m_
+  std::vector<Number> scalars_, found_;  ///< 4 n_, n_
+  std::vector<double> work_of_rest_, sizes_;
   std::vector<Eigen::Index> rows_, columns_;
 };
 

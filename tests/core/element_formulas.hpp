@@ -111,17 +111,26 @@ std::vector<T> hinge_formula(const Eigen::Vector3d& axis, const std::vector<T>& 
           dot(rotate(p, n_y), qx) - dot(n_y, n_x)};
 }
 
-/// The elongation of the arc: what bends by a and b is shorter than its length by
-/// (2 a^2 + a b + 2 b^2) / (30 l_0).
+/// The chord's shortening (2 a^2 + a b + 2 b^2) / (30 l_0) of what bends by a and b.
 template <class T>
-std::vector<T> with_arc_elongation(const Eigen::Vector3d& l_0, std::vector<T> c) {
+T arc_shortening(const T& a, const T& b, const T& l) {
+  const T two(2.0);
+  return (two * a * a + a * b + two * b * b) / (T(30.0) * l);
+}
+
+/// The deformations of the arc of a planar (3) or spatial beam (6) from those of its chord.
+template <class T>
+std::vector<T> arc_formula(const Eigen::Vector3d& l_0, const std::vector<T>& c) {
   const Triple<T> start = constant<T>(l_0);
-  const T thirty_l = T(30.0) * square_root(dot(start, start)), two(2.0);
-  for (size_t i = c.size() == 3 ? 1 : 2; i < c.size(); i += 2) {
-    const T a = c[i], b = c[i + 1];
-    c[0] = c[0] + (two * a * a + a * b + two * b * b) / thirty_l;
-  }
-  return c;
+  const T l = square_root(dot(start, start));
+  if (c.size() == 3) return {c[0] + arc_shortening(c[1], c[2], l), c[1], c[2]};
+  const T in_z = c[1] * (c[2] + c[3]) / (T(6.0) * l), in_y = c[1] * (c[4] + c[5]) / (T(6.0) * l);
+  return {c[0] + arc_shortening(c[2], c[3], l) + arc_shortening(c[4], c[5], l),
+          c[1] + (c[3] * c[4] - c[2] * c[5]) / l,
+          c[2] + in_y,
+          c[3] - in_y,
+          c[4] - in_z,
+          c[5] + in_z};
 }
 
 /// c_i + c^T Q_i c / 2.

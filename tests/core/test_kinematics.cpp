@@ -6,6 +6,7 @@
 #include "core/elements/rotation.hpp"
 #include "core/kinematics.hpp"
 #include "tests/core/differences.hpp"
+#include "tests/core/joint_scenes.hpp"
 #include "tests/core/scenes.hpp"
 #include "tests/support/allocation_count.hpp"
 
@@ -23,6 +24,7 @@ struct NamedScene {
 };
 
 Scene frame_by_lens() { return by_lens_coordinates(frame_scene()); }
+Scene driven_chain() { return hinge_chain(3, true); }
 Scene preloaded_by_lens() { return by_lens_coordinates(preloaded_frame()); }
 
 class Kinematics : public testing::TestWithParam<NamedScene> {
@@ -65,7 +67,10 @@ TEST_P(Kinematics, SolvedPositionsMeetEveryCondition) {
           EXPECT_EQ(data_.x(dof.index), state.q_d(i));
         }
       }
-      EXPECT_EQ(data_.x.tail(model_.n_r), state.q_r);
+      EXPECT_EQ(data_.x.tail(model_.n_rx), state.q_r.head(model_.n_rx));
+      for (size_t i = 0; i < model_.prescribed_rows.size(); ++i) {
+        wanted(model_.prescribed_rows[i]) = state.q_r(model_.n_rx + static_cast<Index>(i));
+      }
       // Relative to the displacements: small motions keep their digits too. Some ten terms of 1e-16
       // each.
       EXPECT_LE((data_.e.head(model_.n_c) - wanted).cwiseAbs().maxCoeff(),
@@ -166,7 +171,11 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Kinematics,
                                          NamedScene{"frame_by_lens", frame_by_lens, 0.05},
                                          NamedScene{"preloaded_frame", preloaded_frame, 0.01},
                                          NamedScene{"preloaded_by_lens", preloaded_by_lens, 0.05},
-                                         NamedScene{"mechanism", mechanism, 0.05}),
+                                         NamedScene{"mechanism", mechanism, 0.05},
+                                         NamedScene{"driven_chain", driven_chain, 0.3},
+                                         NamedScene{"spinning_rotor", spinning_rotor, 1.0},
+                                         NamedScene{"slider_crank", slider_crank, 0.2},
+                                         NamedScene{"four_bar", four_bar, 0.2}),
                          [](const auto& param) { return std::string(param.param.name); });
 
 TEST(FrameKinematics, TheFrameStaysRigidAndTheLegsHaveTheirLength) {

@@ -1,0 +1,142 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "core/scene/scene_reader.hpp"
+#include "core/state_space.hpp"
+#include "report/table.hpp"
+#include "tools/linear_form.hpp"
+#include "tools/matrix_table.hpp"
+#include "tools/operating_point.hpp"
+#include "tools/patience.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+/// A matrix of more columns does not fit on a page.
+constexpr Index page_columns = 8;
+
+struct Options {
+  std::filesystem::path scene;
+  std::optional<std::filesystem::path> mat;
+  bool json = false;
+};
+
+void print_signals(const LinearModel& linear, const StateSpace& system) {
+  report::Table dofs({"dof", "unit", "q0", "dq0/dt"}, 2);
+  for (size_t i = 0; i < linear.q_names.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    dofs.add({linear.q_names[i], linear.q_units[i], report::cell("%.6g", linear.q_0(k)),
+              report::cell("%.6g", linear.q_dot_0(k))});
+  }
+  std::cout << dofs.print();
+  const std::vector<ColumnInfo> columns = columns_of(system);
+  report::Table inputs({"input", "unit", "columns of B and D", "u0"}, 3);
+  for (size_t j = 0; j < system.inputs.size(); ++j) {
+    const InputColumns& input = system.columns[j];
+    const Index last = input.first + input.width();
+    const std::string which =
+        input.width() == 1
+            ? report::cell("%td", last)
+            : report::cell("%td-%td: acceleration, velocity, position", input.first + 1, last);
+    inputs.add({system.inputs[j].name, system.inputs[j].unit, which,
+                report::cell("%.6g", system.u0(static_cast<Index>(j)))});
+  }
+  report::Table outputs({"output", "unit", "y0"}, 2);
+  for (size_t i = 0; i < system.outputs.size(); ++i) {
+    outputs.add({system.outputs[i].name, system.outputs[i].unit,
+                 report::cell("%.6g", system.y0(static_cast<Index>(i)))});
+  }
+  if (!system.inputs.empty()) std::cout << inputs.print();
+  if (!system.outputs.empty()) std::cout << outputs.print();
+}
+
+void print_matrix(const std::string& title, const Eigen::MatrixXd& matrix) {
+  const std::string size = report::cell(" (%td x %td)", matrix.rows(), matrix.cols());
+  if (matrix.size() == 0) return;
+  if (matrix.isZero(0)) {
+    std::cout << title << size << " = 0\n";
+  } else if (matrix.cols() > page_columns) {
+    std::cout << title << size << ": too wide for the page, see --json or --mat\n";
+  } else {
+    std::cout << matrix_table(title + size, matrix);
+  }
+}
+
+void print_page(const Scene& scene, const LinearModel& linear, const StateSpace& system) {
+  std::cout << scene.title << ": linearised about " << operating_point_in_words(scene) << "\n"
+            << report::cell("degrees of freedom: %zu, inputs: %zu, outputs: %zu\n\n",
+                            linear.q_names.size(), system.inputs.size(), system.outputs.size());
+  print_signals(linear, system);
+  std::cout << "\nM q'' + (C + D) q' + (K + N + G) q = forces of the inputs\n";
+  const auto matrices = second_order_matrices(linear);
+  for (size_t i = 0; i < 6; ++i) print_matrix(matrices[i].first, *matrices[i].second);
+  std::cout << "\nx' = A x + B u, y = C x + D u, x = (q, q')\n";
+  print_matrix("A", system.A);
+  print_matrix("B", system.B);
+  print_matrix("C", system.C);
+  print_matrix("D", system.D);
+}
+
+int run(const Options& options) {
+  Patience patience("reading the scene");
+  const Scene scene = read_scene(options.scene);
+  const Model model = make_model(scene);
+  patience.now("linearising");
+  const LinearModel linear = linearise_scene(scene, model, scene.inputs, scene.outputs);
+  const StateSpace system = state_space(linear);
+  if (options.mat) write_mat(linear, system, *options.mat);
+  if (options.json) {
+    Json document{{"scene", scene.title},
+                  {"scene_hash", scene.hash},
+                  {"operating_point", operating_point_in_words(scene)}};
+    document.update(to_json(linear, system));
+    document["nodal_displacements"] = to_json(model, node_displacements(model, linear.x_0));
+    print(document);
+  } else {
+    print_page(scene, linear, system);
+  }
+  return exit_done;
+}
+
+constexpr const char* footer =
+    "M q'' + (C + D) q' + (K + N + G) q = forces, and x' = A x + B u, y = C x + D u with x = (q, "
+    "q').\n"
+    "A force, torque or stress has one column of B and D; a prescribed motion has three, for its\n"
+    "acceleration, velocity and position, whichever of these the input is.\n"
+    "Keys of --json, numbers with 17 digits, matrices as lists of rows:\n"
+    "  scene, scene_hash, operating_point\n"
+    "  dofs, dof_units, states, state_units   lists of texts\n"
+    "  inputs        {name, unit, kind, columns: [{column, of, unit}]}, column from 0;\n"
+    "                kind and of: direct, position, velocity or acceleration\n"
+    "  outputs       {name, unit}\n"
+    "  second_order  M, C, D, K, N, G, B, M_r ... G_r, Y_p, Y_v, Y_a, R_p, R_v, R_a, D_u\n"
+    "  state_space   A, B, C, D\n"
+    "  x0, u0, y0    state, inputs and outputs of the operating point\n"
+    "  nodal_displacements  {node, displacement (m), rotation (rad, angle times axis)}\n"
+    "Names in --mat: A, B, C, D; M_bar, C_bar, D_bar, K_bar, N_bar, G_bar, B_bar; M_r ... D_u; x0, "
+    "u0,\n"
+    "y0; cell arrays state_, input_, output_names and _units, column_inputs, column_of, "
+    "column_units.\n"
+    "Example: stillframe linearise config/scenes/cart.yaml --mat cart.mat\n"
+    "         octave --eval \"load cart.mat, eig(A)\"";
+
+}  // namespace
+
+void add_linearise(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "linearise",
+      "Linear model of a scene about its operating point: A, B, C, D and M, C, D, K, "
+      "N, G with names, units and the operating point itself");
+  verb->add_option("scene", options->scene, "Scene file (YAML)")->required()->type_name("SCENE");
+  verb->add_flag("--json", options->json, "Print JSON (keys below)");
+  verb->add_option("--mat", options->mat, "Write a MATLAB level-5 file too (names below)")
+      ->type_name("FILE");
+  verb->footer(footer);
+  verb->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace stillframe::tools

@@ -1,0 +1,78 @@
+#include "tools/operating_point.hpp"
+
+#include <Eigen/Geometry>
+
+#include "core/elements/rotation.hpp"
+#include "core/equilibrium.hpp"
+#include "core/model/local.hpp"
+#include "report/table.hpp"
+
+namespace stillframe::tools {
+
+LinearModel linearise_scene(const Scene& scene, const Model& model,
+                            const std::vector<SceneSignal>& inputs,
+                            const std::vector<SceneSignal>& outputs) {
+  return linearise(model, nominal_motion(scene, model), inputs, outputs);
+}
+
+const char* operating_point_in_words(const Scene& scene) {
+  return scene.operating_point == OperatingPoint::equilibrium ? "its equilibrium"
+                                                              : "its motion as written";
+}
+
+std::vector<NodeDisplacement> node_displacements(const Model& model, const Eigen::VectorXd& x) {
+  std::vector<NodeDisplacement> all;
+  for (const ModelNode& node : model.nodes) {
+    NodeDisplacement item{node.name, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                          node.has_rotation()};
+    LocalVector local;
+    gather({node.translation}, x, local);
+    item.displacement = local.head<3>();
+    if (node.has_rotation()) {
+      gather({node.rotation}, x, local);
+      if (model.planar) {
+        item.rotation.z() = local(0);
+      } else {
+        const Vector4 lambda = euler_parameters(local).normalized();
+        const Eigen::AngleAxisd turn(
+            Eigen::Quaterniond(lambda(0), lambda(1), lambda(2), lambda(3)));
+        item.rotation = turn.angle() * turn.axis();
+      }
+    }
+    all.push_back(item);
+  }
+  return all;
+}
+
+Json to_json(const Model& model, const std::vector<NodeDisplacement>& displacements) {
+  Json list = Json::array();
+  for (const NodeDisplacement& item : displacements) {
+    Json entry{{"node", item.node}};
+    const Eigen::VectorXd displacement = item.displacement.head(model.planar ? 2 : 3);
+    const Eigen::VectorXd rotation = item.rotation.tail(model.planar ? 1 : 3);
+    entry["displacement"] = to_json(displacement);
+    if (item.has_rotation) entry["rotation"] = to_json(rotation);
+    list.push_back(entry);
+  }
+  return list;
+}
+
+std::string table_of(const Model& model, const std::vector<NodeDisplacement>& displacements) {
+  std::vector<std::string> header{"node", "dx m", "dy m"};
+  if (!model.planar) header.insert(header.end(), {"dz m", "rx rad", "ry rad"});
+  header.push_back("rz rad");
+  report::Table table(header, 1);
+  for (const NodeDisplacement& item : displacements) {
+    std::vector<std::string> row{item.node};
+    for (Index i = 0; i < (model.planar ? 2 : 3); ++i) {
+      row.push_back(report::cell("%.6g", item.displacement(i)));
+    }
+    for (Index i = model.planar ? 2 : 0; i < 3; ++i) {
+      row.push_back(item.has_rotation ? report::cell("%.6g", item.rotation(i)) : "-");
+    }
+    table.add(row);
+  }
+  return table.print();
+}
+
+}  // namespace stillframe::tools
