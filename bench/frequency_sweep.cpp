@@ -6,12 +6,13 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <numbers>
 
+#include "bench/machine.hpp"
 #include "core/linear/singular_values.hpp"
 #include "tests/support/frame_state_space.hpp"
 #include "tests/support/quadruple.hpp"
@@ -107,7 +108,7 @@ void write_plants(const fs::path& folder) {
   }
 }
 
-/// Answers every "go" with microseconds a frequency, set-up and memory included.
+/// Answers every "go" with microseconds of processor time a frequency, set-up and memory included.
 void serve(const fs::path& folder) {
   const MatrixXd omega = read(folder / "omega.txt", 1000, 1);
   const StateSpace systems[] = {frame_state_space(plants[0]), frame_state_space(plants[1])};
@@ -116,11 +117,10 @@ void serve(const fs::path& folder) {
   std::cout << "ready" << std::endl;
   for (std::string line; std::getline(std::cin, line) && line == "go";) {
     for (int plant = 0; plant < 2; ++plant) {
-      const auto begin = std::chrono::steady_clock::now();
+      const std::clock_t begin = std::clock();
       values[plant] = singular_values_over(systems[plant], omega);
-      const std::chrono::duration<double, std::micro> time =
-          std::chrono::steady_clock::now() - begin;
-      std::cout << time.count() / static_cast<double>(omega.size()) << ' ';
+      const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+      std::cout << 1e6 * seconds / static_cast<double>(omega.size()) << ' ';
     }
     std::cout << std::endl;
   }
@@ -147,8 +147,8 @@ void print_times(const fs::path& folder) {
   const char* ways[] = {"freqresp, svd", "sigma", "backslash, svd"};
   for (size_t plant = 0; plant < 2; ++plant) {
     const auto& own = columns[6 + plant];
-    std::printf("%s, %zu rounds: stillframe %.2f us a frequency\n", plant_names[plant], own.size(),
-                median(own));
+    std::printf("%s, %zu rounds: stillframe %.2f us of processor time a frequency\n",
+                plant_names[plant], own.size(), median(own));
     for (size_t way = 0; way < 3; ++way) {
       const auto& other = columns[3 * plant + way];
       std::vector<double> ratios;
@@ -219,18 +219,6 @@ void print_near_poles() {
   }
 }
 
-std::string processor() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
-  }
-  return "unknown processor";
-}
-
-void print_machine() {
-  std::cout << processor() << "; GCC " << __VERSION__ << "; " << STILLFRAME_FLAGS << std::endl;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -240,11 +228,11 @@ int main(int argc, char** argv) try {
   } else if (way == "--serve") {
     serve(argv[2]);
   } else if (way == "--compare") {
-    print_machine();
+    std::cout << machine_line(STILLFRAME_FLAGS) << std::endl;
     print_times(argv[2]);
     print_errors(argv[2]);
   } else {
-    print_machine();
+    std::cout << machine_line(STILLFRAME_FLAGS) << std::endl;
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
     benchmark::RunSpecifiedBenchmarks();

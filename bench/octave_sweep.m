@@ -1,8 +1,8 @@
 % The partner of bench/race_octave: times Octave's control package on the numbers that
 % bench_frequency_sweep wrote. Called as octave-cli octave_sweep.m FOLDER; reads "go" or "end" from
 % the pipe FOLDER/to_octave, opened for every line as fgetl reads ahead, and answers every "go" with
-% microseconds a frequency: freqresp and svd in a loop, sigma, and a loop of backslash and svd without
-% the package.
+% microseconds of processor time a frequency: freqresp and svd in a loop, sigma, and a loop of
+% backslash and svd without the package.
 pkg load control
 folder = argv(){1};
 omega = load(fullfile(folder, "omega.txt"))';
@@ -13,29 +13,29 @@ for plant = 1:2
 end
 
 function [values, time] = by_freqresp(sys, omega)
-  tic;
+  start = cputime;
   H = freqresp(sys, omega);
   values = zeros(min(size(H, 1), size(H, 2)), numel(omega));
   for k = 1:numel(omega)
     values(:, k) = svd(H(:, :, k));
   end
-  time = toc;
+  time = cputime - start;
 end
 
 function [values, time] = by_sigma(sys, omega)
-  tic;
+  start = cputime;
   values = sigma(sys, omega);
-  time = toc;
+  time = cputime - start;
 end
 
 function [values, time] = by_backslash(A, B, C, D, omega)
-  tic;
+  start = cputime;
   values = zeros(min(size(D)), numel(omega));
   I = eye(rows(A));
   for k = 1:numel(omega)
     values(:, k) = svd(C * ((1i * omega(k) * I - A) \ B) + D);
   end
-  time = toc;
+  time = cputime - start;
 end
 
 function line = next_line(pipe)

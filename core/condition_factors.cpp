@@ -19,9 +19,27 @@ ConditionFactors::ConditionFactors(Index n, Index columns) : n_(n) {
     lu_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
     permuted_ = RowMatrix::Zero(n, std::max<Index>(columns, 1));
   } else {
-    sparse_ = std::make_shared<Sparse>();
+    sparse_ = std::make_unique<Sparse>();
     sparse_->J.resize(n, n);
   }
+}
+
+ConditionFactors::ConditionFactors(const ConditionFactors& other) : n_(other.n_) { *this = other; }
+ConditionFactors::~ConditionFactors() = default;
+
+ConditionFactors& ConditionFactors::operator=(const ConditionFactors& other) {
+  if (this == &other) return *this;
+  n_ = other.n_;
+  J_ = other.J_;
+  lu_ = other.lu_;
+  permuted_ = other.permuted_;
+  sparse_.reset();
+  if (!other.sparse_) return *this;
+  sparse_ = std::make_unique<Sparse>();
+  sparse_->J.resize(n_, n_);
+  sparse_->entries = other.sparse_->entries;
+  if (other.sparse_->sound) factorise();
+  return *this;
 }
 
 void ConditionFactors::clear() noexcept {

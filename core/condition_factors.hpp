@@ -19,6 +19,10 @@ class ConditionFactors {
 
   /// columns: of the widest right-hand side.
   ConditionFactors(Index n, Index columns);
+  /// A copy has factors of its own.
+  ConditionFactors(const ConditionFactors& other);
+  ConditionFactors& operator=(const ConditionFactors& other);
+  ~ConditionFactors();
 
   void clear() noexcept;
   void add(Index row, Index column, double value) noexcept;
@@ -44,7 +48,7 @@ class ConditionFactors {
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
   RowMatrix permuted_;
   struct Sparse;
-  std::shared_ptr<Sparse> sparse_;
+  std::unique_ptr<Sparse> sparse_;
 };
 
 }  // namespace stillframe

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/equilibrium.hpp"
 #include "core/frequency_response.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -57,7 +58,8 @@ ControlLoop make_control_loop(const Scene& scene, const Model& model) {
   loop.n_w = static_cast<Index>(scene.inputs.size());
   loop.n_y = static_cast<Index>(scene.outputs.size());
   loop.n_legs = static_cast<Index>(legs.size());
-  loop.plant = linearise(model, joined(scene.inputs, legs), joined(scene.outputs, legs));
+  loop.plant = linearise(model, solve_equilibrium(model).motion, joined(scene.inputs, legs),
+                         joined(scene.outputs, legs));
   // A driving stress acts on the dofs as -E^T sigma_a, E = D_dF^(e) of the legs.
   const Eigen::MatrixXd E = -loop.plant.B.rightCols(loop.n_legs).transpose();
   loop.legs = leg_matrices(loop.plant.M, loop.plant.K, E);

@@ -25,7 +25,7 @@ struct ControlLoop {
   Eigen::MatrixXcd closed(std::complex<double> s) const;
 };
 
-/// Linearises a scene's loop and designs its gains. Errors: InputError if the scene has no
+/// Linearises a scene's loop about its equilibrium and designs its gains. Errors: InputError if the scene has no
 /// controller, no inputs or no outputs, or an input that is no acceleration; Refusal as
 /// design_gains and leg_matrices.
 ControlLoop make_control_loop(const Scene& scene, const Model& model);

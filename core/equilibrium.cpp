@@ -62,15 +62,22 @@ class Balance {
   }
   /// Where forces() was last asked for.
   const NominalMotion& motion() const { return motion_; }
-  /// The largest force among those that have to balance: of loads, of stresses and of inertia.
-  double reference() const {
+  /// The largest force among those that have to balance: of loads, of stresses and of inertia. The
+  /// latter as if it had its full lever on a dof: in a straight rotor none has any but rounding.
+  double reference() {
     VectorXd stresses = data_.DF_e.transpose() * data_.sigma.tail(model_.n_redundant);
     for (Index i = 0; i < model_.n_d; ++i) {
       const Model::Dof& dof = model_.dofs[static_cast<size_t>(i)];
       if (dof.is_deformation) stresses(i) += data_.sigma(dof.index);
     }
     const VectorXd loads = data_.DF.transpose() * data_.f;
-    return std::max(stresses.lpNorm<Eigen::Infinity>(), loads.lpNorm<Eigen::Infinity>());
+    const double at_rest =
+        std::max(stresses.lpNorm<Eigen::Infinity>(), loads.lpNorm<Eigen::Infinity>());
+    if (!motion_.moving) return at_rest;
+    complete_accelerations(data_, VectorXd::Zero(model_.n_d));
+    const double inertia =
+        inertia_forces(model_, data_).head(model_.n_x).lpNorm<Eigen::Infinity>();
+    return std::max(at_rest, inertia * data_.DF.lpNorm<Eigen::Infinity>());
   }
 
  private:

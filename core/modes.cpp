@@ -56,9 +56,19 @@ Shapes natural_shapes(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
-/// Squares are sorted upwards; those of rigid-body modes are zero to rounding.
-bool is_stable(const VectorXd& squares) {
-  return squares.size() == 0 || squares(0) >= -1e-10 * squares.cwiseAbs().maxCoeff();
+/// Whether nothing but rounding makes K + N + G not positive semidefinite. Scaled to a unit
+/// diagonal, so that stiff elements do not hide a soft direction that has become negative; rounding
+/// of n terms leaves some n epsilon.
+bool is_stable(const LinearModel& model) {
+  const MatrixXd stiffness = model.stiffness();
+  MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
+  const VectorXd scale =
+      K.diagonal().unaryExpr([](double k) { return k > 0 ? 1 / std::sqrt(k) : 1.0; });
+  K = scale.asDiagonal() * K * scale.asDiagonal();
+  if (Eigen::LLT<MatrixXd>(K).info() == Eigen::Success) return true;
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
+  return values(0) >= -1e-12 * values.cwiseAbs().maxCoeff();
 }
 
 /// Of the parts that are not symmetric by construction.
@@ -124,7 +134,7 @@ Modes modes(const LinearModel& model) {
   bool undamped = false;
   if (is_symmetric(model)) {
     const Shapes shapes = natural_shapes(model, M);
-    const bool stable = is_stable(shapes.squares);
+    const bool stable = is_stable(model);
     if (!stable && !result.moving) {
       throw Refusal("the configuration is not stable: omega^2 = " +
                     std::to_string(shapes.squares(0)) + " (rad/s)^2 in mode 1");

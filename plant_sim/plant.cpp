@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/control_loop.hpp"
+#include "core/equilibrium.hpp"
 
 namespace stillframe {
 
@@ -50,6 +51,12 @@ Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::Floo
       y_rate_(Eigen::VectorXd::Zero(2 * model.n_d)),
       sigma_a_(Eigen::VectorXd::Zero(model.n_e)),
       q_d_ddot_(Eigen::VectorXd::Zero(model.n_d)) {
+  const Equilibrium rest = solve_equilibrium(model);
+  q_0_ = rest.motion.state.q_d;
+  data_.x = rest.motion.x;
+  accelerations(model, data_, rest.motion.state, sigma_a_, q_d_ddot_);
+  sigma_0_ = data_.sigma;
+  q_d_ddot_.setZero();
   const auto n_outputs = static_cast<Index>(scene.outputs.size());
   const auto n_frame = n_outputs + static_cast<Index>(scene.monitors.size());
   frame_rows_.resize(n_frame, model.n_x);
@@ -69,7 +76,7 @@ Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::Floo
 
 bool Plant::right_hand_side(double t, const Eigen::Ref<const Eigen::VectorXd>& y,
                             Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept {
-  state_.q_d = y.head(model_.n_d);
+  state_.q_d = q_0_ + y.head(model_.n_d);
   state_.q_d_dot = y.tail(model_.n_d);
   floor_.at(t, state_.q_r, state_.q_r_dot);
   state_.q_r_ddot = floor_.q_r_ddot();
@@ -89,7 +96,7 @@ const Reading& Plant::read() noexcept {
   for (size_t i = 0; i < leg_rows_.size(); ++i) {
     const Index row = leg_rows_[i];
     reading_.applied_force(static_cast<Index>(i)) = sigma_a_(row);
-    reading_.sigma(static_cast<Index>(i)) = k_ == 0 ? 0.0 : data_.sigma(row) - model_.preload(row);
+    reading_.sigma(static_cast<Index>(i)) = k_ == 0 ? 0.0 : data_.sigma(row) - sigma_0_(row);
   }
   return reading_;
 }

@@ -24,7 +24,7 @@ struct Reading {
 class Plant {
  public:
   /// scene and model must outlive the plant. Errors: InputError as require_loop_signals and
-  /// FloorMotion.
+  /// FloorMotion; Refusal if the scene has no equilibrium, in which it starts.
   Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::FloorSource> floor);
 
   /// The instruments at the present instant.
@@ -55,6 +55,7 @@ class Plant {
   Eigen::MatrixXd frame_rows_;  ///< n_frame x n_x
   std::vector<Index> leg_rows_;
   Eigen::VectorXd x_dot_before_;  ///< n_x, at the start of the last sample
+  Eigen::VectorXd q_0_, sigma_0_;  ///< n_d, n_e, of the equilibrium, from which y counts
   Eigen::VectorXd y_, y_rate_, sigma_a_, q_d_ddot_;
   Reading reading_;
   std::int64_t k_ = 0;

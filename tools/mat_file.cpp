@@ -3,6 +3,8 @@
 #include <matio.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe::tools {
@@ -17,9 +19,11 @@ struct FreeVariable {
 };
 using Variable = std::unique_ptr<matvar_t, FreeVariable>;
 
+/// UTF-8, whose size in a file is a number of letters, not of bytes.
 Variable text_variable(const std::string& text) {
-  std::size_t size[] = {1, text.size()};
-  // Names may hold letters beyond ASCII, which files keep as UTF-8.
+  const auto begins_letter = [](char byte) { return (byte & 0xC0) != 0x80; };
+  std::size_t size[] = {
+      1, static_cast<std::size_t>(std::count_if(text.begin(), text.end(), begins_letter))};
   return Variable(
       Mat_VarCreate(nullptr, MAT_C_CHAR, MAT_T_UTF8, 2, size, const_cast<char*>(text.data()), 0));
 }

@@ -42,8 +42,8 @@ void print_eigenvalues(const Modes& result) {
     const std::complex<double> value = result.eigenvalues(i);
     // A complex pair is one line, with its positive frequency.
     if (value.imag() < 0) continue;
-    table.add({i % 2 == 0 ? report::cell("%td", i / 2 + 1) : "", report::cell("%.6g", value.real()),
-               report::cell("%.6g", value.imag()),
+    table.add({i % 2 == 0 ? report::cell("%td", i / 2 + 1) : "",
+               report::cell("%.6g", shown(value.real())), report::cell("%.6g", shown(value.imag())),
                report::cell("%.4f", value.imag() / (2 * std::numbers::pi)),
                report::cell("%.4g", shown_ratio(result.damping_ratios(i / 2)))});
   }

@@ -15,14 +15,14 @@ struct QdLanes {
   Eigen::Index end;
 };
 
-/// One transform with a shift a lane; where it failed, `remainder` is the negative one, by about
-/// which the shift was too large.
+/// One transform with a shift a lane; where it failed, `remainder` is the first negative one, by
+/// about which the shift was too large.
 [[gnu::always_inline]] inline void qd_transform(const QdLanes& state, const Lanes& shift,
                                                 Lanes& remainder) noexcept {
   constexpr double tiny = 1e-290;  // stands for zero where it is divided by
-  Lanes d = state.q[0].value - shift, lowest = d;
+  Lanes d = state.q[0].value - shift, first = d;
   for (Eigen::Index i = 0; i + 1 < state.end; ++i) {
-    lowest = d < lowest ? d : lowest;
+    first = first < 0 ? first : d;
     d = d < tiny ? tiny - Lanes{} : d;
     const Lanes sum = d + state.e[i].value, ratio = state.q[i + 1].value / sum;
     state.q_new[i].value = sum;
@@ -31,9 +31,9 @@ struct QdLanes {
   }
   // Without a shift a negative remainder can only be rounding.
   d = (shift == 0) & (d < 0) ? Lanes{} : d;
-  lowest = shift == 0 ? d : lowest;
+  first = shift == 0 ? d : first;
   state.q_new[state.end - 1].value = d;
-  remainder = lowest < 0 ? lowest : d;
+  remainder = first < 0 ? first : d;
 }
 
 /// A shift likely to be just below the smallest value: the smaller eigenvalue of the last two rows,
@@ -60,7 +60,7 @@ struct QdLanes {
 [[gnu::always_inline]] inline void qd_together(QdLanes& state, Number* values) noexcept {
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   const Lanes zero{};
-  Eigen::Index budget = 40;  // steps, a value
+  Eigen::Index budget = 20;  // steps, a value
   while (state.end > 1 && budget > 0) {
     const Eigen::Index last = state.end - 1;
     const Lanes q = state.q[last].value, e = state.e[last - 1].value;
@@ -71,7 +71,7 @@ struct QdLanes {
     if (all) {
       values[last].value = state.taken + q;
       --state.end;
-      budget = 40;
+      budget = 20;
       continue;
     }
     --budget;
@@ -83,8 +83,10 @@ struct QdLanes {
       bool allowed = true;
       for (Eigen::Index l = 0; l < lanes; ++l) allowed = allowed && !(remainder[l] < 0);
       if (allowed) break;
-      const Lanes reduced = shift + 1.01 * remainder, part = attempt < 4 ? shift / 2 : zero;
-      shift = remainder < 0 ? (reduced > part ? reduced : part) : shift;
+      // The remainder that failed says by how much; couplings further on may take a little more.
+      const Lanes reduced = shift + 2.0 * remainder, part = shift / 4;
+      const Lanes next = attempt > 2 ? Lanes{} : reduced > part ? reduced : part;
+      shift = remainder < 0 ? next : shift;
     }
     state.taken += shift;
     std::swap(state.q, state.q_new);

@@ -103,12 +103,14 @@ void qd_values(double* q, double* e, Index n, double start, double* work, double
   double* taken = work + 2 * n;  // the shifts so far, of every row
   std::fill(taken, taken + n, start);
   if (n > 0 && start == 0) split_at_start(q, e, n);
-  for (Index end = n; end > 0;) {
+  // Few steps a value are needed; the bound is against data that no rounding should produce.
+  Index budget = 100 * n;
+  for (Index end = n; end > 0; --budget) {
     Index first = end - 1;
     while (first > 0 && !negligible(e[first - 1], q[first], taken[first])) --first;
     if (first > 0) e[first - 1] = 0;
     const Index size = end - first, last = end - 1;
-    if (size == 1 || negligible(e[last - 1], q[last], taken[last] + q[last])) {
+    if (size == 1 || budget < 0 || negligible(e[last - 1], q[last], taken[last] + q[last])) {
       if (last > 0) e[last - 1] = 0;
       values[last] = std::sqrt(taken[last] + std::max(q[last], 0.0));
       end = last;

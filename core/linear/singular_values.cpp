@@ -15,6 +15,9 @@ namespace {
 
 using Eigen::Index;
 
+/// Of the largest entry; squares of smaller values come near the end of what a double can hold.
+constexpr double resolved = 1e-140;
+
 /// The reflector v (in place of x, `count` numbers `step` apart, conjugated first if asked) and
 /// 2 / v^H v, for which (I - v v^H 2 / v^H v) x has one entry that is not zero; its modulus.
 /// Source: Golub and Van Loan, Matrix Computations, section 5.1.
@@ -209,6 +212,7 @@ void SingularValues::compute(const Eigen::MatrixXcd* G, Index count,
         continue;
       }
       finish(lane, out.data());
+      for (Index i = 0; i < n_; ++i) out(i) = out(i) > resolved ? out(i) : 0.0;
       std::sort(out.data(), out.data() + n_, std::greater<>());
       out *= scale[lane];
     }

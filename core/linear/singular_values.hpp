@@ -10,10 +10,10 @@ namespace stillframe {
 /// Singular values of many small complex matrices of one shape, largest first: bidiagonal form by
 /// reflections, then the differential qd algorithm. Several matrices go through at once, one in
 /// each lane of a vector register. Rows and columns are put in order of falling size first, so that
-/// small values that come from rows and columns of small scale (metres beside m/s^2) keep their
-/// relative accuracy; otherwise the error is rounding times the largest value, as in LAPACK.
-/// Values below 1e-140 of the largest entry are not resolved. Source: Golub and Kahan, SIAM Journal
-/// on Numerical Analysis 2 (1965) 205-224; for the order Barlow, BIT 42 (2002).
+/// small values that come from rows and columns of small scale (metres beside m/s^2) keep most of
+/// their digits; otherwise the error is rounding times the largest value, as in LAPACK.
+/// Values below 1e-140 of the largest entry count as zero. Source: Golub and Kahan, SIAM Journal
+/// on Numerical Analysis 2 (1965) 205-224.
 class SingularValues {
  public:
   /// Set-up. Errors: std::invalid_argument for a negative size.

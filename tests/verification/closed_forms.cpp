@@ -79,7 +79,7 @@ MatrixXd ritz_functions(double x, Index n) {
 RotatingBeam rotating_beam(double gamma) {
   const Index n = 16;
   const Gauss gauss(24);
-  MatrixXd K = MatrixXd::Zero(n, n), M = K, fourth = K, tension = K;
+  MatrixXd K = MatrixXd::Zero(n, n), M = K, fourth = K, tension = K, shortening = K;
   for (Index i = 0; i < gauss.x.size(); ++i) {
     const double x = gauss.x(i), w = gauss.w(i), T = gamma * gamma * (1 - x * x) / 2;
     const MatrixXd f = ritz_functions(x, n);
@@ -87,13 +87,14 @@ RotatingBeam rotating_beam(double gamma) {
     M += w * f.row(0).transpose() * f.row(0);
     fourth += w * f.row(4).transpose() * f.row(4);
     tension += w * T * f.row(2).transpose() * f.row(2);
+    shortening -= w * gamma * gamma * x * 6 * f.row(2).transpose() * f.row(3);
   }
   // The solver normalises v^T M v = 1.
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K, M);
   const VectorXd v = solver.eigenvectors().col(0);
   const double square = solver.eigenvalues()(0);
   return {std::sqrt(square), std::sqrt(square - gamma * gamma), v.dot(fourth * v),
-          v.dot(tension * v)};
+          v.dot(tension * v), v.dot(shortening * v)};
 }
 
 double lateral_buckling_load() {

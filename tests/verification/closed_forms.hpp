@@ -19,6 +19,10 @@ struct RotatingBeam {
   double flap = 0, lag = 0;  ///< lag^2 = flap^2 - gamma^2
   double fourth = 0;         ///< integral of w''''^2 over integral of w^2
   double tension = 0;        ///< integral of T w''^2 over integral of w^2
+  /// -integral of 6 gamma^2 x w'' w''' over integral of w^2: the centrifugal work on what a cubic
+  /// between the nodes leaves out of the shortening u of a deflection that is cubic there,
+  /// u' = -w'^2 / 2.
+  double shortening = 0;
 };
 RotatingBeam rotating_beam(double gamma);
 

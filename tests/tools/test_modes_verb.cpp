@@ -1,0 +1,103 @@
+#include <cmath>
+#include <complex>
+#include <fstream>
+
+#include "tests/tools/verb.hpp"
+
+namespace stillframe::test {
+namespace {
+
+using Json = nlohmann::json;
+using Complex = std::complex<double>;
+
+class ModesVerb : public Verb {
+ protected:
+  /// The turning table (V10) at another rate, its springs damped; masses and springs are 1.
+  std::filesystem::path table(const std::string& rate, const std::string& damping) const {
+    std::ifstream stream(config("scenes/turning_table.yaml"));
+    std::string text(std::istreambuf_iterator<char>(stream), {});
+    text.replace(text.find("rate: 0.1"), 9, "rate: " + rate);
+    for (size_t at = 0; (at = text.find("stiffness: 1}", at)) != std::string::npos; at += 13) {
+      text.insert(at + 12, ", damping: " + damping);
+    }
+    return write("table.yaml", text);
+  }
+
+  static std::vector<Complex> eigenvalues(const Json& document) {
+    std::vector<Complex> values;
+    for (const Json& pair : document["eigenvalues"]) values.emplace_back(pair[0], pair[1]);
+    return values;
+  }
+
+  /// Of z'' + (d + 2 j W) z' + (1 - W^2) z = 0 and its conjugate, z = x + j y in the table.
+  static void expect_table(const Json& document, double W, double d) {
+    const std::vector<Complex> found = eigenvalues(document);
+    ASSERT_EQ(found.size(), 4u);
+    const Complex half(d / 2, W), root = std::sqrt(half * half - (1 - W * W));
+    for (const Complex& one : {-half + root, -half - root}) {
+      for (const Complex& expected : {one, std::conj(one)}) {
+        double least = INFINITY;
+        for (const Complex& value : found) least = std::min(least, std::abs(value - expected));
+        EXPECT_LE(least, 1e-13) << expected;  // rounding of simple eigenvalues of about 1
+      }
+    }
+  }
+};
+
+TEST_F(ModesVerb, TurningTable) {
+  const Json document = json({"modes", table("0.1", "0")});
+  EXPECT_EQ(document["moving"], true);
+  EXPECT_EQ(document["growing_eigenvalues"], 0);
+  expect_table(document, 0.1, 0);
+  // det(-w^2 M + K + N) = 0: w^2 = 1 - W^2.
+  ASSERT_EQ(document["natural_frequencies_hz"].size(), 2u);
+  EXPECT_NEAR(document["natural_frequencies_hz"][0].get<double>(), std::sqrt(0.99) / (2 * M_PI),
+              1e-14);
+  expect_documented_keys("modes", document);
+}
+
+TEST_F(ModesVerb, TableThatThrowsItsMassOutIsPrintedInWords) {
+  const auto scene = table("2", "0.1");
+  const Json document = json({"modes", scene});
+  EXPECT_EQ(document["growing_eigenvalues"], 2);
+  EXPECT_EQ(document["natural_frequencies_hz"].size(), 0u);
+  EXPECT_EQ(document["mode_shapes"].size(), 0u);
+  expect_table(document, 2, 0.1);
+  const Said said = run({"modes", scene});
+  EXPECT_EQ(said.exit_code, 0);
+  EXPECT_NE(said.output.find("NOT STABLE: 2 eigenvalue(s)"), std::string::npos) << said.output;
+  EXPECT_NE(said.output.find("not positive in motion"), std::string::npos) << said.output;
+}
+
+TEST_F(ModesVerb, UnstableAtRestIsRefused) {
+  std::string text = hanging_mass;
+  // The spring pushes sideways and the mass may leave its line: preload P, length 1, P > k_x.
+  text.replace(text.find("damping: 4"), 10, "preload: -5");
+  text.replace(text.find("fix: [x, y]}"), 12, "fix: [y]}");
+  text.replace(text.find("  - {element: spring}"), 21,
+               "  - {element: spring}\n  - {node: mass, along: x}");
+  text.replace(text.find("gravity: [0, 0, -9.81]\n"), 23, "operating_point: as_written\n");
+  const Said said = run({"modes", write("scene.yaml", text)});
+  EXPECT_EQ(said.exit_code, 3) << said.output;
+}
+
+TEST_F(ModesVerb, OverdampedModeIsAPairOfRealEigenvalues) {
+  std::string text = hanging_mass;
+  text.replace(text.find("damping: 4"), 10, "damping: 400");
+  const Json document = json({"modes", write("scene.yaml", text)});
+  // s^2 + 200 s + 400 = 0.
+  const std::vector<Complex> values = eigenvalues(document);
+  EXPECT_NEAR(values[0].real(), -100 + std::sqrt(9600), 1e-12);
+  EXPECT_NEAR(values[1].real(), -100 - std::sqrt(9600), 1e-12);
+  EXPECT_EQ(document["damping_ratios"][0], 1.0);
+  EXPECT_NEAR(document["natural_frequencies_hz"][0].get<double>(), 20 / (2 * M_PI), 1e-14);
+}
+
+TEST_F(ModesVerb, ModesAreThoseOfTheEquilibrium) {
+  const Json document = json({"modes", config("scenes/preloaded_frame.yaml")});
+  EXPECT_EQ(document["moving"], false);
+  EXPECT_EQ(document["natural_frequencies_hz"].size(), 6u);
+}
+
+}  // namespace
+}  // namespace stillframe::test

@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "core/equilibrium.hpp"
+#include "core/frequency_response.hpp"
+#include "core/linear/frequency_sweep.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "core/state_space.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::test {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+
+LinearModel linear_model(const std::string& name) {
+  const Scene scene =
+      read_scene(std::string(STILLFRAME_SOURCE_DIR) + "/config/scenes/" + name + ".yaml");
+  const Model model = make_model(scene);
+  return linearise(model, nominal_motion(scene, model), scene.inputs, scene.outputs);
+}
+
+class StateSpaceOf : public testing::TestWithParam<const char*> {};
+
+/// First-order and second-order form are two ways to one transfer function, motion inputs with
+/// their three columns, moving scenes and reactions included.
+TEST_P(StateSpaceOf, HasTheTransferFunctionOfTheSecondOrderForm) {
+  const LinearModel model = linear_model(GetParam());
+  const StateSpace system = state_space(model);
+  EXPECT_NO_THROW(check_shapes(system));
+  FrequencySweep sweep(system);
+  MatrixXcd G(sweep.n_outputs(), sweep.n_inputs());
+  for (const double f : {0.013, 0.7, 3.3, 41.0, 555.0}) {
+    const Complex s(0.1, 2 * std::numbers::pi * f);
+    sweep.evaluate(s, G);
+    const MatrixXcd expected = transfer_function(model, s);
+    for (Index j = 0; j < G.cols(); ++j) {
+      // Columns have different units, so each is judged by itself. Both ways lose the condition of
+      // the stiffness matrix, 1e8 for the cantilever of eight parts.
+      EXPECT_LE((G.col(j) - expected.col(j)).norm(), 1e-8 * expected.col(j).norm())
+          << f << " " << j;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, StateSpaceOf,
+                         testing::Values("cart", "metrology_frame", "preloaded_frame",
+                                         "turning_table", "rotating_cantilever", "slider_crank",
+                                         "spinning_arm"),
+                         [](const auto& param) { return std::string(param.param); });
+
+TEST(StateSpace, NamesAndOperatingPoint) {
+  const LinearModel model = linear_model("spinning_arm");
+  const StateSpace system = state_space(model);
+  const auto n = static_cast<Index>(model.q_names.size());
+  ASSERT_EQ(system.states.size(), model.q_names.size() * 2);
+  EXPECT_EQ(system.states[0].name, model.q_names[0]);
+  EXPECT_EQ(system.states[model.q_names.size()].name, "d/dt " + model.q_names[0]);
+  EXPECT_EQ(system.x0.head(n), model.q_0);
+  EXPECT_EQ(system.x0.tail(n), model.q_dot_0);
+  EXPECT_EQ(system.u0, model.u_0);
+  EXPECT_EQ(system.y0, model.y_0);
+}
+
+LinearModel with_mass(const Eigen::MatrixXd& M) {
+  LinearModel model = linear_model("turning_table");
+  model.M = M;
+  return model;
+}
+
+TEST(MassFactors, NameTheDofThatMovesNoMass) {
+  Eigen::Matrix2d M;
+  // Two dofs that move one mass together: a singular matrix that a Cholesky factorisation passes.
+  M << 1, 3, 3, 9;
+  EXPECT_THROW(state_space(with_mass(M)), Refusal);
+  M << 2e-9, 0, 0, 0;
+  try {
+    state_space(with_mass(M));
+    FAIL() << "a dof without mass was accepted";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("dof e(spring_y) moves no mass"), std::string::npos)
+        << refusal.what();
+  }
+}
+
+TEST(MassFactors, TakeMassesOfAnyScale) {
+  Eigen::Matrix2d M;
+  // Grams beside a millionth of a gram times a micrometre squared: small, but there.
+  M << 1e-3, 0.9e-12, 0.9e-12, 1e-21;
+  EXPECT_NO_THROW(state_space(with_mass(M)));
+}
+
+}  // namespace
+}  // namespace stillframe::test

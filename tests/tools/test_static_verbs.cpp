@@ -1,0 +1,126 @@
+#include <cmath>
+
+#include "tests/tools/verb.hpp"
+
+namespace stillframe::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class EquilibriumVerb : public Verb {};
+class BucklingVerb : public Verb {
+ protected:
+  /// A pinned column, L = 2 m, EI = 3 N m^2, in 8 parts; a negative load pushes.
+  std::filesystem::path column(const std::string& load) const {
+    return write("column.yaml", R"(title: A pinned column
+planar: true
+nodes:
+  root: {position: [0, 0]}
+  tip: {position: [2, 0]}
+masses: []
+elements:
+  column: {type: beam, nodes: [root, tip], EA: 1e6, EI: 3, mass_per_length: 1,
+    second_order: true, divide: 8}
+supports:
+  - {nodes: [root], fix: [x, y]}
+  - {nodes: [tip], fix: [y]}
+dofs: auto
+)" + load);
+  }
+};
+
+TEST_F(EquilibriumVerb, HangingMass) {
+  const Json document = json({"equilibrium", write("scene.yaml", hanging_mass)});
+  const double weight = 2 * 9.81;
+  // The residual is rounding of the weight: 1e-15 of 19.62 N, over 800 N/m.
+  EXPECT_NEAR(document["q"][0].get<double>(), weight / 800, 1e-15);
+  EXPECT_EQ(document["dofs"][0], "e(spring)");
+  EXPECT_EQ(document["nodal_displacements"][1]["node"], "mass");
+  EXPECT_NEAR(document["nodal_displacements"][1]["displacement"][2].get<double>(), -weight / 800,
+              1e-15);
+  EXPECT_NEAR(document["elements"][0]["stress_resultants"][0].get<double>(), weight, 1e-13);
+  EXPECT_NEAR(document["reference"].get<double>(), weight, 1e-13);
+  EXPECT_LE(document["residual"].get<double>(), 1e-13);
+  const Json& reactions = document["reactions"];
+  ASSERT_EQ(reactions.size(), 5u);
+  for (const Json& reaction : reactions) {
+    const bool holds = reaction["node"] == "ceiling" && reaction["direction"][2] == 1.0;
+    EXPECT_NEAR(reaction["value"].get<double>(), holds ? weight : 0.0, 1e-13) << reaction;
+  }
+  expect_documented_keys("equilibrium", document);
+  const std::string page = run({"equilibrium", folder_ / "scene.yaml"}).output;
+  EXPECT_NE(page.find("0.024525"), std::string::npos) << page;
+  EXPECT_NE(page.find("ceiling  z"), std::string::npos) << page;
+  EXPECT_EQ(page.find("-0\n"), std::string::npos) << page;
+}
+
+TEST_F(EquilibriumVerb, SpatialRotationsAreAnglesTimesAxes) {
+  const Json document = json({"equilibrium", write("scene.yaml", R"(title: A weak bearing
+nodes:
+  wall: {position: [0, 0, 0]}
+  arm: {position: [0, 0, 0]}
+masses:
+  - {node: arm, mass: 1, inertia: [1, 1, 1]}
+elements:
+  bearing: {type: hinge, nodes: [wall, arm], axis: [0, 3, 4], stiffness: 2}
+supports:
+  - {nodes: [wall], fix: [x, y, z, rotation]}
+loads:
+  - {node: arm, torque: [0, 1.2, 1.6]}
+dofs:
+  - {element: bearing, mode: 1}
+)")});
+  // 2 N m about the axis, over 2 N m/rad: one radian about (0, 0.6, 0.8).
+  const Json& rotation = document["nodal_displacements"][1]["rotation"];
+  EXPECT_NEAR(rotation[0].get<double>(), 0, 1e-14);
+  EXPECT_NEAR(rotation[1].get<double>(), 0.6, 1e-14);
+  EXPECT_NEAR(rotation[2].get<double>(), 0.8, 1e-14);
+  EXPECT_NEAR(document["elements"][0]["deformations"][0].get<double>(), 1.0, 1e-14);
+  // The wall holds against the whole torque.
+  double moment = 0;
+  for (const Json& reaction : document["reactions"]) {
+    if (reaction["unit"] == "N m") {
+      moment += std::pow(reaction["value"].get<double>(), 2);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(moment), 2.0, 1e-13);
+}
+
+TEST_F(EquilibriumVerb, NothingThatHoldsIsRefused) {
+  std::string text = hanging_mass;
+  text.replace(text.find("stiffness: 800"), 14, "stiffness: 0");
+  expect_refused({"equilibrium", write("scene.yaml", text)}, 3, "no equilibrium found");
+}
+
+/// V6: n^2 pi^2 EI / L^2.
+TEST_F(BucklingVerb, EulerColumn) {
+  const auto scene = column("loads:\n  - {node: tip, force: [-1, 0]}\n");
+  const Json document = json({"buckling", scene, "--count", "2"});
+  const Json& multipliers = document["load_multipliers"];
+  ASSERT_EQ(multipliers.size(), 2u);
+  const double euler = M_PI * M_PI * 3 / 4;
+  // Cubic elements converge with (n pi / 8)^4 / 720 or faster: 3.4e-5 and 5.3e-4.
+  EXPECT_NEAR(multipliers[0].get<double>(), euler, 4e-5 * euler);
+  EXPECT_NEAR(multipliers[1].get<double>(), 4 * euler, 6e-4 * 4 * euler);
+  EXPECT_GE(multipliers[0].get<double>(), euler);  // a restricted shape is too stiff
+  EXPECT_EQ(document["shapes"].size(), document["dofs"].size());
+  EXPECT_EQ(document["shapes"][0].size(), 2u);
+  expect_documented_keys("buckling", document);
+  const std::string page = run({"buckling", scene, "--count", "2"}).output;
+  EXPECT_NE(page.find("it buckles at 7.40"), std::string::npos) << page;
+  EXPECT_NE(page.find("phi(root) 1"), std::string::npos) << page;
+  EXPECT_NE(page.find("more: see --count"), std::string::npos) << page;
+}
+
+TEST_F(BucklingVerb, PullHasNoMultiplier) {
+  const auto scene = column("loads:\n  - {node: tip, force: [1, 0]}\n");
+  EXPECT_EQ(json({"buckling", scene})["load_multipliers"].size(), 0u);
+  EXPECT_NE(run({"buckling", scene}).output.find("no multiple of the load"), std::string::npos);
+}
+
+TEST_F(BucklingVerb, NoLoadIsRefused) {
+  expect_refused({"buckling", column("")}, 3, "there is no load to multiply");
+}
+
+}  // namespace
+}  // namespace stillframe::test

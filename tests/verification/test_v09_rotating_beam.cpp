@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+#include <numbers>
+
+#include "tests/verification/closed_forms.hpp"
+#include "tests/verification/convergence.hpp"
+#include "tests/verification/scene_text.hpp"
+
+// V9: a cantilever that rotates about its root.
+namespace stillframe::verification {
+namespace {
+
+/// The scene at gamma turns a second: frequencies in Hz are the relative ones, lag and then flap.
+std::string text_at(double gamma) {
+  return with(without_signals(scene_text("rotating_cantilever")), "31.41592653589793",
+              number(2 * std::numbers::pi * gamma));
+}
+
+Error flap_error(const std::string& text, const RotatingBeam& reference) {
+  return [=](int n) { return frequencies_hz(divided(text, n))(1) / reference.flap - 1; };
+}
+Error lag_error(const std::string& text, const RotatingBeam& reference) {
+  return [=](int n) { return frequencies_hz(divided(text, n))(0) / reference.lag - 1; };
+}
+
+TEST(V9, RitzGivesThePublishedNumbers) {
+  const double published[][2] = {{1, 3.68165}, {2, 4.13732}, {5, 6.44954}};
+  for (const auto& [gamma, flap] : published) {
+    EXPECT_NEAR(rotating_beam(gamma).flap, flap, 5e-6);  // half a unit of the last digit
+  }
+  // Rounding of the two matrices, whose condition grows to 1e6 with the degree.
+  EXPECT_NEAR(rotating_beam(0).flap, std::pow(beam_root(1, -1), 2), 1e-8);
+}
+
+TEST(V9, FlapAndLag) {
+  for (const double gamma : {1.0, 2.0, 5.0}) {
+    const RotatingBeam beam = rotating_beam(gamma);
+    const std::string text = text_at(gamma);
+    const Error second = flap_error(text, beam), first = flap_error(first_order(text), beam);
+    for (const int n : {8, 16}) {
+      // What cubics between the nodes leave out of the bending energy and of the work of the
+      // centrifugal forces on the shortening (h^4 / 720 each), and what chords leave out of the
+      // work of the tension (h^2 / 12 T w''^2), over twice the square of the frequency. The next
+      // terms are smaller by the order of h^2, with coefficients that grow as the mode does.
+      const double h = 1.0 / n, square = beam.flap * beam.flap;
+      const double cubic = h * h * h * h / 1440 * (beam.fourth + beam.shortening) / square,
+                   chord = -h * h / 24 * beam.tension / square;
+      const double next = (gamma * gamma + 4) * h * h;
+      std::cout << "gamma " << gamma << ", " << n << " elements: flap error second_order "
+                << second(n) << " (theory " << cubic << "), first order " << first(n) << " (theory "
+                << chord << ")\n";
+      EXPECT_NEAR(first(n), chord, std::abs(chord) * next);
+      EXPECT_NEAR(second(n), cubic, cubic * next + 1e-8);
+      // lag^2 = flap^2 - gamma^2 holds for the model itself: the same matrices but for -Omega^2 M.
+      // Rounding: 1e-16 of the square of the highest frequency, 1e8 of these.
+      const Eigen::VectorXd f = frequencies_hz(divided(text, n));
+      EXPECT_NEAR(f(0) * f(0), f(1) * f(1) - gamma * gamma, 1e-7 * square);
+    }
+    EXPECT_NEAR(observed_order(first, 8), 2, 0.1);
+    EXPECT_NEAR(observed_order(second, 4), 4, 0.25);
+    const std::string name = "V9 gamma " + std::to_string(static_cast<int>(gamma));
+    print_counts(name + " flap, second_order", second);
+    print_counts(name + " lag, second_order", lag_error(text, beam));
+    print_counts(name + " flap, first order", first, 1, 24);
+    std::cout << name << " flap, first order, extrapolated: 1e-3 with "
+              << extrapolated_count(first, 16, 2, 1e-3) << ", 1e-5 with "
+              << extrapolated_count(first, 16, 2, 1e-5) << "\n";
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::verification
