@@ -23,8 +23,9 @@ enum class Order { position, velocity, acceleration };
 /// The nonlinear equations beside the linear model: one model of their own, whose loads may change.
 class Certifier {
  public:
-  explicit Certifier(const Scene& scene)
+  Certifier(const Scene& scene, const std::function<void(double)>& progress)
       : scene_(scene),
+        progress_(progress),
         model_(make_model(scene)),
         nominal_(nominal_motion(scene, model_)),
         linear_(linearise(model_, nominal_, scene.inputs, scene.outputs)),
@@ -165,6 +166,7 @@ class Certifier {
     for (const auto& block : blocks) {
       double difference = 0, size = 0, scale = 0;
       for (Index j = 0; j < n_columns(); ++j) {
+        column_done();
         if (!is_motion_column(j)) continue;
         const VectorXd expected = extrapolated_derivative(
             [&](double t) {
@@ -262,6 +264,7 @@ class Certifier {
       MatrixXd found(model_.n_d + n_y, 0), expected = found;
       const Index first = states ? 0 : model_.n_d, last = states ? model_.n_d : n_columns();
       for (Index j = first; j < last; ++j) {
+        column_done();
         std::vector<std::pair<Order, double>> orders = {{Order::position, 1},
                                                         {Order::velocity, 10}};
         if (!states) orders.push_back({Order::acceleration, 100});
@@ -305,7 +308,12 @@ class Certifier {
     result_.push_back({name, difference, size});
   }
 
+  /// One of the columns of the six blocks, or of the whole equations, is done.
+  void column_done() { progress_(++columns_done_ / static_cast<double>(7 * n_columns())); }
+
   const Scene& scene_;
+  const std::function<void(double)>& progress_;
+  double columns_done_ = 0;
   Model model_;
   NominalMotion nominal_;
   LinearModel linear_;
@@ -319,6 +327,9 @@ class Certifier {
 
 }  // namespace
 
-std::vector<BlockCertificate> certify(const Scene& scene) { return Certifier(scene).run(); }
+std::vector<BlockCertificate> certify(const Scene& scene,
+                                      const std::function<void(double)>& progress) {
+  return Certifier(scene, progress).run();
+}
 
 }  // namespace stillframe

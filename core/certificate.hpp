@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,12 @@ struct BlockCertificate {
 /// each for the dofs and for the prescribed motions among the inputs; A, B from the accelerations
 /// of the equations of motion as they are simulated, C_y and D_y (the deck's C and D) from the
 /// outputs. The second-order blocks are judged by their largest entry, rows of A and B by the
-/// largest of the accelerations, each output by its own largest entry. Errors: as linearise.
-std::vector<BlockCertificate> certify(const Scene& scene);
+/// largest of the accelerations, each output by its own largest entry. progress
+/// hears the share that is done, 0 to 1. Errors: as linearise.
+std::vector<BlockCertificate> certify(
+    const Scene& scene, const std::function<void(double)>& progress = [](double) {});
+
+/// What a certificate has to reach: differences of smooth functions do, by two or more decades.
+inline constexpr double certified_difference = 1e-9;
 
 }  // namespace stillframe

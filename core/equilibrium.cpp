@@ -75,8 +75,7 @@ class Balance {
         std::max(stresses.lpNorm<Eigen::Infinity>(), loads.lpNorm<Eigen::Infinity>());
     if (!motion_.moving) return at_rest;
     complete_accelerations(data_, VectorXd::Zero(model_.n_d));
-    const double inertia =
-        inertia_forces(model_, data_).head(model_.n_x).lpNorm<Eigen::Infinity>();
+    const double inertia = inertia_forces(model_, data_).head(model_.n_x).lpNorm<Eigen::Infinity>();
     return std::max(at_rest, inertia * data_.DF.lpNorm<Eigen::Infinity>());
   }
 

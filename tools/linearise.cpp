@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
 
+#include "core/certificate.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "report/table.hpp"
@@ -21,7 +23,7 @@ constexpr Index page_columns = 8;
 struct Options {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> mat;
-  bool json = false;
+  bool json = false, certify = false;
 };
 
 void print_signals(const LinearModel& linear, const StateSpace& system) {
@@ -80,6 +82,29 @@ void print_page(const Scene& scene, const LinearModel& linear, const StateSpace&
   print_matrix("D", system.D);
 }
 
+Json json_of(const std::vector<BlockCertificate>& certificates) {
+  Json list = Json::array();
+  for (const BlockCertificate& c : certificates) {
+    list.push_back({{"block", c.block}, {"difference", c.difference}, {"size", c.size}});
+  }
+  return list;
+}
+
+void print_certificates(const std::vector<BlockCertificate>& certificates) {
+  std::cout << "\nAgainst differences of the nonlinear equations\n";
+  report::Table table({"block", "largest entry", "largest relative difference"}, 0);
+  for (const BlockCertificate& c : certificates) {
+    table.add({c.block, report::cell("%.3g", c.size), report::cell("%.1e", c.difference)});
+  }
+  std::cout << table.print();
+}
+
+bool is_certified(const std::vector<BlockCertificate>& certificates) {
+  return std::all_of(certificates.begin(), certificates.end(), [](const BlockCertificate& c) {
+    return c.difference <= certified_difference;
+  });
+}
+
 int run(const Options& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
@@ -87,6 +112,10 @@ int run(const Options& options) {
   patience.now("linearising");
   const LinearModel linear = linearise_scene(scene, model, scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);
+  std::vector<BlockCertificate> certificates;
+  if (options.certify) {
+    certificates = certify(scene, [&](double share) { patience.now("certifying", 100 * share); });
+  }
   if (options.mat) write_mat(linear, system, *options.mat);
   if (options.json) {
     Json document{{"scene", scene.title},
@@ -94,11 +123,15 @@ int run(const Options& options) {
                   {"operating_point", operating_point_in_words(scene)}};
     document.update(to_json(linear, system));
     document["nodal_displacements"] = to_json(model, node_displacements(model, linear.x_0));
+    if (options.certify) document["certificates"] = json_of(certificates);
     print(document);
   } else {
     print_page(scene, linear, system);
+    if (options.certify) print_certificates(certificates);
   }
-  return exit_done;
+  if (is_certified(certificates)) return exit_done;
+  std::cerr << "stillframe: a block is further than 1e-9 from the nonlinear equations\n";
+  return exit_failed;
 }
 
 constexpr const char* footer =
@@ -116,6 +149,8 @@ constexpr const char* footer =
     "  state_space   A, B, C, D\n"
     "  x0, u0, y0    state, inputs and outputs of the operating point\n"
     "  nodal_displacements  {node, displacement (m), rotation (rad, angle times axis)}\n"
+    "  certificates  with --certify: {block, difference, size}; C_y and D_y are C and D of the\n"
+    "                state space, C and D those of the second-order form\n"
     "Names in --mat: A, B, C, D; M_bar, C_bar, D_bar, K_bar, N_bar, G_bar, B_bar; M_r ... D_u; x0, "
     "u0,\n"
     "y0; cell arrays state_, input_, output_names and _units, column_inputs, column_of, "
@@ -135,6 +170,9 @@ void add_linearise(CLI::App& app, int& exit_code) {
   verb->add_flag("--json", options->json, "Print JSON (keys below)");
   verb->add_option("--mat", options->mat, "Write a MATLAB level-5 file too (names below)")
       ->type_name("FILE");
+  verb->add_flag("--certify", options->certify,
+                 "Compare every block with extrapolated differences of the nonlinear equations; "
+                 "exit code 4 if one is further than 1e-9 from them");
   verb->footer(footer);
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

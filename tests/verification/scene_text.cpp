@@ -43,6 +43,12 @@ std::string without_signals(const std::string& text) {
   return text.substr(0, text.find("\ninputs:") + 1);
 }
 
+std::string blade_without_twist() {
+  const std::string text =
+      with(scene_text("rotating_cantilever"), "rigid: [1], GJ: 40", "rigid: [1, 2]");
+  return with(text, "inertia_per_length: 1e-6, ", "");
+}
+
 std::string number(double value) {
   std::ostringstream text;
   text << std::setprecision(17) << value;

@@ -45,9 +45,9 @@ TEST(V4V5, ClosedFormsAreThePublishedNumbers) {
   }
 }
 
-/// A cubic between the nodes leaves out h^4 / 720 of the square of the fourth derivative (Strang and
-/// Fix, 1973), so that a frequency a^2 comes out too high by (a h)^4 / 1440, h = 1 / n. The next
-/// term is smaller by a factor of the order of (a h)^2; its coefficient is below 1/6.
+/// A cubic between the nodes leaves out h^4 / 720 of the square of the fourth derivative (Strang
+/// and Fix, 1973), so that a frequency a^2 comes out too high by (a h)^4 / 1440, h = 1 / n. The
+/// next term is smaller by a factor of the order of (a h)^2; its coefficient is below 1/6.
 TEST(V4V5, FrequenciesConvergeFromAboveAsTheElementIsMadeFor) {
   for (const BeamCase& beam : cases()) {
     for (int k = 1; k <= 3; ++k) {

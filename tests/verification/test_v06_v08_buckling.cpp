@@ -13,10 +13,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-// What a cubic between the nodes leaves out of the bending energy is (k h)^4 / 720 for a wave number
-// k. Without second-order terms the load works on the shortening of the chord alone, which leaves
-// out (k h)^2 / 12 of it. The next terms are smaller by the order of (k h)^2, with a coefficient
-// below 1/8.
+// What a cubic between the nodes leaves out of the bending energy is (k h)^4 / 720 for a wave
+// number k. Without second-order terms the load works on the shortening of the chord alone, which
+// leaves out (k h)^2 / 12 of it. The next terms are smaller by the order of (k h)^2, with a
+// coefficient below 1/8.
 double next_term(double leading, double kh) { return std::abs(leading) * kh * kh / 8; }
 
 struct Column {
@@ -80,7 +80,8 @@ TEST(V6, FurtherMultipliersAreThoseOfHigherModes) {
 TEST(V7, FrequenciesOfALoadedPinnedBeam) {
   const std::string text = without_signals(scene_text("loaded_pinned_beam"));
   for (const double part : {0.5, -1.0}) {  // compression, and tension of twice the size
-    const std::string loaded = with(text, "-194.8181820680048", number(-part * 4 * std::pow(pi, 4)));
+    const std::string loaded =
+        with(text, "-194.8181820680048", number(-part * 4 * std::pow(pi, 4)));
     for (int mode = 1; mode <= 3; ++mode) {
       const double k = mode * pi, p = part / (mode * mode);
       const double reference = k * k * std::sqrt(1 - p);

@@ -14,7 +14,7 @@ namespace {
 
 /// The scene at gamma turns a second: frequencies in Hz are the relative ones, lag and then flap.
 std::string text_at(double gamma) {
-  return with(without_signals(scene_text("rotating_cantilever")), "31.41592653589793",
+  return with(without_signals(blade_without_twist()), "31.41592653589793",
               number(2 * std::numbers::pi * gamma));
 }
 
@@ -68,6 +68,26 @@ TEST(V9, FlapAndLag) {
               << extrapolated_count(first, 16, 2, 1e-3) << ", 1e-5 with "
               << extrapolated_count(first, 16, 2, 1e-5) << "\n";
   }
+}
+
+/// The scene as it stands twists, and its section has an inertia of 1e-6 about the axis, which
+/// takes 1e-6 off its frequencies. An elastic elongation raises them by a part of EA / (mu (Omega
+/// L)^2).
+TEST(V9, TheSceneItself) {
+  const RotatingBeam beam = rotating_beam(5);
+  const std::string scene = without_signals(scene_text("rotating_cantilever"));
+  const double without = flap_error(text_at(5), beam)(8), twisting = flap_error(scene, beam)(8);
+  EXPECT_NEAR(twisting, without, 2e-6);
+  EXPECT_NEAR(frequencies_hz(scene)(1), 6.44954, 1e-4);
+  EXPECT_NEAR(frequencies_hz(scene)(0), std::sqrt(6.44954 * 6.44954 - 25), 2e-4);
+  const auto stretching = [&](double EA) {
+    return flap_error(with(text_at(5), "rigid: [1, 2]", "rigid: [2], EA: " + number(EA)), beam)(8) -
+           without;
+  };
+  std::cout << "V9: EA / EI = 1e6 shifts the flap frequency by " << stretching(4e7) << "\n";
+  EXPECT_LE(std::abs(stretching(4e7)), std::pow(10 * std::numbers::pi, 2) / 4e7);
+  // Proportional to 1 / EA; rounding of 1e-9 in the frequencies of a stiffer beam.
+  EXPECT_NEAR(stretching(4e6) / stretching(4e7), 10, 0.1);
 }
 
 }  // namespace

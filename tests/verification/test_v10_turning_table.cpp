@@ -24,7 +24,8 @@ std::string text_at(double spin, double damping) {
 /// Largest distance from a root to its nearest computed neighbour.
 double distance(const std::vector<Complex>& roots, const Eigen::VectorXcd& computed) {
   double worst = 0;
-  for (const Complex& root : roots) worst = std::max(worst, (computed.array() - root).abs().minCoeff());
+  for (const Complex& root : roots)
+    worst = std::max(worst, (computed.array() - root).abs().minCoeff());
   return worst;
 }
 
@@ -64,7 +65,8 @@ Eigen::VectorXcd transmission_zeros(const Eigen::MatrixXd& A, const Eigen::Vecto
   const Eigen::GeneralizedEigenSolver<Eigen::MatrixXd> solver(P, Q, false);
   std::vector<Complex> finite;
   for (Eigen::Index i = 0; i <= n; ++i) {
-    if (std::abs(solver.betas()(i)) > 1e-12) finite.push_back(solver.alphas()(i) / solver.betas()(i));
+    if (std::abs(solver.betas()(i)) > 1e-12)
+      finite.push_back(solver.alphas()(i) / solver.betas()(i));
   }
   return Eigen::Map<Eigen::VectorXcd>(finite.data(), static_cast<Eigen::Index>(finite.size()));
 }

@@ -77,8 +77,8 @@ TEST(V11, ShorteningFromTheSecondOrderTransferFunction) {
 TEST(V11, ShorteningOfTheLoadedGuide) {
   double previous = 0;
   for (const double force : {10.0, 5.0, 2.5}) {
-    const LinearModel m = linear_model(
-        with(scene_text("leaf_spring_guide"), "force: [5, 0]", "force: [" + number(force) + ", 0]"));
+    const LinearModel m = linear_model(with(scene_text("leaf_spring_guide"), "force: [5, 0]",
+                                            "force: [" + number(force) + ", 0]"));
     const double u = m.y_0(0), y = m.y_0(1);
     EXPECT_NEAR(u, force / stiffness, 1e-12);  // linear in the element's own deformations
     const double error = y / (-0.6 * u * u / length) - 1;

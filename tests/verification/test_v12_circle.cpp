@@ -22,16 +22,16 @@ struct Tip {
 Tip computed(int n, bool second) {
   std::string text = without_signals(scene_text("beam_to_circle"));
   if (second) text = with(text, "divide:", "second_order: true, divide:");
-  const LinearModel m = linear_model(
-      divided(text, n) +
-      "inputs: []\noutputs: [{name: x, position: tip, along: x}, {name: y, position: tip, along: y},"
-      " {name: angle, rotation: tip}]\n");
+  const LinearModel m = linear_model(divided(text, n) +
+                                     "inputs: []\noutputs: [{name: x, position: tip, along: x}, "
+                                     "{name: y, position: tip, along: y},"
+                                     " {name: angle, rotation: tip}]\n");
   return {m.y_0(0), m.y_0(1), m.y_0(2)};
 }
 
 /// The same by hand. All n elements bend alike, by an angle 2 phi over a chord C, with deformations
-/// e_2 = e_3 = -C sin phi and the energy 2 EI (C sin phi)^2 / l^3; M = dE / d(2 phi). The chord is l,
-/// or with second-order terms C + (C sin phi)^2 / (6 l) = l.
+/// e_2 = e_3 = -C sin phi and the energy 2 EI (C sin phi)^2 / l^3; M = dE / d(2 phi). The chord is
+/// l, or with second-order terms C + (C sin phi)^2 / (6 l) = l.
 Tip by_hand(int n, bool second) {
   const double l = 1.0 / n;
   double phi = pi / n, C = l;
@@ -64,8 +64,9 @@ TEST(V12, EquilibriumIsThatOfTheChainByHand) {
   }
 }
 
-/// The sine of half the angle of a part, theta = 2 pi / n, makes it too soft by theta^2 / 6, and with
-/// the shortening of the chord by twice that. The circle closes to the same part of its length.
+/// The sine of half the angle of a part, theta = 2 pi / n, makes it too soft by theta^2 / 6, and
+/// with the shortening of the chord by twice that. The circle closes to the same part of its
+/// length.
 TEST(V12, ClosesToACircleWithTheSquareOfTheLength) {
   for (const bool second : {false, true}) {
     const Error angle = [&](int n) { return computed(n, second).angle / (2 * pi) - 1; };

@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 using Eigen::VectorXd;
 
-const Vector3d principal(1, 2, 3);              // kg m^2, of the scene
-const Vector3d initial_spin(1e-3, 1, 1e-3);     // rad/s, of the scene
+const Vector3d principal(1, 2, 3);           // kg m^2, of the scene
+const Vector3d initial_spin(1e-3, 1, 1e-3);  // rad/s, of the scene
 
 Matrix3d rotation(const Vector4d& l) {
   const Vector3d v = l.tail<3>();
@@ -31,11 +31,12 @@ Matrix3d rotation(const Vector4d& l) {
   return Matrix3d::Identity() + 2 * l(0) * cross + 2 * cross * cross;
 }
 
-/// The body in a scene drawn as it stands: q^d = (x, y, z, lambda_1, lambda_2, lambda_3) is good for
-/// less than half a turn from there, so that after 0.8 rad the scene is drawn anew.
+/// The body in a scene drawn as it stands: q^d = (x, y, z, lambda_1, lambda_2, lambda_3) is good
+/// for less than half a turn from there, so that after 0.8 rad the scene is drawn anew.
 class Body {
  public:
-  Body() : scene_(parse_scene(scene_text("free_body"), "free_body")), attitude_(Matrix3d::Identity()) {
+  Body()
+      : scene_(parse_scene(scene_text("free_body"), "free_body")), attitude_(Matrix3d::Identity()) {
     Vector3d velocity;
     for (int i = 0; i < 3; ++i) velocity(i) = scene_.dofs[static_cast<size_t>(i)].rate;
     for (SceneDof& dof : scene_.dofs) dof.rate = 0;
@@ -43,10 +44,12 @@ class Body {
   }
 
   void advance(double duration, double tolerance) {
-    Integrator integrator(6,
-                          [this](double, const Eigen::Ref<const VectorXd>& y,
-                                 Eigen::Ref<VectorXd> dy_dt) { return rate(y, dy_dt); },
-                          tolerance);
+    Integrator integrator(
+        6,
+        [this](double, const Eigen::Ref<const VectorXd>& y, Eigen::Ref<VectorXd> dy_dt) {
+          return rate(y, dy_dt);
+        },
+        tolerance);
     ASSERT_EQ(integrator.advance(y_, duration, 0.1), Integrator::Status::ok);
     VectorXd dy_dt(12);
     ASSERT_TRUE(rate(y_, dy_dt));
@@ -143,7 +146,8 @@ class ClosedForm {
       a.push_back(mean);
     }
     double phi = std::ldexp(a.back() * (start_ + rate_ * t), static_cast<int>(a.size()) - 1);
-    for (size_t i = a.size() - 1; i > 0; --i) phi = (phi + std::asin(c[i] * std::sin(phi) / a[i])) / 2;
+    for (size_t i = a.size() - 1; i > 0; --i)
+      phi = (phi + std::asin(c[i] * std::sin(phi) / a[i])) / 2;
     const double sn = std::sin(phi), dn = std::sqrt(1 - modulus_squared_ * sn * sn);
     return amplitudes_.cwiseProduct(Vector3d(std::cos(phi), sn, dn));
   }
@@ -190,7 +194,8 @@ TEST(V13, ClosedFormStartsWhereTheSceneDoesAndSolvesEulersEquations) {
     const double h = 1e-3;  // differences of the order h^4, and rounding of 1e-14 / h
     const Vector3d w = closed_form.spin(t);
     const Vector3d rate = (8 * (closed_form.spin(t + h) - closed_form.spin(t - h)) -
-                           (closed_form.spin(t + 2 * h) - closed_form.spin(t - 2 * h))) / (12 * h);
+                           (closed_form.spin(t + 2 * h) - closed_form.spin(t - 2 * h))) /
+                          (12 * h);
     const Vector3d moment = principal.cwiseProduct(rate) + w.cross(principal.cwiseProduct(w));
     EXPECT_LE(moment.norm(), 1e-10) << t;
   }
@@ -203,8 +208,8 @@ TEST(V13, EnergyAndMomentumAreKeptToTheToleranceOfTheIntegrator) {
     const Drift drift = drift_over(duration, tolerance);
     std::cout << "V13: " << drift.tumbles << " turns over in " << duration << " s, tolerance "
               << tolerance << ": energy " << drift.energy << ", momentum " << drift.momentum
-              << ", norm " << drift.norm << ", spin " << drift.spin << " rad/s from the closed form, "
-              << drift.charts << " drawings\n";
+              << ", norm " << drift.norm << ", spin " << drift.spin
+              << " rad/s from the closed form, " << drift.charts << " drawings\n";
     EXPECT_EQ(drift.tumbles, 10);
     // Some 1e3 steps, whose errors are each up to the tolerance, add up.
     EXPECT_LE(drift.energy, 1e3 * tolerance);
@@ -218,8 +223,8 @@ TEST(V13, EnergyAndMomentumAreKeptToTheToleranceOfTheIntegrator) {
   }
 }
 
-/// The time between two turns goes as the logarithm of the distance from the separatrix, 1e-6 here, so
-/// that an error of energy or momentum of 1e-14 makes 1e-8 of a period.
+/// The time between two turns goes as the logarithm of the distance from the separatrix, 1e-6 here,
+/// so that an error of energy or momentum of 1e-14 makes 1e-8 of a period.
 TEST(V13, SpinIsThatOfJacobisEllipticFunctions) {
   const double period = ClosedForm().period();
   const Drift drift = drift_over(2 * period, 1e-13);

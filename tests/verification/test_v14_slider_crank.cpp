@@ -10,9 +10,9 @@
 namespace stillframe::verification {
 namespace {
 
-constexpr double crank = 0.3, rod = 0.8;                              // m
+constexpr double crank = 0.3, rod = 0.8;                                // m
 constexpr double crank_mass = 0.6, rod_mass = 0.48, slider_mass = 0.5;  // kg
-constexpr double as_drawn = 0.5;                                      // rad
+constexpr double as_drawn = 0.5;                                        // rad
 
 struct Reactions {
   double slider_acceleration = 0, motor = 0, bearing_x = 0, bearing_y = 0, side = 0;
@@ -22,7 +22,9 @@ struct Reactions {
 /// the rod from pin to slider, t: across it.
 Reactions by_hand(double angle, double rate) {
   using Eigen::Vector2d;
-  const auto cross = [](const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); };
+  const auto cross = [](const Vector2d& a, const Vector2d& b) {
+    return a.x() * b.y() - a.y() * b.x();
+  };
   const Vector2d pin = crank * Vector2d(std::cos(angle), std::sin(angle));
   const double sine = -pin.y() / rod, cosine = std::sqrt(1 - sine * sine);
   const Vector2d n(cosine, sine), t(-sine, cosine);
@@ -53,12 +55,13 @@ std::string at_angle(double angle, double rate) {
          signals;
 }
 
-/// With a rigid rod nothing is free: a mass on a spring, far away, takes the place of the dof that a
-/// scene has to have.
+/// With a rigid rod nothing is free: a mass on a spring, far away, takes the place of the dof that
+/// a scene has to have.
 std::string rigid(std::string text) {
   text = with(text, "EA: 4e6, EI: 200, mass_per_length: 0.6, damping_time: 1e-5",
               "rigid: true, mass_per_length: 0.6");
-  text = with(text, "nodes:\n  base:", "nodes:\n  wall: {position: [5, 5]}\n  ballast: {position: [6, 5]}\n  base:");
+  text = with(text, "nodes:\n  base:",
+              "nodes:\n  wall: {position: [5, 5]}\n  ballast: {position: [6, 5]}\n  base:");
   text = with(text, "masses:\n", "masses:\n  - {node: ballast, mass: 1}\n");
   text = with(text, "elements:\n",
               "elements:\n  spring: {type: truss, nodes: [wall, ballast], stiffness: 1}\n");
@@ -69,7 +72,8 @@ std::string rigid(std::string text) {
 
 /// Stiffness times a factor.
 std::string stiffer(const std::string& text, double factor) {
-  return with(text, "EA: 4e6, EI: 200", "EA: " + number(4e6 * factor) + ", EI: " + number(200 * factor));
+  return with(text, "EA: 4e6, EI: 200",
+              "EA: " + number(4e6 * factor) + ", EI: " + number(200 * factor));
 }
 
 /// Largest difference of the reactions from those by hand, relative to their size.
@@ -78,7 +82,7 @@ double difference(const LinearModel& m, const Reactions& r) {
   hand << r.slider_acceleration, r.motor, r.bearing_x, r.bearing_y, r.side;
   const Eigen::VectorXd d = (m.y_0 - hand).cwiseAbs();
   // Accelerations and forces are not the same kind: the acceleration is taken by the slider's mass.
-const double scale = hand.tail(4).cwiseAbs().maxCoeff();
+  const double scale = hand.tail(4).cwiseAbs().maxCoeff();
   return std::max(slider_mass * d(0), d.tail(4).maxCoeff()) / scale;
 }
 
@@ -86,10 +90,12 @@ TEST(V14, ReactionsOfRigidLinksAreThoseOfInverseDynamics) {
   double worst = 0;
   for (const double angle : {0.0, 0.5, 1.2, 2.0, 3.0, 4.4, 5.9}) {
     for (const double rate : {10.0, -3.0}) {
-      worst = std::max(worst, difference(linear_model(rigid(at_angle(angle, rate))), by_hand(angle, rate)));
+      worst = std::max(
+          worst, difference(linear_model(rigid(at_angle(angle, rate))), by_hand(angle, rate)));
     }
   }
-  std::cout << "V14: reactions of the rigid slider-crank differ by " << worst << " from those by hand\n";
+  std::cout << "V14: reactions of the rigid slider-crank differ by " << worst
+            << " from those by hand\n";
   EXPECT_LE(worst, 1e-13);  // some ten operations on numbers of one size
 }
 
