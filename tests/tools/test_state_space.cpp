@@ -5,6 +5,7 @@
 #include "core/equilibrium.hpp"
 #include "core/frequency_response.hpp"
 #include "core/linear/frequency_sweep.hpp"
+#include "core/modes.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
@@ -72,9 +73,16 @@ LinearModel with_mass(const Eigen::MatrixXd& M) {
 
 TEST(MassFactors, NameTheDofThatMovesNoMass) {
   Eigen::Matrix2d M;
-  // Two dofs that move one mass together: a singular matrix that a Cholesky factorisation passes.
-  M << 1, 3, 3, 9;
-  EXPECT_THROW(state_space(with_mass(M)), Refusal);
+  // Two dofs that move one mass together: singular, and yet rounding lets some of these matrices
+  // pass a plain Cholesky factorisation.
+  int n_passed = 0;
+  for (int k = 2; k < 50; ++k) {
+    const Eigen::Vector2d part(1.0 / 3, 1.0 / k);
+    M = part * part.transpose();
+    n_passed += Eigen::LLT<Eigen::Matrix2d>(M).info() == Eigen::Success;
+    EXPECT_THROW(state_space(with_mass(M)), Refusal) << k;
+  }
+  EXPECT_GT(n_passed, 0);
   M << 2e-9, 0, 0, 0;
   try {
     state_space(with_mass(M));
@@ -90,6 +98,21 @@ TEST(MassFactors, TakeMassesOfAnyScale) {
   // Grams beside a millionth of a gram times a micrometre squared: small, but there.
   M << 1e-3, 0.9e-12, 0.9e-12, 1e-21;
   EXPECT_NO_THROW(state_space(with_mass(M)));
+}
+
+TEST(Modes, GrowingRealEigenvaluesInMotion) {
+  LinearModel model = linear_model("turning_table");
+  model.M.setIdentity();
+  for (Eigen::MatrixXd* block : {&model.C, &model.D, &model.K, &model.G}) block->setZero();
+  model.N = Eigen::Vector2d(-4, -9).asDiagonal();
+  const Modes found = modes(model);
+  EXPECT_EQ(found.natural_frequencies_hz.size(), 0);
+  EXPECT_EQ(found.n_growing, 2);
+  EXPECT_EQ(found.damping_ratios, Eigen::Vector2d(-1, -1));
+  for (Index i = 0; i < 4; ++i) {
+    // Rounding of simple eigenvalues of about 3.
+    EXPECT_NEAR(std::abs(found.eigenvalues(i)), i < 2 ? 2 : 3, 1e-14) << i;
+  }
 }
 
 }  // namespace
