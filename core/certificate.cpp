@@ -181,20 +181,25 @@ class Certifier {
         size = std::max(size, found.lpNorm<Eigen::Infinity>());
         scale = std::max(scale, expected.lpNorm<Eigen::Infinity>());
       }
-      add(std::string(1, block.name), difference, size, scale);
+      add(std::string(1, block.name), difference, std::max(size, scale),
+          rounding_floor(block.order));
     }
   }
 
-  void add(const std::string& name, double difference, double size, double expected) {
-    // A block that is exactly zero is right if the differences are zero to rounding of the forces.
-    const double reference = std::max(size, expected);
-    result_.push_back(
-        {name, size == 0 && expected <= 1e-9 * zero_scale() ? 0 : difference / reference, size});
+  /// floor: a block below it is zero to rounding of its neighbours.
+  void add(const std::string& name, double difference, double size, double floor) {
+    result_.push_back({name, difference > 0 ? difference / std::max(size, floor) : 0, size});
   }
-  /// The size of forces against which a zero is a zero.
-  double zero_scale() const {
-    return std::max(
-        {linear_.M.cwiseAbs().maxCoeff(), linear_.stiffness().cwiseAbs().maxCoeff(), 1e-300});
+  /// 1e-12 of the largest block of the same unit.
+  double rounding_floor(Order order) const {
+    const auto largest = [](const MatrixXd& a) { return a.size() ? a.cwiseAbs().maxCoeff() : 0.0; };
+    const LinearModel& l = linear_;
+    const double size = order == Order::position
+                            ? std::max({largest(l.K), largest(l.N), largest(l.G)})
+                        : order == Order::velocity ? std::max(largest(l.C), largest(l.D))
+                                                   : largest(l.M);
+    // Where all blocks of a unit are zero, those of the next unit say how large forces are.
+    return 1e-12 * (size > 0 ? size : std::max({largest(l.M), largest(l.K), largest(l.G)}));
   }
 
   /// q''^d and y of the equations as they are simulated, with one input changed.
@@ -291,15 +296,16 @@ class Certifier {
   }
 
   /// terms: the sizes of what an output's entries are the sums of, and its answers to the states.
-  /// An output that answers less than 1e-6 of them is zero to rounding.
+  /// An output that answers less than 1e-6 of them, or 1e-12 of the largest output, is zero to
+  /// rounding.
   void judge(const std::string& name, const MatrixXd& found, const MatrixXd& expected,
              const MatrixXd& terms, bool by_row) {
     if (found.size() == 0) return;
     const double size = found.cwiseAbs().maxCoeff();
     double difference = 0;
     for (Index i = 0; i < found.rows(); ++i) {
-      const double row =
-          std::max(expected.row(i).cwiseAbs().maxCoeff(), 1e-6 * terms.row(i).maxCoeff());
+      const double row = std::max({expected.row(i).cwiseAbs().maxCoeff(),
+                                   1e-6 * terms.row(i).maxCoeff(), 1e-12 * terms.maxCoeff()});
       const double scale = by_row ? row : size;
       if (scale > 0) {
         difference = std::max(difference, (found - expected).row(i).cwiseAbs().maxCoeff() / scale);

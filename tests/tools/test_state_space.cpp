@@ -104,14 +104,18 @@ TEST(Modes, GrowingRealEigenvaluesInMotion) {
   LinearModel model = linear_model("turning_table");
   model.M.setIdentity();
   for (Eigen::MatrixXd* block : {&model.C, &model.D, &model.K, &model.G}) block->setZero();
-  model.N = Eigen::Vector2d(-4, -9).asDiagonal();
+  // s^2 - s - 2 = (s + 1)(s - 2) and s^2 + 3 s - 40 = (s - 5)(s + 8): the one that grows stands
+  // behind and before the other.
+  model.D = Eigen::Vector2d(-1, 3).asDiagonal();
+  model.N = Eigen::Vector2d(-2, -40).asDiagonal();
   const Modes found = modes(model);
   EXPECT_EQ(found.natural_frequencies_hz.size(), 0);
   EXPECT_EQ(found.n_growing, 2);
   EXPECT_EQ(found.damping_ratios, Eigen::Vector2d(-1, -1));
+  const double expected[] = {-1, 2, 5, -8};
   for (Index i = 0; i < 4; ++i) {
-    // Rounding of simple eigenvalues of about 3.
-    EXPECT_NEAR(std::abs(found.eigenvalues(i)), i < 2 ? 2 : 3, 1e-14) << i;
+    // Rounding of simple eigenvalues of a matrix of about 40.
+    EXPECT_NEAR(found.eigenvalues(i).real(), expected[i], 1e-13) << i;
   }
 }
 

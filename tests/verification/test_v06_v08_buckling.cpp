@@ -69,6 +69,16 @@ TEST(V6, EulerColumns) {
   }
 }
 
+/// The counts that are extrapolated, where they are few enough to run.
+TEST(V6, ExtrapolatedCountHolds) {
+  const Column column = columns()[1];
+  const Error first = error_of(first_order(text_of(column)), std::pow(column.wave_number, 2));
+  const int n = extrapolated_count(first, 32, 2, 1e-5);
+  // The error at 32 has a next term of (k h)^2 / 8 = 3e-4 of itself.
+  EXPECT_LE(first(n), 1e-5 * (1 + 3e-4));
+  EXPECT_GT(first(n - 2), 1e-5);
+}
+
 TEST(V6, FurtherMultipliersAreThoseOfHigherModes) {
   const Eigen::VectorXd values = multipliers(divided(text_of(columns().front()), 24));
   for (int mode = 1; mode <= 3; ++mode) {
