@@ -77,12 +77,13 @@ void allow_beam_keys(const YamlReader& value, bool planar) {
       given->fail("a beam of a planar scene has none");
     }
     value.allow_only({"type", "nodes", "EA", "EI", "shear", "mass_per_length", "mass",
-                      "second_order", "damping_time", "rigid", "preload", "divide"});
+                      "second_order", "stiffness", "damping", "damping_time", "rigid", "preload",
+                      "divide"});
   } else {
     if (const auto given = value.find("EI")) given->fail("a spatial beam has two, EI_y and EI_z");
     value.allow_only({"type", "nodes", "orientation", "EA", "GJ", "EI_y", "EI_z", "shear_y",
                       "shear_z", "mass_per_length", "inertia_per_length", "mass", "second_order",
-                      "damping_time", "rigid", "preload", "divide"});
+                      "stiffness", "damping", "damping_time", "rigid", "preload", "divide"});
   }
 }
 
@@ -115,6 +116,12 @@ void read_beam(const YamlReader& value, const Scene& scene, const Eigen::Vector3
   if (const auto given = value.find("damping_time")) {
     if (element.rigid()) given->fail("a rigid element has none");
     element.beam.damping_time = given->non_negative();
+  }
+  if (const auto given = value.find("stiffness")) {
+    element.stiffness = read_symmetric(*given, element, "stiffness");
+  }
+  if (const auto given = value.find("damping")) {
+    element.damping = read_symmetric(*given, element, "damping");
   }
   if (const auto given = value.find("preload")) element.preload = read_preload(*given, element);
 }

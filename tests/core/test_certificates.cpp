@@ -64,5 +64,35 @@ TEST(Certificates, HoldForTheScenesOfTheTests) {
   expect_certified(linkage);
 }
 
+// A beam's own S and S_d add to those of its section: torsion coupled with bending, a damper along
+// one deformation.
+TEST(Certificates, HoldForABeamWithAFullStiffnessOfItsOwn) {
+  const std::string text = R"(title: Coupled beam
+nodes:
+  root: {position: [0, 0, 0]}
+  tip: {position: [2, 0, 0]}
+masses:
+  - {node: tip, mass: 1, inertia: [0.1, 0.1, 0.1]}
+elements:
+  beam: {type: beam, nodes: [root, tip], orientation: y, EA: 100, GJ: 8, EI_y: 16, EI_z: 24,
+    stiffness: [[0, 0, 0, 0, 0, 0], [0, 1, 0.5, 0, 0, 0], [0, 0.5, 1, 0, 0, 0],
+                [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]],
+    damping: [0, 0, 0, 0.25, 0, 0], damping_time: 0.125}
+supports:
+  - {nodes: [root], fix: [x, y, z, rotation]}
+dofs: [{deformations: beam}]
+)";
+  const Scene scene = parse_scene(text, "coupled");
+  const LinearModel linear = linearise(make_model(scene), {}, {});
+  // Dofs are the deformations, so that K is S and D is S_d: GJ / l^3 = 1, 4 EI_y / l^3 = 8.
+  EXPECT_EQ(linear.K(1, 1), 1 + 1);
+  EXPECT_EQ(linear.K(1, 2), 0.5);
+  EXPECT_EQ(linear.K(2, 2), 8 + 1);
+  EXPECT_EQ(linear.K(2, 3), -4);
+  EXPECT_EQ(linear.D(3, 3), 0.125 * 8 + 0.25);
+  EXPECT_EQ(linear.D(1, 1), 0.125);
+  expect_certified(scene);
+}
+
 }  // namespace
 }  // namespace stillframe::test

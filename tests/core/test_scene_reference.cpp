@@ -74,7 +74,8 @@ elements:
     damping: [1, 0, 0], preload: [1, 0, 0]}
   spring: {type: beam, nodes: [turned, wall], orientation: z, EA: 1, GJ: 1, EI_y: 1, EI_z: 1,
     shear_y: 1, shear_z: 1, mass_per_length: 1, inertia_per_length: 1, mass: lumped,
-    second_order: true, damping_time: 1, rigid: [], preload: [0, 0, 0, 0, 0, 0], divide: 2}
+    second_order: true, stiffness: [1, 0, 0, 0, 0, 0], damping: [1, 0, 0, 0, 0, 0],
+    damping_time: 1, rigid: [], preload: [0, 0, 0, 0, 0, 0], divide: 2}
 supports:
   - {nodes: [body, wall], fix: [x, y]}
 prescribed:
@@ -105,7 +106,8 @@ nodes:
 masses: []
 elements:
   strip: {type: beam, nodes: [clamp, tip], EA: 1, EI: 1, shear: 1, mass_per_length: 1, mass: lumped,
-    second_order: true, damping_time: 1, rigid: [], preload: [0, 0, 0], divide: 2}
+    second_order: true, stiffness: [1, 0, 0], damping: [1, 0, 0], damping_time: 1, rigid: [],
+    preload: [0, 0, 0], divide: 2}
 dofs: auto
 )";
 
