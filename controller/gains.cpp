@@ -1,8 +1,9 @@
 #include "controller/gains.hpp"
 
+#include <numbers>
 #include <set>
 
-#include "core/yaml/reader.hpp"
+#include "core/yaml/instruments_block.hpp"
 
 namespace stillframe::controller {
 
@@ -22,11 +23,7 @@ std::vector<std::string> read_legs(const YamlReader& reader) {
   return legs;
 }
 
-int read_delay(const YamlReader& reader) {
-  const auto delay = reader.integer(0);
-  if (delay > 1) reader.fail("found " + std::to_string(delay) + ", allowed are 0 and 1");
-  return static_cast<int>(delay);
-}
+constexpr double two_pi = 2 * std::numbers::pi;
 
 Realisation read_realisation(const YamlReader& reader) {
   const auto implicit = to_text(Realisation::implicit_feedthrough);
@@ -55,18 +52,20 @@ Gains read(const YamlReader& reader) {
   const YamlReader version = reader.require("stillframe_gains");
   if (version.integer(1) != 1) version.fail("found " + version.text() + ", allowed is 1");
   reader.allow_only({"stillframe_gains", "scene_hash", "legs", "sample_rate_hz", "delay_samples",
-                     "realisation", "leak_hz", "lead_samples", "roll_off_hz", "force_limit_n",
-                     "K_P", "K_I", "plant"});
+                     "realisation", "leak_hz", "high_pass_hz", "lead_samples", "roll_off_hz",
+                     "force_limit_n", "instruments", "K_P", "K_I", "plant"});
   Gains gains;
   gains.scene_hash = reader.require("scene_hash").text();
   gains.legs = read_legs(reader.require("legs"));
   gains.sample_rate_hz = reader.require("sample_rate_hz").positive();
-  gains.delay_samples = read_delay(reader.require("delay_samples"));
+  gains.delay_samples = reader.require("delay_samples").non_negative();
   gains.realisation = read_realisation(reader.require("realisation"));
   gains.leak_hz = reader.require("leak_hz").non_negative();
+  if (const auto corner = reader.find("high_pass_hz")) gains.high_pass_hz = corner->non_negative();
   if (const auto lead = reader.find("lead_samples")) gains.lead_samples = lead->non_negative();
   gains.roll_off_hz = read_optional_positive(reader, "roll_off_hz");
   gains.force_limit_n = read_optional_positive(reader, "force_limit_n");
+  if (const auto block = reader.find("instruments")) gains.instruments = read_instruments(*block);
   gains.K_P = reader.require("K_P").matrix(gains.n_legs(), gains.n_legs());
   gains.K_I = reader.require("K_I").matrix(gains.n_legs(), gains.n_legs());
   gains.plant = read_plant(reader.require("plant"), gains.n_legs());
@@ -77,6 +76,29 @@ Gains read(const YamlReader& reader) {
 
 std::string_view to_text(Realisation realisation) {
   return realisation == Realisation::implicit_feedthrough ? "implicit_feedthrough" : "naive_pi";
+}
+
+ForceFeedback Gains::feedback() const {
+  return {.K_P = K_P,
+          .K_I = K_I,
+          .leak = two_pi * leak_hz,
+          .high_pass = two_pi * high_pass_hz,
+          .roll_off = two_pi * roll_off_hz.value_or(0.0)};
+}
+
+LawSampling Gains::law_sampling() const {
+  return {.realisation = realisation,
+          .sample_time = sample_time(),
+          .lead_samples = lead_samples,
+          .sensor_filter_hz = instruments.sensor_filter_hz};
+}
+
+Sampling Gains::sampling() const {
+  return {.sample_time = sample_time(),
+          .delay_samples = delay_samples,
+          .instruments = instruments,
+          .leg_gains = {},
+          .leg_delays = {}};
 }
 
 Gains read_gains(const std::filesystem::path& path) { return read(YamlReader::from_file(path)); }

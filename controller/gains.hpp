@@ -7,13 +7,10 @@
 #include <string_view>
 #include <vector>
 
-namespace stillframe::controller {
+#include "core/linear/discrete_law.hpp"
+#include "core/linear/sampled_plant.hpp"
 
-/// How the continuous law C(s) = -(K_P s + K_I) / (s + w_l) is sampled.
-enum class Realisation {
-  implicit_feedthrough,  ///< the applied force is taken out of sigma first (THEORY fact 3)
-  naive_pi,              ///< a PI on sigma itself: unstable, kept to be shown and refused
-};
+namespace stillframe::controller {
 
 /// The word that stands for a realisation in a gains file.
 std::string_view to_text(Realisation realisation);
@@ -30,18 +27,23 @@ struct Gains {
   std::string scene_hash;         ///< of the scene that the gains were designed for
   std::vector<std::string> legs;  ///< m names, in the order of sigma
   double sample_rate_hz = 0;
-  int delay_samples = 1;  ///< a command from sample k takes effect at k + delay_samples; 0 or 1
+  double delay_samples = 1;  ///< a command from sample k takes effect at k + delay_samples
   Realisation realisation = Realisation::implicit_feedthrough;
   double leak_hz = 0;                   ///< w_l / 2 pi
+  double high_pass_hz = 0;              ///< w_h / 2 pi
   double lead_samples = 0;              ///< the law acts on e predicted so far ahead, >= 0
   std::optional<double> roll_off_hz;    ///< corner of a first-order low-pass after the law
   std::optional<double> force_limit_n;  ///< N, the largest force of every leg
   Eigen::MatrixXd K_P;                  ///< m x m, 1
   Eigen::MatrixXd K_I;                  ///< m x m, 1/s
+  Instruments instruments;
   PassivePlant plant;
 
   Eigen::Index n_legs() const { return static_cast<Eigen::Index>(legs.size()); }
   double sample_time() const { return 1.0 / sample_rate_hz; }  ///< s
+  ForceFeedback feedback() const;
+  LawSampling law_sampling() const;
+  Sampling sampling() const;
 };
 
 /// Reads a gains file. Errors: InputError (missing file, unknown or missing key, size, not finite).

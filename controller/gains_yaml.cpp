@@ -50,6 +50,19 @@ std::string names(const std::vector<std::string>& values) {
   return out + "]";
 }
 
+std::string instruments_block(const Instruments& has) {
+  if (has.ideal()) return "";
+  std::string out = "instruments:\n";
+  if (has.actuator_gain != 1) out += "  actuator_gain: " + digits(has.actuator_gain) + "\n";
+  if (has.actuator_lag_hz > 0) out += "  actuator_lag_hz: " + digits(has.actuator_lag_hz) + "\n";
+  if (has.sensor_filter_hz > 0) {
+    out += "  sensor_filter_hz: " + digits(has.sensor_filter_hz) + "\n";
+  }
+  out += std::string("  applied_force: ") +
+         (has.report == Instruments::Report::measured ? "measured" : "commanded") + "\n";
+  return out + "  report_age_samples: " + std::to_string(has.report_age_samples) + "\n";
+}
+
 }  // namespace
 
 std::string to_yaml(const Gains& gains) {
@@ -57,12 +70,14 @@ std::string to_yaml(const Gains& gains) {
   out += "scene_hash: " + quoted(gains.scene_hash) + "\n";
   out += "legs: " + names(gains.legs) + "\n";
   out += "sample_rate_hz: " + digits(gains.sample_rate_hz) + "\n";
-  out += "delay_samples: " + std::to_string(gains.delay_samples) + "\n";
+  out += "delay_samples: " + digits(gains.delay_samples) + "\n";
   out += "realisation: " + std::string(to_text(gains.realisation)) + "\n";
   out += "leak_hz: " + digits(gains.leak_hz) + "\n";
+  if (gains.high_pass_hz > 0) out += "high_pass_hz: " + digits(gains.high_pass_hz) + "\n";
   if (gains.lead_samples > 0) out += "lead_samples: " + digits(gains.lead_samples) + "\n";
   if (gains.roll_off_hz) out += "roll_off_hz: " + digits(*gains.roll_off_hz) + "\n";
   if (gains.force_limit_n) out += "force_limit_n: " + digits(*gains.force_limit_n) + "\n";
+  out += instruments_block(gains.instruments);
   out += "K_P:\n" + rows(gains.K_P, "  ");
   out += "K_I:\n" + rows(gains.K_I, "  ");
   out += "plant:\n";

@@ -53,8 +53,7 @@ std::string disagreement(const Gains& gains, const run_info_t& info) {
     return differs("sample_rate_hz", shown(gains.sample_rate_hz), shown(info.sample_rate_hz));
   }
   if (info.delay_samples != gains.delay_samples) {
-    return differs("delay_samples", std::to_string(gains.delay_samples),
-                   std::to_string(info.delay_samples));
+    return differs("delay_samples", shown(gains.delay_samples), shown(info.delay_samples));
   }
   if (info.mode != "lock_step" && info.mode != "wall_clock") {
     return "mode: found " + info.mode + ", allowed are lock_step and wall_clock";
@@ -62,9 +61,10 @@ std::string disagreement(const Gains& gains, const run_info_t& info) {
   if (info.loop != "active" && info.loop != "passive") {
     return "loop: found " + info.loop + ", allowed are active and passive";
   }
-  if (info.mode == "wall_clock" && info.delay_samples == 0) {
-    return "delay_samples: found 0, allowed in wall-clock mode is 1: a command cannot take effect "
-           "at the instant of its measurement";
+  if (info.mode == "wall_clock" && info.delay_samples < 1) {
+    return "delay_samples: found " + shown(info.delay_samples) +
+           ", allowed in wall-clock mode is 1 or more: the command of a sample is known at the "
+           "next";
   }
   return {};
 }

@@ -1,86 +1,24 @@
 #include "controller/law.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <limits>
-#include <numbers>
+#include <cmath>
 #include <stdexcept>
-#include <string>
 #include <utility>
-
-#include "controller/tustin.hpp"
-#include "core/yaml/input_error.hpp"
 
 namespace stillframe::controller {
 
 using Eigen::Index;
-using Eigen::MatrixXd;
 using Eigen::Ref;
 using Eigen::VectorXd;
 
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
 constexpr std::int64_t longest_gap = 100;
-
-// X du/dt + W u = -(K_P de/dt + K_I e) with W = w_l I + K_I; with u = v - X^-1 K_P e the derivative
-// of e drops out, and m states v are enough.
-StateSpace implicit_feedthrough(const Gains& gains) {
-  const Index m = gains.n_legs();
-  const MatrixXd I = MatrixXd::Identity(m, m);
-  const Eigen::PartialPivLU<MatrixXd> X(I + gains.K_P);
-  if (!(X.rcond() > std::numeric_limits<double>::epsilon())) {
-    throw Refusal(
-        "K_P: I + K_P is singular, so the feedthrough of the force sensor cannot be "
-        "solved for; check the gain design");
-  }
-  const MatrixXd W = two_pi * gains.leak_hz * I + gains.K_I;
-  const MatrixXd D = -X.solve(gains.K_P);
-  return {.A = -X.solve(W), .B = -X.solve(gains.K_I + W * D), .C = I, .D = D};
-}
-
-StateSpace naive_pi(const Gains& gains) {
-  const Index m = gains.n_legs();
-  const MatrixXd I = MatrixXd::Identity(m, m);
-  return {.A = -two_pi * gains.leak_hz * I, .B = I, .C = -gains.K_I, .D = -gains.K_P};
-}
-
-StateSpace low_pass(double corner_hz, Index m) {
-  const MatrixXd I = MatrixXd::Identity(m, m);
-  const double w_r = two_pi * corner_hz;
-  return {.A = -w_r * I, .B = w_r * I, .C = I, .D = MatrixXd::Zero(m, m)};
-}
-
-// Linear prediction from two samples, (1 + a) e[k] - a e[k-1]: what e will be a samples later, up
-// to its curvature.
-StateSpace lead(double samples, Index m) {
-  const MatrixXd I = MatrixXd::Identity(m, m);
-  return {.A = MatrixXd::Zero(m, m), .B = I, .C = -samples * I, .D = (1 + samples) * I};
-}
-
-void check_shapes(const Gains& gains) {
-  const Index m = gains.n_legs();
-  for (const MatrixXd* K : {&gains.K_P, &gains.K_I}) {
-    if (K->rows() != m || K->cols() != m) {
-      throw std::invalid_argument("law_from_gains: expected gains of " + std::to_string(m) + " x " +
-                                  std::to_string(m) + ", got " + std::to_string(K->rows()) + " x " +
-                                  std::to_string(K->cols()));
-    }
-  }
-}
 
 }  // namespace
 
 DiscreteLaw law_from_gains(const Gains& gains) {
-  check_shapes(gains);
-  const bool implicit = gains.realisation == Realisation::implicit_feedthrough;
-  const double T = gains.sample_time();
-  StateSpace law = tustin(implicit ? implicit_feedthrough(gains) : naive_pi(gains), T);
-  if (gains.lead_samples > 0) law = in_series(lead(gains.lead_samples, gains.n_legs()), law);
-  if (gains.roll_off_hz) {
-    law = in_series(law, tustin(low_pass(*gains.roll_off_hz, gains.n_legs()), T));
-  }
-  return {.A = law.A, .B = law.B, .C = law.C, .D = law.D, .subtract_applied = implicit};
+  return sample_law(gains.feedback(), gains.law_sampling());
 }
 
 Law::Law(DiscreteLaw matrices) : matrices_(std::move(matrices)) {
@@ -90,7 +28,7 @@ Law::Law(DiscreteLaw matrices) : matrices_(std::move(matrices)) {
   if (!fits) throw std::invalid_argument("Law: the matrices are not those of one law");
   x_ = VectorXd::Zero(n);
   x_next_ = VectorXd::Zero(n);
-  e_ = e_now_ = e_last_ = VectorXd::Zero(m);
+  e_ = e_now_ = e_last_ = r_ = VectorXd::Zero(m);
 }
 
 void Law::advance() noexcept {
@@ -106,9 +44,16 @@ void Law::step(const Ref<const VectorXd>& sigma, const Ref<const VectorXd>& appl
 
 void Law::step_over(std::int64_t n_samples, const Ref<const VectorXd>& sigma,
                     const Ref<const VectorXd>& applied, Ref<VectorXd> force) noexcept {
-  e_now_ = sigma;
-  if (matrices_.subtract_applied) e_now_ -= applied;
   const std::int64_t n = std::clamp<std::int64_t>(n_samples, 1, longest_gap);
+  e_now_ = sigma;
+  if (matrices_.subtract_applied) {
+    // Where samples were missed, the force last reported is taken for theirs.
+    const double memory = matrices_.applied_memory > 0
+                              ? std::pow(matrices_.applied_memory, static_cast<double>(n))
+                              : 0.0;
+    r_ = memory * r_ + (1 - memory) * applied;
+    e_now_ -= r_;
+  }
   for (std::int64_t j = 1; j < n; ++j) {
     const double part = static_cast<double>(j) / static_cast<double>(n);
     e_ = e_last_ + part * (e_now_ - e_last_);

@@ -8,19 +8,13 @@
 
 namespace stillframe::controller {
 
-/// The sampled control law of a set of gains, by Tustin's rule s = (2/T)(z - 1)/(z + 1).
-///   implicit_feedthrough: C'(s) = -(I + P)^-1 P = -(X s + w_l I + K_I)^-1 (K_P s + K_I), X = I +
-///   K_P,
-///     acting on sigma less the applied force; naive_pi: -(K_P + K_I/(s + w_l)) acting on sigma;
-///   with lead_samples = a > 0, e[k] is first replaced by (1 + a) e[k] - a e[k-1], which makes up
-///   for a force that acts a samples after its measurement (the delay, and half a sample of hold);
-///   either is followed by w_r/(s + w_r) if there is a roll-off.
-/// Source: THEORY section 4, fact 3. Set-up. Errors: Refusal if I + K_P is singular,
-/// std::invalid_argument on gains that are not square or not of one size.
+/// The sampled control law of a set of gains, sample_law of core/linear/discrete_law.hpp. Set-up.
+/// Errors: Refusal if I + K_P is singular, std::invalid_argument on gains that are not square or
+/// not of one size.
 DiscreteLaw law_from_gains(const Gains& gains);
 
 /// The law as it runs, one step a sample:
-///   e[k] = sigma[k] - (subtract_applied ? applied[k] : 0),
+///   r[k] = a r[k-1] + (1 - a) applied[k],   e[k] = sigma[k] - (subtract_applied ? r[k] : 0),
 ///   u[k] = C x[k] + D e[k],   x[k+1] = A x[k] + B e[k].
 /// Source: core/linear/discrete_law.hpp. Construction is set-up; step and reset are
 /// hot: noexcept, no allocation.
@@ -44,10 +38,11 @@ class Law {
                  const Eigen::Ref<const Eigen::VectorXd>& applied,
                  Eigen::Ref<Eigen::VectorXd> force) noexcept;
 
-  /// Back to rest, x = 0 and e = 0.
+  /// Back to rest, x = 0, e = 0 and r = 0.
   void reset() noexcept {
     x_.setZero();
     e_last_.setZero();
+    r_.setZero();
   }
 
   /// n states of the law, N.
@@ -57,7 +52,7 @@ class Law {
   void advance() noexcept;
 
   DiscreteLaw matrices_;
-  Eigen::VectorXd x_, x_next_, e_, e_now_, e_last_;
+  Eigen::VectorXd x_, x_next_, e_, e_now_, e_last_, r_;
 };
 
 }  // namespace stillframe::controller

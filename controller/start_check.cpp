@@ -108,8 +108,8 @@ std::string reason(const Gains& gains) {
 }  // namespace
 
 double closed_loop_radius(const Gains& gains) {
-  const SampledPlant plant = sample_and_hold(loop_plant(gains), gains.sample_time());
-  return spectral_radius(close_loop(plant, law_from_gains(gains), gains.delay_samples));
+  const SampledPlant plant = sample_and_hold(loop_plant(gains), gains.sampling());
+  return spectral_radius(close_loop(plant, law_from_gains(gains)));
 }
 
 std::vector<Remedy> find_remedies(const Gains& gains) {

@@ -1,5 +1,6 @@
 #include "core/control_loop.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 #include "core/equilibrium.hpp"
@@ -10,6 +11,8 @@ namespace stillframe {
 
 namespace {
 
+constexpr double two_pi = 2 * std::numbers::pi;
+
 void require_accelerations(const std::vector<SceneSignal>& signals, const std::string& what) {
   for (const SceneSignal& signal : signals) {
     if (signal.quantity != Quantity::acceleration) {
@@ -19,7 +22,13 @@ void require_accelerations(const std::vector<SceneSignal>& signals, const std::s
   }
 }
 
-/// Driving stress (as an input) or stress resultant (as an output) of each leg.
+std::vector<SceneSignal> joined(std::vector<SceneSignal> a, const std::vector<SceneSignal>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+}  // namespace
+
 std::vector<SceneSignal> leg_signals(const SceneController& controller) {
   std::vector<SceneSignal> signals;
   for (const std::string& leg : controller.legs) {
@@ -33,13 +42,6 @@ std::vector<SceneSignal> leg_signals(const SceneController& controller) {
   return signals;
 }
 
-std::vector<SceneSignal> joined(std::vector<SceneSignal> a, const std::vector<SceneSignal>& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
-}  // namespace
-
 void require_loop_signals(const Scene& scene) {
   if (!scene.controller) throw InputError(scene.file + ": the key 'controller' is missing");
   if (scene.inputs.empty()) throw InputError(scene.file + ": the key 'inputs' is missing or empty");
@@ -50,22 +52,47 @@ void require_loop_signals(const Scene& scene) {
   require_accelerations(scene.monitors, "monitor");
 }
 
-ControlLoop make_control_loop(const Scene& scene, const Model& model) {
+LinearModel loop_model(const Scene& scene, const Model& model) {
   require_loop_signals(scene);
-  const SceneController& controller = *scene.controller;
-  const auto legs = leg_signals(controller);
+  const auto legs = leg_signals(*scene.controller);
+  return linearise(model, solve_equilibrium(model).motion, joined(scene.inputs, legs),
+                   joined(scene.outputs, legs));
+}
+
+std::vector<ModeTarget> mode_targets(const SceneController& controller, Index n_modes) {
+  const auto& hz = controller.target_hz;
+  const auto& zeta = controller.damping_ratio;
+  const size_t n = std::max(hz.size(), zeta.size());
+  for (const size_t given : {hz.size(), zeta.size()}) {
+    if (given == 1 || given == static_cast<size_t>(n_modes)) continue;
+    throw InputError(controller.place + ": target_hz, damping_ratio: found " +
+                     std::to_string(given) + " numbers, allowed are one, or one for each of the " +
+                     std::to_string(n_modes) + " virtual modes");
+  }
+  std::vector<ModeTarget> targets;
+  for (size_t i = 0; i < n; ++i) {
+    targets.push_back(
+        {.omega_d = two_pi * hz[hz.size() == 1 ? 0 : i], .zeta = zeta[zeta.size() == 1 ? 0 : i]});
+  }
+  return targets;
+}
+
+ControlLoop make_control_loop(const Scene& scene, const Model& model) {
   ControlLoop loop;
+  loop.plant = loop_model(scene, model);
+  const SceneController& controller = *scene.controller;
   loop.n_w = static_cast<Index>(scene.inputs.size());
   loop.n_y = static_cast<Index>(scene.outputs.size());
-  loop.n_legs = static_cast<Index>(legs.size());
-  loop.plant = linearise(model, solve_equilibrium(model).motion, joined(scene.inputs, legs),
-                         joined(scene.outputs, legs));
+  loop.n_legs = static_cast<Index>(controller.legs.size());
   // A driving stress acts on the dofs as -E^T sigma_a, E = D_dF^(e) of the legs.
   const Eigen::MatrixXd E = -loop.plant.B.rightCols(loop.n_legs).transpose();
-  loop.legs = leg_matrices(loop.plant.M, loop.plant.K, E);
-  loop.gains =
-      design_gains(loop.legs, 2 * std::numbers::pi * controller.target_hz, controller.damping_ratio,
-                   controller.order, 2 * std::numbers::pi * controller.leak_hz);
+  loop.design = design_model(loop.plant.M, loop.plant.K, E, controller.reduction,
+                             {loop.plant.q_names, controller.legs});
+  loop.gains = design_gains(loop.design, mode_targets(controller, loop.design.legs.M.rows()),
+                            controller.order);
+  loop.gains.leak = two_pi * controller.leak_hz;
+  loop.gains.high_pass = two_pi * controller.high_pass_hz;
+  loop.gains.roll_off = two_pi * controller.roll_off_hz.value_or(0.0);
   return loop;
 }
 

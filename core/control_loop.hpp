@@ -16,7 +16,7 @@ namespace stillframe {
 struct ControlLoop {
   LinearModel plant;
   Eigen::Index n_w = 0, n_y = 0, n_legs = 0;
-  LegMatrices legs;
+  DesignModel design;
   ForceFeedback gains;
 
   /// G_11, what the floor does to the frame without control.
@@ -25,9 +25,19 @@ struct ControlLoop {
   Eigen::MatrixXcd closed(std::complex<double> s) const;
 };
 
-/// Linearises a scene's loop about its equilibrium and designs its gains. Errors: InputError if the scene has no
-/// controller, no inputs or no outputs, or an input that is no acceleration; Refusal as
-/// design_gains and leg_matrices.
+/// Driving stress (as an input) or stress resultant (as an output) of each leg.
+std::vector<SceneSignal> leg_signals(const SceneController& controller);
+
+/// The linear model behind it: linearises a scene about its equilibrium with the inputs (w, u) and
+/// outputs (y, sigma). Errors: as require_loop_signals; Refusal if there is no equilibrium.
+LinearModel loop_model(const Scene& scene, const Model& model);
+
+/// The targets of n virtual modes: one for all, or n. Errors: InputError on another number.
+std::vector<ModeTarget> mode_targets(const SceneController& controller, Eigen::Index n_modes);
+
+/// Linearises a scene's loop about its equilibrium and designs its gains. Errors: InputError if the
+/// scene has no controller, no inputs or no outputs, or an input that is no acceleration; Refusal
+/// as design_gains and leg_matrices.
 ControlLoop make_control_loop(const Scene& scene, const Model& model);
 
 /// Checks that a scene has a controller, acceleration inputs and acceleration outputs, as a loop

@@ -1,63 +1,130 @@
 #include "core/gain_design.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+#include <string>
 
+#include "core/extended/decompositions.hpp"
+#include "core/positive_definite.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-LegMatrices leg_matrices(const MatrixXd& M_dd, const MatrixXd& K_dd, const MatrixXd& E) {
-  if (E.rows() != E.cols()) {
-    throw Refusal("the decoupled design needs as many legs as dofs: " + std::to_string(E.rows()) +
-                  " legs, " + std::to_string(E.cols()) + " dofs");
-  }
-  if (E.isIdentity(0)) return {M_dd, K_dd};
-  const Eigen::FullPivLU<MatrixXd> lu(E);
-  if (!lu.isInvertible()) {
-    throw Refusal("the legs do not determine the motion of the frame: " +
-                  std::to_string(E.cols() - lu.rank()) + " motion(s) strain none of them");
-  }
-  const MatrixXd inverse = lu.inverse();
-  return {inverse.transpose() * M_dd * inverse, inverse.transpose() * K_dd * inverse};
+namespace {
+
+/// K Phi = M Phi diag(squares), Phi^T M Phi = I, with M = L L^T and Phi = L^-T V.
+struct VirtualModes {
+  ExtendedVector squares;  ///< omega^2, 1/s^2
+  ExtendedMatrix Phi;
+};
+
+VirtualModes virtual_modes(const LegMatrices& legs) {
+  require_stiffness(legs.K);
+  const ExtendedMatrix L = mass_factor(legs.M);
+  const ExtendedMatrix half = forward_solve(L, extended(legs.K));
+  const SymmetricEigen modes = symmetric_eigen(forward_solve(L, half.transpose()));
+  return {.squares = modes.values, .Phi = backward_solve(L, modes.V)};
 }
 
-Eigen::MatrixXcd ForceFeedback::operator()(std::complex<double> s) const {
-  return -(K_P.cast<std::complex<double>>() * s + K_I) / (s + leak);
+void require_targets(const std::vector<ModeTarget>& targets, Index r) {
+  const size_t count = targets.size();
+  if (count != 1 && static_cast<Index>(count) != r) {
+    throw std::invalid_argument("extended_gains: expected one target or " + std::to_string(r) +
+                                ", got " + std::to_string(count));
+  }
+  for (const ModeTarget& target : targets) {
+    if (target.omega_d > 0 && target.zeta > 0) continue;
+    throw std::invalid_argument("extended_gains: expected targets above zero, got omega_d = " +
+                                std::to_string(target.omega_d) +
+                                ", zeta = " + std::to_string(target.zeta));
+  }
+}
+
+void require_determined_modes(const VirtualModes& modes, const std::vector<ModeTarget>& targets) {
+  const VectorXd omega = modes.squares.cast<double>().cwiseSqrt();
+  for (Index i = 0; i + 1 < omega.size(); ++i) {
+    const ModeTarget &a = targets[static_cast<size_t>(i)], &b = targets[static_cast<size_t>(i + 1)];
+    if (a.omega_d == b.omega_d && a.zeta == b.zeta) continue;
+    if (omega(i + 1) - omega(i) > same_frequency * omega(i + 1)) continue;
+    char text[256];
+    std::snprintf(text, sizeof text,
+                  "virtual modes %td and %td are of one frequency, %.6g Hz, so that their shapes "
+                  "are not determined: give them the same target",
+                  i + 1, i + 2, omega(i) / (2 * std::numbers::pi));
+    throw Refusal(text);
+  }
+}
+
+GainDesign with_one_target(const LegMatrices& legs, const ModeTarget& target) {
+  require_stiffness(legs.K);
+  const ExtendedMatrix L = mass_factor(legs.M);
+  // K M^-1 = (M^-1 K)^T as both matrices are symmetric.
+  const ExtendedMatrix K_M_inverse =
+      backward_solve(L, forward_solve(L, extended(legs.K))).transpose();
+  const DoubleDouble omega = target.omega_d;
+  return {.X = K_M_inverse / (omega * omega),
+          .K_I = K_M_inverse * (2 * DoubleDouble(target.zeta) / omega)};
+}
+
+GainDesign with_a_target_each(const LegMatrices& legs, const std::vector<ModeTarget>& targets) {
+  const VirtualModes modes = virtual_modes(legs);
+  require_determined_modes(modes, targets);
+  ExtendedVector of_X(modes.squares.size()), of_K_I(modes.squares.size());
+  for (Index i = 0; i < of_X.size(); ++i) {
+    const auto& [omega_d, zeta] = targets[static_cast<size_t>(i)];
+    const DoubleDouble omega = omega_d;
+    of_X(i) = 1 / (omega * omega);
+    of_K_I(i) = 2 * DoubleDouble(zeta) / omega;
+  }
+  const ExtendedMatrix K_Phi = extended(legs.K) * modes.Phi;
+  return {.X = K_Phi * of_X.asDiagonal() * modes.Phi.transpose(),
+          .K_I = K_Phi * of_K_I.asDiagonal() * modes.Phi.transpose()};
+}
+
+ExtendedMatrix without_one(const ExtendedMatrix& X) {
+  return X - ExtendedMatrix::Identity(X.rows(), X.cols());
+}
+
+}  // namespace
+
+ForceFeedback GainDesign::gains() const {
+  return {.K_P = rounded(without_one(X)), .K_I = rounded(K_I)};
+}
+
+GainDesign extended_gains(const LegMatrices& legs, const std::vector<ModeTarget>& targets,
+                          GainOrder order) {
+  require_targets(targets, legs.M.rows());
+  GainDesign design = targets.size() == 1 ? with_one_target(legs, targets.front())
+                                          : with_a_target_each(legs, targets);
+  if (order == GainOrder::deck) {
+    design.X.transposeInPlace();
+    design.K_I.transposeInPlace();
+  }
+  return design;
+}
+
+ForceFeedback design_gains(const DesignModel& model, const std::vector<ModeTarget>& targets,
+                           GainOrder order) {
+  const GainDesign design = extended_gains(model.legs, targets, order);
+  const ExtendedMatrix Q = extended(model.Q);
+  return {.K_P = rounded(Q * without_one(design.X) * Q.transpose()),
+          .K_I = rounded(Q * design.K_I * Q.transpose())};
 }
 
 ForceFeedback design_gains(const LegMatrices& legs, double omega_d, double zeta, GainOrder order,
                            double leak) {
-  const Index m = legs.M.rows();
-  const Eigen::LLT<MatrixXd> M(legs.M);
-  if (M.info() != Eigen::Success) {
-    throw Refusal("the mass matrix is not positive definite: the legs move a dof without mass");
-  }
-  // K M^-1 = (M^-1 K)^T as both matrices are symmetric.
-  const MatrixXd M_inverse_K = M.solve(legs.K);
-  const MatrixXd X = (order == GainOrder::deck ? M_inverse_K : MatrixXd(M_inverse_K.transpose())) /
-                     (omega_d * omega_d);
-  return {.K_P = X - MatrixXd::Identity(m, m), .K_I = 2 * zeta * omega_d * X, .leak = leak};
+  ForceFeedback gains = extended_gains(legs, {{omega_d, zeta}}, order).gains();
+  gains.leak = leak;
+  return gains;
 }
 
-Eigen::VectorXcd closed_loop_poles(const LegMatrices& legs, const ForceFeedback& gains,
-                                   double omega_scale) {
-  const Index m = legs.M.rows();
-  const MatrixXd I = MatrixXd::Identity(m, m);
-  const MatrixXd K_M_inverse = Eigen::LLT<MatrixXd>(legs.M).solve(legs.K).transpose();
-  const Eigen::PartialPivLU<MatrixXd> X(gains.K_P + I);
-  MatrixXd A = MatrixXd::Zero(3 * m, 3 * m);
-  A.block(0, m, m, m) = omega_scale * I;
-  A.block(m, 0, m, m) = -K_M_inverse / omega_scale;
-  A.block(m, 2 * m, m, m) = -K_M_inverse / omega_scale;
-  A.block(2 * m, 0, m, m) = -X.solve(gains.K_I);
-  A.block(2 * m, m, m, m) = -omega_scale * X.solve(gains.K_P);
-  A.block(2 * m, 2 * m, m, m) = -X.solve(gains.K_I + gains.leak * I);
-  return A.eigenvalues();
+VectorXd virtual_frequencies(const LegMatrices& legs) {
+  return virtual_modes(legs).squares.cast<double>().cwiseSqrt();
 }
 
 }  // namespace stillframe

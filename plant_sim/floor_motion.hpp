@@ -21,9 +21,9 @@ class FloorMotion {
 
   /// Takes sample k: writes the held acceleration q''^r.
   void take(std::int64_t k) noexcept;
-  /// q^r and q'^r at a time t (s) into the present sample.
+  /// q^r and q'^r a time t (s) after the last sample was taken or finish was called.
   void at(double t, Eigen::VectorXd& q_r, Eigen::VectorXd& q_r_dot) const noexcept;
-  /// Ends the present sample of length duration (s).
+  /// Goes on by duration (s), to the end of the present sample or of a part of it.
   void finish(double duration) noexcept;
 
   const Eigen::VectorXd& q_r_ddot() const noexcept { return q_r_ddot_; }

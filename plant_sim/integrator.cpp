@@ -14,7 +14,6 @@ namespace {
 constexpr int max_steps = 100'000;  // within one sample
 
 using Map = Eigen::Map<Eigen::VectorXd>;
-using ConstMap = Eigen::Map<const Eigen::VectorXd>;
 
 Map view(N_Vector vector) { return {N_VGetArrayPointer(vector), N_VGetLength(vector)}; }
 
@@ -25,11 +24,10 @@ void check(int flag, const char* what) {
 }  // namespace
 
 struct Integrator::Impl {
-  Eigen::Index n;
+  Eigen::Index n, n_filtered;
   RightHandSide f;
   double relative_tolerance;
   double position_floor = 0, velocity_floor = 0;
-  bool first = true;
   SUNContext context = nullptr;
   N_Vector y = nullptr;
   void* memory = nullptr;
@@ -46,30 +44,38 @@ struct Integrator::Impl {
     return self.f(t, view(y), view(dy_dt)) ? 0 : 1;
   }
 
+  /// Of so many entries from begin on, by their size and a floor of the same unit.
+  bool weigh(const Map& state, Map weight, Eigen::Index begin, Eigen::Index count,
+             double floor) const noexcept {
+    const double size = state.segment(begin, count).lpNorm<Eigen::Infinity>();
+    const double error = relative_tolerance * (size + floor);
+    weight.segment(begin, count).setConstant(1.0 / error);
+    return error > 0;
+  }
+
   static int weights(N_Vector y, N_Vector weight, void* user) noexcept {
     const auto& self = *static_cast<const Impl*>(user);
-    const auto state = view(y);
-    const double position = self.relative_tolerance *
-                            (state.head(self.n).lpNorm<Eigen::Infinity>() + self.position_floor);
-    const double velocity = self.relative_tolerance *
-                            (state.tail(self.n).lpNorm<Eigen::Infinity>() + self.velocity_floor);
-    if (!(position > 0) || !(velocity > 0)) return -1;
-    view(weight).head(self.n).setConstant(1.0 / position);
-    view(weight).tail(self.n).setConstant(1.0 / velocity);
-    return 0;
+    const Map state = view(y), w = view(weight);
+    const bool sound = self.weigh(state, w, 0, self.n, self.position_floor) &&
+                       self.weigh(state, w, self.n, self.n, self.velocity_floor) &&
+                       (self.n_filtered == 0 ||
+                        self.weigh(state, w, 2 * self.n, self.n_filtered, self.position_floor));
+    return sound ? 0 : -1;
   }
 
   static void silent(int, const char*, const char*, char*, void*) noexcept {}
 };
 
-Integrator::Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance)
+Integrator::Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance,
+                       Eigen::Index n_filtered)
     : impl_(std::make_unique<Impl>()) {
   Impl& self = *impl_;
   self.n = n;
+  self.n_filtered = n_filtered;
   self.f = std::move(f);
   self.relative_tolerance = relative_tolerance;
   check(SUNContext_Create(nullptr, &self.context), "SUNContext_Create");
-  self.y = N_VNew_Serial(2 * n, self.context);
+  self.y = N_VNew_Serial(2 * n + n_filtered, self.context);
   if (!self.y) throw std::runtime_error("SUNDIALS: N_VNew_Serial failed");
   view(self.y).setZero();
   self.memory = ERKStepCreate(&Impl::right_hand_side, 0.0, self.y, self.context);

@@ -8,7 +8,8 @@ namespace stillframe {
 
 /// SUNDIALS ARKODE's explicit Runge-Kutta pair of Dormand and Prince, 5(4), over one held sample at
 /// a time. A one-step method loses neither order nor step size at the jumps of held inputs. Set-up:
-/// construction. hot: advance() does not allocate.
+/// construction. hot: advance() does not allocate, but for SUNDIALS' own work space at the first
+/// call.
 class Integrator {
  public:
   /// dy/dt = f(t, y), false if it cannot be evaluated there; t counts from the start of the sample,
@@ -16,9 +17,11 @@ class Integrator {
   using RightHandSide = std::function<bool(double t, const Eigen::Ref<const Eigen::VectorXd>& y,
                                            Eigen::Ref<Eigen::VectorXd> dy_dt)>;
 
-  /// y = (n positions, n velocities). relative_tolerance: local error of each half against its
-  /// largest entry. Errors: std::runtime_error if SUNDIALS cannot be set up.
-  Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance);
+  /// y = (n positions, n velocities, n_filtered filtered positions). relative_tolerance: local
+  /// error of each of the three against its largest entry. Errors: std::runtime_error if SUNDIALS
+  /// cannot be set up.
+  Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance,
+             Eigen::Index n_filtered = 0);
   ~Integrator();
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;

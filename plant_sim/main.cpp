@@ -126,11 +126,12 @@ int run(const Options& options) {
   const auto floor = read_floor(options.scene, options.floor);
   if (!floor)
     throw InputError(scene.file + ": the key 'floor' is missing, and no --floor is given");
-  if (options.mode == "wall_clock" && scene.controller->delay_samples == 0) {
-    throw InputError(scene.controller->place +
-                     ": delay_samples: found 0, allowed is 1 in wall-clock mode: a command cannot "
-                     "take effect at "
-                     "the instant of its measurement");
+  if (options.mode == "wall_clock" && scene.controller->delay_samples < 1) {
+    std::ostringstream found;
+    found << scene.controller->delay_samples;
+    throw InputError(scene.controller->place + ": delay_samples: found " + found.str() +
+                     ", allowed in wall-clock mode is 1 or more: the command of a sample is "
+                     "known at the next");
   }
   const Model model = make_model(scene);
   const auto spec = floor::read_floor_block(floor->reader, scene.controller->sample_rate_hz,

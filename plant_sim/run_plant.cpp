@@ -5,6 +5,7 @@
 
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
+#include "plant_sim/command_queue.hpp"
 
 namespace stillframe {
 
@@ -19,7 +20,11 @@ constexpr const char* unwritten = "the logger does not write what it is sent";
 class Run {
  public:
   Run(Plant& plant, PlantLink& link, const PlantRunOptions& options)
-      : plant_(plant), link_(link), options_(options), n_(link.info().n_samples) {
+      : plant_(plant),
+        link_(link),
+        options_(options),
+        queue_(link.info().n_legs, link.info().delay_samples),
+        n_(link.info().n_samples) {
     timing_.run_id = link.info().run_id;
     timing_.source = "plant";
     timing_.n_periods = timing_.n_late = timing_.n_lost = timing_.n_duplicate = 0;
@@ -47,10 +52,13 @@ class Run {
     }
   }
 
-  /// Answers the reason why the motion cannot go on, or an empty text.
-  std::string advance(const Eigen::VectorXd& force) {
+  CommandQueue& queue() { return queue_; }
+
+  /// Moves on by one sample with the commands that act in it. Answers the reason why the motion
+  /// cannot go on, or an empty text.
+  std::string advance() {
     const std::int64_t before = monotonic_ns();
-    std::string reason = plant_.advance(force);
+    std::string reason = plant_.advance(queue_.before(), queue_.after(), queue_.fraction());
     timing_.worst_compute_ns = std::max(timing_.worst_compute_ns, monotonic_ns() - before);
     return reason;
   }
@@ -76,6 +84,7 @@ class Run {
   Plant& plant_;
   PlantLink& link_;
   const PlantRunOptions& options_;
+  CommandQueue queue_;
   std::int64_t n_;
   timing_t timing_;
   std::int64_t began_ns_ = 0, reported_ns_ = 0;
@@ -124,19 +133,18 @@ std::string await_controller(PlantLink& link, double timeout_s) {
 
 PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions& options) {
   Run run(plant, link, options);
-  const bool delayed = link.info().delay_samples == 1;
-  Eigen::VectorXd held = Eigen::VectorXd::Zero(link.info().n_legs);
+  const bool answer_first = run.queue().needs_answer();
   run.begin(0);
   if (!link.begin_pacing()) return run.fail(unwritten);
   for (std::int64_t k = 0; k < run.n(); ++k) {
     if (!link.wait_for_log()) return run.fail(unwritten);
     run.measure(k);
     std::string reason;
-    if (delayed) reason = run.advance(held);
+    if (!answer_first) reason = run.advance();
     const std::string missing = await_command(link, k, options.timeout_s);
     if (!missing.empty()) return run.fail(missing);
-    held = link.command_force();
-    if (!delayed) reason = run.advance(held);
+    run.queue().push(link.command_force());
+    if (answer_first) reason = run.advance();
     if (!reason.empty()) return run.fail(reason);
   }
   return run.end();
@@ -167,7 +175,9 @@ PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions
       return run.fail("no command for " + std::to_string(options.timeout_s) + " s");
     }
     run.measure(k);
-    const std::string reason = run.advance(link.command_force());
+    // What came in time stands for the command of the sample before.
+    run.queue().push(link.command_force());
+    const std::string reason = run.advance();
     if (!reason.empty()) return run.fail(reason);
   }
   return run.end();

@@ -24,15 +24,16 @@ struct PlantRunOptions {
 /// run.
 std::string await_controller(PlantLink& link, double timeout_s);
 
-/// One command for each measurement, as fast as the machine goes: with delay 0 the command of
-/// sample k is awaited before the plant moves on from k, with delay 1 the plant moves while the
-/// controller computes, and awaits it then. A measurement that stays unanswered for 200 ms is
-/// published again.
+/// One command for each measurement, as fast as the machine goes: with a delay below one sample the
+/// command of sample k is awaited before the plant moves on from k, with a longer one the plant
+/// moves while the controller computes, and awaits it then. A measurement that stays unanswered for
+/// 200 ms is published again.
 PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions& options);
 
-/// Sample k at t_0 + k T_s on CLOCK_MONOTONIC. The newest command of an earlier sample holds from
-/// there on; where none came in time the last one is held. A plant that is late catches up without
-/// skipping any sample.
+/// Sample k at t_0 + k T_s on CLOCK_MONOTONIC, with a delay of one sample or more. The newest
+/// command of an earlier sample stands for that of sample k - 1, and takes effect by its delay;
+/// where none came in time the last one is held. A plant that is late catches up without skipping
+/// any sample.
 PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions& options);
 
 }  // namespace stillframe

@@ -7,12 +7,15 @@
 namespace stillframe::report {
 
 std::string cell(const char* format, ...) {
-  char buffer[256];
-  va_list arguments;
+  va_list arguments, again;
   va_start(arguments, format);
-  std::vsnprintf(buffer, sizeof buffer, format, arguments);
+  va_copy(again, arguments);
+  std::string text(static_cast<size_t>(std::max(std::vsnprintf(nullptr, 0, format, arguments), 0)),
+                   ' ');
+  std::vsnprintf(text.data(), text.size() + 1, format, again);
+  va_end(again);
   va_end(arguments);
-  return buffer;
+  return text;
 }
 
 Table::Table(std::vector<std::string> header, std::size_t n_text_columns)

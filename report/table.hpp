@@ -6,7 +6,7 @@
 
 namespace stillframe::report {
 
-/// printf to a string, for cells of up to 255 characters.
+/// printf to a string.
 [[gnu::format(printf, 1, 2)]] std::string cell(const char* format, ...);
 
 /// Rows of cells under a header; the first n_text_columns stand to the left, the others to the

@@ -19,7 +19,7 @@ struct RunSummary {
   std::string mode;  ///< lock_step or wall_clock
   std::string loop;  ///< active or passive
   double sample_rate_hz = 0;
-  int delay_samples = 0;
+  double delay_samples = 0;
   std::int64_t n_samples = 0;  ///< in the log
   std::int64_t n_lost = 0;     ///< measurements that the log should hold and does not
   std::int64_t n_duplicates = 0;

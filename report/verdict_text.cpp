@@ -15,7 +15,7 @@ std::string runs_text(const std::vector<RunSummary>& runs) {
               2);
   std::string notes;
   for (const RunSummary& run : runs) {
-    table.add({run.loop, run.mode, cell("%g", run.sample_rate_hz), count(run.delay_samples),
+    table.add({run.loop, run.mode, cell("%g", run.sample_rate_hz), cell("%g", run.delay_samples),
                count(run.n_samples), count(run.n_lost), count(run.n_duplicates),
                count(run.n_commands), count(run.n_saturated),
                run.real_time_factor > 0 ? cell("%.2f", run.real_time_factor) : "unknown"});

@@ -15,15 +15,15 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .legs = block.legs,
           .sample_rate_hz = block.sample_rate_hz,
           .delay_samples = block.delay_samples,
-          .realisation = block.realisation == Realisation::naive_pi
-                             ? controller::Realisation::naive_pi
-                             : controller::Realisation::implicit_feedthrough,
+          .realisation = block.realisation,
           .leak_hz = block.leak_hz,
+          .high_pass_hz = block.high_pass_hz,
           .lead_samples = block.lead_samples,
           .roll_off_hz = block.roll_off_hz,
           .force_limit_n = block.force_limit_n,
           .K_P = loop.gains.K_P,
           .K_I = loop.gains.K_I,
+          .instruments = scene.instruments,
           .plant = {plant.A.topLeftCorner(n, n), plant.B_u.topRows(n), plant.C_sigma.leftCols(n)}};
 }
 
@@ -37,10 +37,13 @@ LoopDesign make_loop_design(const std::filesystem::path& scene_file,
   design.loop = make_control_loop(design.scene, design.model);
   const LoopPlant plant = loop_plant(design.loop.plant, design.loop.n_w, design.loop.n_y);
   design.gains = make_gains(design.scene, design.loop, plant);
-  design.sampled = sample_and_hold(plant, design.gains.sample_time());
+  design.settings = {.plant = plant,
+                     .feedback = design.gains.feedback(),
+                     .law = design.gains.law_sampling(),
+                     .sampling = design.gains.sampling()};
+  design.sampled = sample_and_hold(plant, design.gains.sampling());
   design.open = open_loop(design.sampled);
-  design.closed = close_loop(design.sampled, controller::law_from_gains(design.gains),
-                             design.gains.delay_samples);
+  design.closed = close_loop(design.sampled, controller::law_from_gains(design.gains));
   design.radius = spectral_radius(design.closed);
   return design;
 }

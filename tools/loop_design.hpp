@@ -5,7 +5,7 @@
 
 #include "controller/gains.hpp"
 #include "core/control_loop.hpp"
-#include "core/linear/sampled_loop.hpp"
+#include "core/linear/loop_settings.hpp"
 #include "core/model/model.hpp"
 #include "core/scene/scene.hpp"
 
@@ -17,7 +17,8 @@ struct LoopDesign {
   Model model;
   ControlLoop loop;
   controller::Gains gains;
-  SampledPlant sampled;  ///< the plant with held inputs
+  LoopSettings settings;  ///< the loop as margins and rates are found with
+  SampledPlant sampled;   ///< the plant with held inputs
   SampledLoop open, closed;
   double radius = 0;  ///< spectral radius of closed
 };

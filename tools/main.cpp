@@ -65,6 +65,8 @@ int main(int argc, char** argv) {
     add_linearise(app, exit_code);
     add_sigma(app, exit_code);
     add_design(app, exit_code);
+    add_robustness(app, exit_code);
+    add_merge(app, exit_code);
     add_run(app, exit_code);
     require_known_verb(app, argc, argv);
     app.parse(argc, argv);

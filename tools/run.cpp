@@ -9,6 +9,7 @@
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/plant.hpp"
 #include "plant_sim/run_length.hpp"
+#include "report/table.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/run/judge.hpp"
 #include "tools/run/phase.hpp"
@@ -45,11 +46,11 @@ std::int64_t random_run_id() {
 floor::FloorSpec check_input(const Options& options, const LoopDesign& design,
                              std::string& floor_text) {
   controller::require_stable(design.gains);
-  if (options.mode == "wall_clock" && design.gains.delay_samples == 0) {
-    throw InputError(design.scene.controller->place +
-                     ": delay_samples: found 0, allowed is 1 in wall-clock mode: a command cannot "
-                     "take effect at "
-                     "the instant of its measurement");
+  if (options.mode == "wall_clock" && design.gains.delay_samples < 1) {
+    throw InputError(design.scene.controller->place + ": delay_samples: found " +
+                     report::cell("%g", design.gains.delay_samples) +
+                     ", allowed is 1 or more in wall-clock mode: the command of a sample is known "
+                     "at the next");
   }
   const auto block = read_floor(options.scene, options.floor);
   if (!block) {

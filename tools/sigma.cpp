@@ -130,8 +130,8 @@ void plot(const std::string& title, const Curves& curves, const Scene& scene,
   picture.open_predicted = curves.open;
   picture.closed_predicted = curves.closed;
   if (scene.controller) {
-    picture.target_frequency_hz = scene.controller->target_hz;
-    picture.target_damping = scene.controller->damping_ratio;
+    picture.target_frequency_hz = scene.controller->lowest_target_hz();
+    picture.target_damping = scene.controller->damping_ratio.front();
   } else {
     // Units of all kinds: 120 dB below the highest point, and the values that are zero there too.
     const double highest = curves.open.array().isFinite().select(curves.open, 0.0).maxCoeff();

@@ -4,44 +4,20 @@
 #include <Eigen/LU>
 #include <stdexcept>
 #include <string>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "core/linear/balance.hpp"
 
 namespace stillframe {
 
+using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
-SampledPlant sample_and_hold(const LoopPlant& plant, double sample_time) {
-  if (!(sample_time > 0)) {
-    throw std::invalid_argument("sample_and_hold: sample_time must be positive, got " +
-                                std::to_string(sample_time));
-  }
-  const Index n = plant.A.rows(), p = plant.B_w.cols(), m = plant.B_u.cols();
-  const Index n_y = plant.C_y.rows(), total = n + p + m + n_y;
-  MatrixXd augmented = MatrixXd::Zero(total, total);
-  augmented.topLeftCorner(n, n + p + m) << plant.A, plant.B_w, plant.B_u;
-  augmented.bottomLeftCorner(n_y, n + p + m) << plant.C_y, plant.D_yw, plant.D_yu;
-  const MatrixXd exponential = (augmented * sample_time).exp();
-  const MatrixXd mean = exponential.bottomLeftCorner(n_y, n + p + m) / sample_time;
-  return {.Phi = exponential.topLeftCorner(n, n),
-          .Gamma_w = exponential.block(0, n, n, p),
-          .Gamma_u = exponential.block(0, n + p, n, m),
-          .C_y = mean.leftCols(n),
-          .D_yw = mean.middleCols(n, p),
-          .D_yu = mean.rightCols(m),
-          .C_sigma = plant.C_sigma,
-          .n_exogenous = plant.n_exogenous,
-          .sample_time = sample_time};
-}
-
 namespace {
 
-void check_shapes(const SampledPlant& plant, const DiscreteLaw& law, int delay_samples) {
+void check_shapes(const SampledPlant& plant, const DiscreteLaw& law) {
   const Index m = plant.Gamma_u.cols(), n = law.A.rows();
-  if (delay_samples < 0) throw std::invalid_argument("close_loop: negative delay");
   const bool fits = law.A.cols() == n && law.B.rows() == n && law.B.cols() == m &&
                     law.C.rows() == m && law.C.cols() == n && law.D.rows() == m &&
                     law.D.cols() == m && plant.C_sigma.rows() == m;
@@ -51,8 +27,8 @@ void check_shapes(const SampledPlant& plant, const DiscreteLaw& law, int delay_s
   }
 }
 
-/// Writes xi in the order [exogenous plant states | plant states | law | applied | pending
-/// commands], so that the feedback part is one trailing block.
+/// Writes xi in the order [exogenous plant states | plant states | law | ...], so that the feedback
+/// part is one trailing block.
 Eigen::PermutationMatrix<Eigen::Dynamic> exogenous_first(Index n, Index n_exogenous, Index total) {
   Eigen::VectorXi target(total);
   for (Index i = 0; i < total; ++i) {
@@ -67,64 +43,116 @@ Eigen::PermutationMatrix<Eigen::Dynamic> exogenous_first(Index n, Index n_exogen
 SampledLoop arranged(SampledLoop loop, Index n_plant) {
   const auto P = exogenous_first(n_plant, loop.n_exogenous, loop.A.rows());
   const Eigen::VectorXd S = balancing_scales(P * loop.A * P.transpose());
-  loop.A = S.cwiseInverse().asDiagonal() * (P * loop.A * P.transpose()) * S.asDiagonal();
-  loop.B = S.cwiseInverse().asDiagonal() * (P * loop.B);
+  const auto S_inverse = S.cwiseInverse().asDiagonal();
+  loop.A = S_inverse * (P * loop.A * P.transpose()) * S.asDiagonal();
+  loop.B = S_inverse * (P * loop.B);
+  loop.B_v = S_inverse * (P * loop.B_v);
   loop.C = loop.C * P.transpose() * S.asDiagonal();
   return loop;
 }
 
+/// Where the parts of xi stand: plant, law, c_0 (the command that held before t_k), the filtered
+/// report, the reports on their way, oldest first, and the commands on their way, oldest first.
+struct Layout {
+  Index longest;  ///< whole delay of any leg
+  Index n, m, law, held, filtered, reports, pending, total;
+
+  Layout(const SampledPlant& plant, const DiscreteLaw& control)
+      : longest(plant.whole_delay.maxCoeff()),
+        n(plant.Phi.rows()),
+        m(plant.Gamma_u.cols()),
+        law(n),
+        held(law + control.A.rows()) {
+    filtered = held + m;
+    reports = filtered + (control.subtract_applied && control.applied_memory > 0 ? m : 0);
+    pending = reports + (control.subtract_applied ? m * plant.report_age : 0);
+    total = pending + m * longest;
+  }
+};
+
+/// Moves a queue of m-blocks on by one and puts `newest` (m rows) in behind.
+void shift_in(MatrixXd& A, Index begin, Index end, Index m, const MatrixXd& newest) {
+  for (Index row = begin; row < end; row += m) {
+    if (row + m < end) {
+      A.block(row, row + m, m, m).setIdentity();
+    } else {
+      A.middleRows(row, m) = newest;
+    }
+  }
+}
+
 }  // namespace
 
-SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law, int delay_samples) {
-  check_shapes(plant, law, delay_samples);
-  const Index n = plant.Phi.rows(), m = plant.Gamma_u.cols(), p = plant.Gamma_w.cols();
-  const Index n_law = law.A.rows();
-  const Index i_law = n, i_applied = n + n_law, i_pending = i_applied + m;
-  const Index total = i_pending + m * delay_samples;
+SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
+  check_shapes(plant, law);
+  const Layout at(plant, law);
+  const Index n = at.n, m = at.m, n_law = law.A.rows();
 
-  // e = C_e xi is the law's input, u = C_u xi its command, f = C_f xi the force held over the
-  // coming interval.
-  MatrixXd C_e = MatrixXd::Zero(m, total);
+  // e = C_e xi + v is the law's input, u = C_u xi + D v its command, c_1 = C_f xi what takes effect
+  // in the coming interval.
+  MatrixXd C_e = MatrixXd::Zero(m, at.total), C_report = C_e, C_applied = C_e;
   C_e.leftCols(n) = plant.C_sigma;
-  if (!law.subtract_applied) C_e.middleCols(i_applied, m).setIdentity();
+  C_e.middleCols(at.held, m) = plant.D_sigma;
+  C_report.leftCols(n) = plant.C_report;
+  C_report.middleCols(at.held, m) = plant.D_report;
+  if (law.subtract_applied) {
+    C_applied = C_report;
+    if (plant.report_age > 0) {
+      C_applied.setZero();
+      C_applied.middleCols(at.reports, m).setIdentity();
+    }
+    if (law.applied_memory > 0) {
+      C_applied *= 1 - law.applied_memory;
+      C_applied.middleCols(at.filtered, m).diagonal().array() += law.applied_memory;
+    }
+    C_e -= C_applied;
+  }
   MatrixXd C_u = law.D * C_e;
-  C_u.middleCols(i_law, n_law) += law.C;
-  MatrixXd C_f = C_u;
-  if (delay_samples > 0) {
-    C_f.setZero();
-    C_f.middleCols(i_pending, m).setIdentity();
+  C_u.middleCols(at.law, n_law) += law.C;
+  // A leg whose command takes effect at once has it straight from the law, others from the queue.
+  MatrixXd C_f = C_u, D_f = law.D;  // of xi and v
+  for (Index i = 0; i < m; ++i) {
+    if (plant.whole_delay(i) == 0) continue;
+    C_f.row(i).setZero();
+    C_f(i, at.pending + m * (at.longest - plant.whole_delay(i)) + i) = 1;
+    D_f.row(i).setZero();
   }
 
   SampledLoop loop;
   loop.n_exogenous = plant.n_exogenous;
   loop.sample_time = plant.sample_time;
-  loop.A = MatrixXd::Zero(total, total);
+  loop.A = MatrixXd::Zero(at.total, at.total);
   loop.A.topRows(n) = plant.Gamma_u * C_f;
   loop.A.topLeftCorner(n, n) += plant.Phi;
-  loop.A.middleRows(i_law, n_law) = law.B * C_e;
-  loop.A.block(i_law, i_law, n_law, n_law) += law.A;
-  loop.A.middleRows(i_applied, m) = C_f;
-  for (int d = 0; d < delay_samples; ++d) {
-    const Index row = i_pending + m * d;
-    if (d + 1 < delay_samples) {
-      loop.A.block(row, row + m, m, m).setIdentity();
-    } else {
-      loop.A.middleRows(row, m) = C_u;
-    }
-  }
-  loop.B = MatrixXd::Zero(total, p);
+  loop.A.block(0, at.held, n, m) += plant.Gamma_0;
+  loop.A.middleRows(at.law, n_law) = law.B * C_e;
+  loop.A.block(at.law, at.law, n_law, n_law) += law.A;
+  loop.A.middleRows(at.held, m) = C_f;
+  if (at.reports > at.filtered) loop.A.middleRows(at.filtered, m) = C_applied;
+  shift_in(loop.A, at.reports, at.pending, m, C_report);
+  shift_in(loop.A, at.pending, at.total, m, C_u);
+  loop.B = MatrixXd::Zero(at.total, plant.Gamma_w.cols());
   loop.B.topRows(n) = plant.Gamma_w;
+  loop.B_v = MatrixXd::Zero(at.total, m);
+  loop.B_v.topRows(n) = plant.Gamma_u * D_f;
+  loop.B_v.middleRows(at.law, n_law) = law.B;
+  loop.B_v.middleRows(at.held, m) = D_f;
+  if (at.longest > 0) loop.B_v.bottomRows(m) = law.D;
   loop.C = plant.D_yu * C_f;
   loop.C.leftCols(n) += plant.C_y;
+  loop.C.middleCols(at.held, m) += plant.D_0;
   loop.D = plant.D_yw;
+  loop.D_v = plant.D_yu * D_f;
   return arranged(std::move(loop), n);
 }
 
 SampledLoop open_loop(const SampledPlant& plant) {
   SampledLoop loop{.A = plant.Phi,
                    .B = plant.Gamma_w,
+                   .B_v = MatrixXd::Zero(plant.Phi.rows(), 0),
                    .C = plant.C_y,
                    .D = plant.D_yw,
+                   .D_v = MatrixXd::Zero(plant.C_y.rows(), 0),
                    .n_exogenous = plant.n_exogenous,
                    .sample_time = plant.sample_time};
   return arranged(std::move(loop), plant.Phi.rows());
@@ -135,11 +163,45 @@ double spectral_radius(const SampledLoop& loop) {
   return loop.A.bottomRightCorner(n, n).eigenvalues().cwiseAbs().maxCoeff();
 }
 
-MatrixXcd transfer(const SampledLoop& loop, double omega) {
-  const std::complex<double> z = std::polar(1.0, omega * loop.sample_time);
-  MatrixXcd resolvent = -loop.A.cast<std::complex<double>>();
+namespace {
+
+/// C (z I - A)^-1 B.
+MatrixXcd resolved(const MatrixXd& C, const MatrixXd& A, const MatrixXcd& B, Complex z) {
+  MatrixXcd resolvent = -A.cast<Complex>();
   resolvent.diagonal().array() += z;
-  return loop.C * resolvent.partialPivLu().solve(loop.B.cast<std::complex<double>>()) + loop.D;
+  return C * resolvent.partialPivLu().solve(B);
+}
+
+}  // namespace
+
+MatrixXcd transfer(const SampledLoop& loop, double omega) {
+  const Complex z = std::polar(1.0, omega * loop.sample_time);
+  return resolved(loop.C, loop.A, loop.B.cast<Complex>(), z) + loop.D;
+}
+
+MatrixXcd noise_transfer(const SampledLoop& loop, double omega) {
+  const Complex z = std::polar(1.0, omega * loop.sample_time);
+  return resolved(loop.C, loop.A, loop.B_v.cast<Complex>(), z) + loop.D_v;
+}
+
+MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega) {
+  const Complex z = std::polar(1.0, omega * plant.sample_time);
+  const Index m = plant.Gamma_u.cols(), n = plant.Phi.rows() - plant.n_exogenous;
+  const MatrixXd A = plant.Phi.topLeftCorner(n, n);
+  const MatrixXcd to_state =
+      plant.Gamma_u.topRows(n).cast<Complex>() + plant.Gamma_0.topRows(n).cast<Complex>() / z;
+  MatrixXcd resolvent = -A.cast<Complex>();
+  resolvent.diagonal().array() += z;
+  const MatrixXcd x = resolvent.partialPivLu().solve(to_state);
+  const MatrixXcd sigma = plant.C_sigma.leftCols(n) * x + plant.D_sigma.cast<Complex>() / z;
+  MatrixXcd F = resolved(law.C, law.A, law.B.cast<Complex>(), z) + law.D;
+  for (Index i = 0; i < m; ++i) F.row(i) *= std::pow(z, -plant.whole_delay(i));
+  if (!law.subtract_applied) return -F * sigma;
+  // c = F (sigma - r): what the law takes out of sigma is the report of its own command.
+  MatrixXcd report = plant.C_report.leftCols(n) * x + plant.D_report.cast<Complex>() / z;
+  report *=
+      std::pow(z, -plant.report_age) * (1 - law.applied_memory) / (1.0 - law.applied_memory / z);
+  return -(MatrixXcd::Identity(m, m) + F * report).partialPivLu().solve(F * sigma);
 }
 
 }  // namespace stillframe

@@ -8,6 +8,9 @@ namespace stillframe {
 
 namespace {
 
+/// Samples that a command or a report may be under way; more is a mistake rather than a plant.
+constexpr int most_delay = 100;
+
 /// A leg carries the actuator and the force sensor along it, so its first deformation (elongation)
 /// has to be elastic, and it has to be there once.
 std::vector<std::string> read_legs(const YamlReader& list, const Scene& scene) {
@@ -25,19 +28,47 @@ std::vector<std::string> read_legs(const YamlReader& list, const Scene& scene) {
   return legs;
 }
 
+/// One positive number, or one for each virtual mode.
+std::vector<double> read_targets(const YamlReader& value, size_t n_modes) {
+  if (!value.is_sequence()) return {value.positive()};
+  std::vector<double> targets;
+  for (const YamlReader& item : value.items()) targets.push_back(item.positive());
+  if (targets.size() != n_modes) {
+    value.fail("found " + std::to_string(targets.size()) +
+               " numbers, allowed are one, or one for each of the " + std::to_string(n_modes) +
+               " virtual modes");
+  }
+  return targets;
+}
+
+/// A relative deviation, below one so that nothing can vanish.
+double read_part(const YamlReader& block, const std::string& key) {
+  const auto value = block.find(key);
+  if (!value) return 0;
+  const double part = value->non_negative();
+  if (part >= 1) value->fail("found " + value->text() + ", allowed is 0 to below 1");
+  return part;
+}
+
 }  // namespace
 
 SceneController read_controller(const YamlReader& block, const Scene& scene) {
-  block.allow_only({"legs", "target_hz", "damping_ratio", "order", "realisation", "sample_rate_hz",
-                    "delay_samples", "leak_hz", "lead_samples", "roll_off_hz", "force_limit_n"});
+  block.allow_only({"legs", "target_hz", "damping_ratio", "order", "reduction", "realisation",
+                    "sample_rate_hz", "delay_samples", "leak_hz", "high_pass_hz", "lead_samples",
+                    "roll_off_hz", "force_limit_n"});
   SceneController controller;
   controller.place = block.place();
   controller.legs = read_legs(block.require("legs"), scene);
-  controller.target_hz = block.require("target_hz").positive();
-  controller.damping_ratio = block.require("damping_ratio").positive();
+  controller.target_hz = read_targets(block.require("target_hz"), controller.legs.size());
+  controller.damping_ratio = read_targets(block.require("damping_ratio"), controller.legs.size());
   if (const auto value = block.find("order")) {
     controller.order =
         value->one_of({"exact", "deck"}) == "exact" ? GainOrder::exact : GainOrder::deck;
+  }
+  if (const auto value = block.find("reduction")) {
+    controller.reduction = value->one_of({"modes", "static_shapes"}) == "modes"
+                               ? Reduction::modes
+                               : Reduction::static_shapes;
   }
   if (const auto value = block.find("realisation")) {
     const std::string word = value->one_of({"implicit_feedthrough", "naive_pi"});
@@ -46,8 +77,14 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
   }
   controller.sample_rate_hz = block.require("sample_rate_hz").positive();
   const YamlReader delay = block.require("delay_samples");
-  controller.delay_samples = std::stoi(delay.one_of({"0", "1"}));
+  controller.delay_samples = delay.non_negative();
+  if (controller.delay_samples > most_delay) {
+    delay.fail("found " + delay.text() + ", allowed is 0 to " + std::to_string(most_delay));
+  }
   controller.leak_hz = block.require("leak_hz").non_negative();
+  if (const auto value = block.find("high_pass_hz")) {
+    controller.high_pass_hz = value->non_negative();
+  }
   if (const auto value = block.find("lead_samples")) {
     controller.lead_samples = value->non_negative();
   }
@@ -59,6 +96,27 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
   }
   if (const auto value = block.find("force_limit_n")) controller.force_limit_n = value->positive();
   return controller;
+}
+
+SceneUncertainty read_uncertainty(const YamlReader& block) {
+  block.allow_only({"stiffness", "mass", "inertia", "centre_of_mass_m", "leg_direction_rad",
+                    "actuator_gain", "delay_samples"});
+  SceneUncertainty uncertainty;
+  uncertainty.place = block.place();
+  uncertainty.stiffness = read_part(block, "stiffness");
+  uncertainty.mass = read_part(block, "mass");
+  uncertainty.inertia = read_part(block, "inertia");
+  uncertainty.actuator_gain = read_part(block, "actuator_gain");
+  if (const auto value = block.find("centre_of_mass_m")) {
+    uncertainty.centre_of_mass_m = value->non_negative();
+  }
+  if (const auto value = block.find("leg_direction_rad")) {
+    uncertainty.leg_direction_rad = value->non_negative();
+  }
+  if (const auto value = block.find("delay_samples")) {
+    uncertainty.delay_samples = value->non_negative();
+  }
+  return uncertainty;
 }
 
 }  // namespace stillframe

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/linear/instruments.hpp"
+#include "core/linear/realisation.hpp"
+
 // A scene as a person wrote it, checked key by key; names are not resolved yet. `place` is
 // "file:line:column".
 namespace stillframe {
@@ -119,19 +122,38 @@ struct SceneComparison {
 };
 
 enum class GainOrder { exact, deck };
-enum class Realisation { implicit_feedthrough, naive_pi };
+/// Which motion of the frame stands for the elongations of fewer legs than dofs: the slowest modes,
+/// or the motion of least strain energy.
+enum class Reduction { modes, static_shapes };
 
 struct SceneController {
   std::string place;
   std::vector<std::string> legs;
-  double target_hz = 0, damping_ratio = 0;
+  /// One number for all virtual modes, or one for each, slowest mode of the frame first.
+  std::vector<double> target_hz, damping_ratio;
   GainOrder order = GainOrder::exact;
+  Reduction reduction = Reduction::modes;
   Realisation realisation = Realisation::implicit_feedthrough;
   double sample_rate_hz = 0;
-  int delay_samples = 0;
+  double delay_samples = 0;
   double leak_hz = 0;
+  double high_pass_hz = 0;
   double lead_samples = 0;
   std::optional<double> roll_off_hz, force_limit_n;
+
+  /// The lowest target and its damping, for what has room for one number only.
+  double lowest_target_hz() const { return *std::min_element(target_hz.begin(), target_hz.end()); }
+};
+
+/// By how much the plant may differ from its model, each way; 0: not at all. Legs vary one by one.
+struct SceneUncertainty {
+  std::string place;
+  double stiffness = 0;          ///< of each leg, relative
+  double mass = 0, inertia = 0;  ///< of each mass, relative
+  double centre_of_mass_m = 0;   ///< of each mass that carries no leg, along x, y and z
+  double leg_direction_rad = 0;  ///< of each leg, about both axes across it
+  double actuator_gain = 0;      ///< of each actuator, relative
+  double delay_samples = 0;      ///< of all commands
 };
 
 struct SceneSimulation {
@@ -157,6 +179,8 @@ struct Scene {
   std::vector<SceneSignal> inputs, outputs, monitors;
   std::vector<SceneComparison> comparisons;
   std::optional<SceneController> controller;
+  Instruments instruments;
+  std::optional<SceneUncertainty> uncertainty;
   SceneSimulation simulation;
 };
 

@@ -8,6 +8,7 @@
 #include "core/scene/controller_block.hpp"
 #include "core/scene/signals.hpp"
 #include "core/scene/structure.hpp"
+#include "core/yaml/instruments_block.hpp"
 
 namespace stillframe {
 
@@ -45,20 +46,29 @@ SceneSimulation read_simulation(const YamlReader& block) {
 
 Scene read_scene_map(const YamlReader& root, const std::string& text,
                      const std::optional<std::filesystem::path>& controller_file) {
-  root.allow_only({"title", "planar", "gravity", "operating_point", "nodes", "masses", "elements",
-                   "supports", "prescribed", "dofs", "loads", "inputs", "outputs", "monitors",
-                   "compare", "controller", "floor", "simulation"});
+  root.allow_only({"title",      "planar",      "gravity",     "operating_point", "nodes",
+                   "masses",     "elements",    "supports",    "prescribed",      "dofs",
+                   "loads",      "inputs",      "outputs",     "monitors",        "compare",
+                   "controller", "instruments", "uncertainty", "floor",           "simulation"});
   Scene scene;
   scene.text = text;
   scene.hash = text_hash(text);
   scene.title = root.require("title").text();
   read_structure(root, scene);
   read_signals(root, scene);
+  std::optional<Block> controller;
   if (controller_file) {
-    scene.controller = read_controller(YamlReader::from_file(*controller_file), scene);
+    controller = Block{YamlReader::from_file(*controller_file), file_text(*controller_file)};
   } else if (const auto block = root.find("controller")) {
-    scene.controller = read_controller(read_block(*block).reader, scene);
+    controller = read_block(*block);
   }
+  if (controller) {
+    scene.controller = read_controller(controller->reader, scene);
+    // Gains belong to the controller block as much as to the frame.
+    scene.hash = text_hash(text + controller->text);
+  }
+  if (const auto block = root.find("instruments")) scene.instruments = read_instruments(*block);
+  if (const auto block = root.find("uncertainty")) scene.uncertainty = read_uncertainty(*block);
   if (const auto block = root.find("simulation")) scene.simulation = read_simulation(*block);
   return scene;
 }

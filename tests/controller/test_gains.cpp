@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"no_version", "stillframe_gains: 1\n", "", "gains.yaml", "stillframe_gains"},
         BadFile{"unknown", "leak_hz", "leek_hz", "gains.yaml:7", "leak_hz"},
         BadFile{"missing", "delay_samples: 1\n", "", "gains.yaml", "delay_samples"},
-        BadFile{"delay", "delay_samples: 1", "delay_samples: 2", "gains.yaml:5", "delay_samples"},
+        BadFile{"delay", "delay_samples: 1", "delay_samples: -1", "gains.yaml:5", "delay_samples"},
         BadFile{"rate", "sample_rate_hz: 1000", "sample_rate_hz: 0", "gains.yaml:4",
                 "sample_rate_hz"},
         BadFile{"unit", "sample_rate_hz: 1000", "sample_rate_hz: 1 kHz", "gains.yaml:4",

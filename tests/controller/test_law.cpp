@@ -6,7 +6,7 @@
 #include <random>
 
 #include "controller/law.hpp"
-#include "controller/tustin.hpp"
+#include "core/linear/linear_system.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/controller/toy_plant.hpp"
 #include "tests/support/allocation_count.hpp"
@@ -42,9 +42,11 @@ Complex warped(Complex z, double T) { return 2.0 / T * (z - 1.0) / (z + 1.0); }
 MatrixXcd closed_form(const Gains& gains, Complex s) {
   const double w_l = toy::two_pi * gains.leak_hz;
   const MatrixXcd I = MatrixXcd::Identity(gains.n_legs(), gains.n_legs());
-  const MatrixXcd P = (gains.K_P * s + gains.K_I) / (s + w_l);
+  const double w_h = toy::two_pi * gains.high_pass_hz;
+  const MatrixXcd P =
+      (gains.K_P * s + gains.K_I) / (s + w_l) * (w_h > 0 ? s / (s + w_h) : Complex(1));
   MatrixXcd C = gains.realisation == Realisation::naive_pi
-                    ? MatrixXcd(-(gains.K_P + gains.K_I / (s + w_l)))
+                    ? MatrixXcd(-P)
                     : MatrixXcd(-(I + P).inverse() * P);
   if (gains.roll_off_hz) {
     const double w_r = toy::two_pi * *gains.roll_off_hz;
@@ -63,6 +65,7 @@ struct Case {
   double leak_hz;
   std::optional<double> roll_off_hz;
   double lead_samples = 0;
+  double high_pass_hz = 0;
 };
 
 class LawResponse : public testing::TestWithParam<Case> {};
@@ -73,6 +76,7 @@ TEST_P(LawResponse, EqualsTheClosedFormAtTheWarpedFrequency) {
     gains.realisation = GetParam().realisation;
     gains.roll_off_hz = GetParam().roll_off_hz;
     gains.lead_samples = GetParam().lead_samples;
+    gains.high_pass_hz = GetParam().high_pass_hz;
     const DiscreteLaw law = law_from_gains(gains);
     EXPECT_EQ(law.subtract_applied, gains.realisation == Realisation::implicit_feedthrough);
     for (const double part : {1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.25, 0.4, 0.49}) {
@@ -93,7 +97,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{Realisation::implicit_feedthrough, 2.0, 200.0},
                     Case{Realisation::naive_pi, 0.05, {}}, Case{Realisation::naive_pi, 1.0, 300.0},
                     Case{Realisation::implicit_feedthrough, 0.05, {}, 1.5},
-                    Case{Realisation::implicit_feedthrough, 0.05, 200.0, 0.5}));
+                    Case{Realisation::implicit_feedthrough, 0.05, 200.0, 0.5},
+                    Case{Realisation::implicit_feedthrough, 0.05, {}, 0, 0.2},
+                    Case{Realisation::implicit_feedthrough, 0.0, 200.0, 0, 0.2},
+                    Case{Realisation::naive_pi, 0.05, 200.0, 0, 0.2}));
 
 TEST(Law, ImplicitOneIsStableAndHasItsStaticGain) {
   for (const double rate : {1000.0, 10000.0}) {

@@ -7,6 +7,7 @@
 #include "controller/law.hpp"
 #include "controller/start_check.hpp"
 #include "core/linear/balance.hpp"
+#include "core/linear/sampled_loop.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/controller/loop_simulation.hpp"
 #include "tests/controller/toy_plant.hpp"

@@ -89,7 +89,7 @@ TEST(PartitionInvariance, GainsAndClosedLoop) {
   const Scene a = frame_scene(), b = by_lens_coordinates(a);
   const ControlLoop loop_a = make_control_loop(a, make_model(a)),
                     loop_b = make_control_loop(b, make_model(b));
-  EXPECT_LE(relative_error(loop_b.legs.M, loop_a.legs.M), 1e-12);
+  EXPECT_LE(relative_error(loop_b.design.legs.M, loop_a.design.legs.M), 1e-12);
   EXPECT_LE(relative_error(loop_b.gains.K_P, loop_a.gains.K_P), 1e-12);
   EXPECT_LE(relative_error(loop_b.gains.K_I, loop_a.gains.K_I), 1e-12);
   double worst = 0;

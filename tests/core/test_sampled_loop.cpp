@@ -26,6 +26,18 @@ using Eigen::VectorXd;
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
+Sampling at(double sample_time) {
+  Sampling sampling;
+  sampling.sample_time = sample_time;
+  return sampling;
+}
+
+/// The same plant with commands that take effect whole samples later.
+SampledPlant delayed(SampledPlant plant, int samples) {
+  plant.whole_delay.setConstant(samples);
+  return plant;
+}
+
 /// Mass m on a spring k and damper d, one leg along it: q'' = -(k q + d q' + u) / m - w, y = q'' +
 /// w, sigma = k q + d q' + u.
 struct Oscillator {
@@ -47,7 +59,7 @@ struct Oscillator {
 TEST(SampleAndHold, OscillatorInClosedForm) {
   const Oscillator o;
   const double T = 0.013, a = o.d / (2 * o.m), w = std::sqrt(o.k / o.m - a * a);
-  const SampledPlant sampled = sample_and_hold(o.plant(), T);
+  const SampledPlant sampled = sample_and_hold(o.plant(), at(T));
   const double decay = std::exp(-a * T), c = std::cos(w * T), s = std::sin(w * T);
   MatrixXd Phi(2, 2);
   Phi << c + a / w * s, s / w, -(o.k / o.m) / w * s, c - a / w * s;
@@ -70,16 +82,24 @@ TEST(SampleAndHold, AFreeMassIsTheDoubleIntegrator) {
   Oscillator o;
   o.d = o.k = 0;
   const double T = 0.01;
-  const SampledPlant sampled = sample_and_hold(o.plant(), T);
+  const SampledPlant sampled = sample_and_hold(o.plant(), at(T));
   EXPECT_NEAR(sampled.Phi(0, 1), T, 1e-17);
   EXPECT_NEAR(sampled.Gamma_w(0, 0), -0.5 * T * T, 1e-18);
   EXPECT_NEAR(sampled.Gamma_w(1, 0), -T, 1e-17);
 }
 
 TEST(SampleAndHold, RefusesATimeThatIsNotPositive) {
-  EXPECT_THROW(sample_and_hold(Oscillator().plant(), 0), std::invalid_argument);
-  EXPECT_THROW(sample_and_hold(Oscillator().plant(), -1), std::invalid_argument);
-  EXPECT_THROW(sample_and_hold(Oscillator().plant(), std::nan("")), std::invalid_argument);
+  EXPECT_THROW(sample_and_hold(Oscillator().plant(), at(0)), std::invalid_argument);
+  EXPECT_THROW(sample_and_hold(Oscillator().plant(), at(-1)), std::invalid_argument);
+  EXPECT_THROW(sample_and_hold(Oscillator().plant(), at(std::nan(""))), std::invalid_argument);
+  Sampling sampling = at(0.01);
+  sampling.delay_samples = -0.1;
+  EXPECT_THROW(sample_and_hold(Oscillator().plant(), sampling), std::invalid_argument);
+  sampling.delay_samples = std::nan("");
+  EXPECT_THROW(sample_and_hold(Oscillator().plant(), sampling), std::invalid_argument);
+  sampling = at(0.01);
+  sampling.leg_gains = VectorXd::Ones(2);
+  EXPECT_THROW(sample_and_hold(Oscillator().plant(), sampling), std::invalid_argument);
 }
 
 /// A law with a state, m legs: a filtered, coupled feedback of no particular merit but mild.
@@ -155,7 +175,7 @@ SampledPlant two_legged_plant() {
   p.D_yu = (MatrixXd(3, 2) << -0.5, -0.1, -0.1, -0.4, 0, 0).finished();
   p.C_sigma = MatrixXd(2, 4);
   p.C_sigma << K, D;
-  return sample_and_hold(p, 0.01);
+  return sample_and_hold(p, at(0.01));
 }
 
 /// y[k+1] / w[k] once the start has died away, for w[k] = z^k in one input.
@@ -172,7 +192,7 @@ TEST_P(SampledTransfer, IsWhatTheRunningLoopDoesToAComplexExponential) {
   const auto [delay, subtract] = GetParam();
   const SampledPlant plant = two_legged_plant();
   const DiscreteLaw law = some_law(2, subtract);
-  const SampledLoop loop = close_loop(plant, law, delay);
+  const SampledLoop loop = close_loop(delayed(plant, delay), law);
   ASSERT_LT(spectral_radius(loop), 0.97);  // 2000 samples then leave 1e-26 of the start
   for (const double omega : {1.0, 20.0, 60.0, 250.0}) {
     const MatrixXcd T = transfer(loop, omega);
@@ -201,7 +221,7 @@ TEST(SampledLoops, ResponseToAnImpulseIsTheSameInBothForms) {
   const SampledPlant plant = two_legged_plant();
   const DiscreteLaw law = some_law(2, true);
   for (const int delay : {0, 1, 2}) {
-    const SampledLoop loop = close_loop(plant, law, delay);
+    const SampledLoop loop = close_loop(delayed(plant, delay), law);
     Loop running(plant, &law, delay);
     VectorXd xi = VectorXd::Zero(loop.A.rows());
     for (int k = 0; k < 50; ++k) {
@@ -222,7 +242,7 @@ TEST(SampledLoops, SpectralRadiusIsTheGrowthOfALongRun) {
       DiscreteLaw law = some_law(2, false);
       law.C *= gain;
       law.D *= gain;
-      const SampledLoop loop = close_loop(plant, law, delay);
+      const SampledLoop loop = close_loop(delayed(plant, delay), law);
       std::mt19937 engine(1);
       VectorXd xi = random_vector(loop.A.rows(), engine);
       double logarithm = 0;
@@ -242,8 +262,7 @@ TEST(SampledLoops, SpectralRadiusIsTheGrowthOfALongRun) {
 
 TEST(SampledLoops, ALawThatDoesNotFitIsRefused) {
   const SampledPlant plant = two_legged_plant();
-  EXPECT_THROW(close_loop(plant, some_law(1, true), 1), std::invalid_argument);
-  EXPECT_THROW(close_loop(plant, some_law(2, true), -1), std::invalid_argument);
+  EXPECT_THROW(close_loop(plant, some_law(1, true)), std::invalid_argument);
 }
 
 /// The cart with q = x(mass): the floor strains the spring, so its velocity and position are states
@@ -260,7 +279,7 @@ class CartLoop : public testing::Test {
     return linearise(make_model(scene), scene.inputs, scene.outputs);
   }
   static SampledPlant plant(const Scene& scene) {
-    return sample_and_hold(loop_plant(model(scene), 1, 1), T_);
+    return sample_and_hold(loop_plant(model(scene), 1, 1), at(T_));
   }
 };
 
@@ -272,8 +291,8 @@ TEST_F(CartLoop, HasTheFloorAsExogenousStatesWhereItStrainsTheSpring) {
 TEST_F(CartLoop, BothChoicesOfDofGiveOneTransferAndOneRadius) {
   const SampledPlant a = plant(cart_scene()), b = plant(cart_by_position());
   for (const int delay : {0, 1, 2}) {
-    const SampledLoop loop_a = close_loop(a, some_law(1, true), delay),
-                      loop_b = close_loop(b, some_law(1, true), delay);
+    const SampledLoop loop_a = close_loop(delayed(a, delay), some_law(1, true)),
+                      loop_b = close_loop(delayed(b, delay), some_law(1, true));
     // The floor's double integrator has the radius 1 and is left out.
     EXPECT_NEAR(spectral_radius(loop_a), spectral_radius(loop_b), 1e-12);
     EXPECT_LT(spectral_radius(loop_a), 1.0);
@@ -293,7 +312,7 @@ TEST_F(CartLoop, BothChoicesOfDofGiveOneTransferAndOneRadius) {
 TEST_F(CartLoop, IsWhatNewtonsLawDoesBetweenTheSamples) {
   const DiscreteLaw law = some_law(1, true);
   for (const int delay : {0, 1}) {
-    const SampledLoop loop = close_loop(plant(cart_by_position()), law, delay);
+    const SampledLoop loop = close_loop(delayed(plant(cart_by_position()), delay), law);
     for (const double omega : {5.0, 18.0, 60.0}) {
       // Complex floor motion w_k = z^k with its own exact integrals, so that cart and mass do not
       // drift away.
@@ -346,7 +365,7 @@ TEST(SampledLoops, ApproachTheContinuousPlantAsTheSamplesShrink) {
   const double omega = two_pi * 20;
   std::vector<double> errors;
   for (const double rate : {4000.0, 8000.0}) {
-    const MatrixXcd sampled = transfer(open_loop(sample_and_hold(plant, 1 / rate)), omega);
+    const MatrixXcd sampled = transfer(open_loop(sample_and_hold(plant, at(1 / rate))), omega);
     // The hold comes half a sample late, the mean half a sample early, and both take (sin x) / x of
     // the size.
     const MatrixXcd continuous = loop.open({0, omega});

@@ -58,14 +58,17 @@ TEST_F(SceneFiles, AControllerInAFileOfItsOwnIsReadAndItsErrorsAreThere) {
   const Scene read = read_scene(file);
   ASSERT_TRUE(read.controller.has_value());
   EXPECT_EQ(read.controller->sample_rate_hz, 1000);
-  EXPECT_EQ(read.hash, text_hash(scene));
+  EXPECT_EQ(read.hash, text_hash(scene + law));
   write("law.yaml", "legs: [leg_1]\ntarget_hz: five\n");
   EXPECT_NE(error_of_file(file).find("law.yaml:2:12: target_hz: found 'five'"), std::string::npos)
       << error_of_file(file);
   // A file given beside the scene replaces what stands in it.
   const Scene replaced =
       read_scene(write("inline.yaml", sound_scene), write("other.yaml", changed(law, "5", "7")));
-  EXPECT_EQ(replaced.controller->target_hz, 7);
+  EXPECT_EQ(replaced.controller->lowest_target_hz(), 7);
+  // Gains are stale as soon as the controller block changes, wherever it stands.
+  write("law.yaml", changed(law, "5", "7"));
+  EXPECT_NE(read_scene(file).hash, read.hash);
 }
 
 TEST(SceneText, HashIsFnv1a) {

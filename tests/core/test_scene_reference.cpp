@@ -92,8 +92,12 @@ monitors:
   - {name: m, acceleration: side, along: z}
 compare:
   z: {floor: y, frame: m}
-controller: {legs: [leg], target_hz: 1, damping_ratio: 1, order: exact, realisation: naive_pi,
-  sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, lead_samples: 1, roll_off_hz: 10, force_limit_n: 1}
+controller: {legs: [leg], target_hz: 1, damping_ratio: 1, order: exact, reduction: modes, realisation: naive_pi,
+  sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, high_pass_hz: 0, lead_samples: 1, roll_off_hz: 10, force_limit_n: 1}
+instruments: {actuator_gain: 1, actuator_lag_hz: 300, sensor_filter_hz: 400,
+  applied_force: measured, report_age_samples: 0}
+uncertainty: {stiffness: 0.1, mass: 0.1, inertia: 0.1, centre_of_mass_m: 0.01,
+  leg_direction_rad: 0.01, actuator_gain: 0.1, delay_samples: 0.2}
 simulation: {duration_s: 1, relative_tolerance: 1e-6}
 )";
 
@@ -138,6 +142,8 @@ const std::map<std::string, Path> places = {
     {"outputs and monitors", {"outputs", "#0"}},
     {"compare", {"compare", "z"}},
     {"controller", {"controller"}},
+    {"instruments", {"instruments"}},
+    {"uncertainty", {"uncertainty"}},
     {"simulation", {"simulation"}},
     {"floor", {}},
     {"floor: recording", {"recording"}},

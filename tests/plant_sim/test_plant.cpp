@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/equilibrium.hpp"
 #include "tests/plant_sim/frame.hpp"
 
 namespace stillframe {
@@ -69,6 +70,76 @@ TEST(Plant, TheSameInputsGiveTheSameBits) {
     ASSERT_EQ(second.advance(force), "");
     ASSERT_EQ(first.read().frame_acceleration, second.read().frame_acceleration) << k;
     ASSERT_EQ(first.read().sigma, second.read().sigma) << k;
+  }
+}
+
+/// The frame integrated with held forces and nothing else, written out.
+struct BareFrame {
+  const Model& model;
+  FloorMotion floor;
+  Data data{model};
+  MotionState state{model};
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(2 * model.n_d), rate = y,
+                  sigma_a = Eigen::VectorXd::Zero(model.n_e),
+                  q_ddot = Eigen::VectorXd::Zero(model.n_d);
+  Integrator integrator;
+
+  BareFrame(const Scene& scene, const Model& frame, const Eigen::MatrixXd& a)
+      : model(frame),
+        floor(test::table(a), scene, frame),
+        integrator(
+            frame.n_d,
+            [this](double t, const Eigen::Ref<const Eigen::VectorXd>& at,
+                   Eigen::Ref<Eigen::VectorXd> dy_dt) { return derivative(t, at, dy_dt); },
+            scene.simulation.relative_tolerance) {
+    data.x = solve_equilibrium(model).motion.x;
+  }
+  bool derivative(double t, const Eigen::Ref<const Eigen::VectorXd>& at,
+                  Eigen::Ref<Eigen::VectorXd> dy_dt) {
+    state.q_d = at.head(model.n_d);
+    state.q_d_dot = at.tail(model.n_d);
+    floor.at(t, state.q_r, state.q_r_dot);
+    state.q_r_ddot = floor.q_r_ddot();
+    const bool sound = accelerations(model, data, state, sigma_a, q_ddot) == DynamicsStatus::ok;
+    dy_dt << state.q_d_dot, q_ddot;
+    return sound;
+  }
+  void advance(std::int64_t k, double sample_time) {
+    floor.take(k);
+    if (k == 0) {
+      ASSERT_TRUE(derivative(0, y, rate));
+    }
+    ASSERT_EQ(integrator.advance(y, sample_time, q_ddot.lpNorm<Eigen::Infinity>()),
+              Integrator::Status::ok);
+    ASSERT_TRUE(derivative(sample_time, y, rate));
+    floor.finish(sample_time);
+  }
+};
+
+TEST(Plant, IdealInstrumentsAddNothing) {
+  // The same steps, so only rounding is between the two (compilers may contract one and not the
+  // other); at a tolerance that takes several steps a sample, other steps would differ by 1e-10.
+  Scene scene = test::frame_scene();
+  scene.simulation.relative_tolerance = 1e-9;
+  const Model model = make_model(scene);
+  const Eigen::MatrixXd a = 1e-3 * test::noise(6, 200, 2);
+  Plant plant(scene, model, test::table(a));
+  BareFrame bare(scene, model, a);
+  for (int k = 0; k < 200; ++k) {
+    const Eigen::VectorXd force = test::noise(6, 1, static_cast<unsigned>(k));
+    for (Index leg = 0; leg < 6; ++leg) {
+      bare.sigma_a(model.deformation_row(scene.controller->legs[static_cast<size_t>(leg)])) =
+          force(leg);
+    }
+    ASSERT_EQ(plant.advance(force), "");
+    bare.advance(k, 1 / scene.controller->sample_rate_hz);
+    const Reading& reading = plant.read();
+    EXPECT_EQ(reading.applied_force, force);
+    for (Index leg = 0; leg < 6; ++leg) {
+      const Index row = model.deformation_row(scene.controller->legs[static_cast<size_t>(leg)]);
+      ASSERT_NEAR(reading.sigma(leg), bare.data.sigma(row), 1e-12) << k;  // of about 1 N
+    }
+    ASSERT_EQ(plant.evaluations(), bare.integrator.evaluations());
   }
 }
 

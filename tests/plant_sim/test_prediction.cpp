@@ -23,7 +23,9 @@ double difference(const tools::LoopDesign& design, double amplitude, double tole
   gains.lead_samples = delay + 0.5;  // as fits the delay; the scene's is for one sample
   const DiscreteLaw matrices = controller::law_from_gains(gains);
   controller::Law law(matrices);
-  const SampledLoop loop = close_loop(design.sampled, matrices, delay);
+  SampledPlant sampled = design.sampled;
+  sampled.whole_delay.setConstant(delay);
+  const SampledLoop loop = close_loop(sampled, matrices);
   Eigen::VectorXd xi = Eigen::VectorXd::Zero(loop.A.rows()), force = Eigen::VectorXd::Zero(6),
                   pending = force;
   double error = 0, size = 0;

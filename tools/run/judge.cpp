@@ -55,8 +55,8 @@ class Judge {
         report::predicted_singular_values(design_.open, picture_.frequencies_hz);
     picture_.closed_predicted =
         report::predicted_singular_values(design_.closed, picture_.frequencies_hz);
-    picture_.target_frequency_hz = design_.scene.controller->target_hz;
-    picture_.target_damping = design_.scene.controller->damping_ratio;
+    picture_.target_frequency_hz = design_.scene.controller->lowest_target_hz();
+    picture_.target_damping = design_.scene.controller->damping_ratio.front();
   }
 
   report::FrequencyResponse response(const MultisinePlan& plan, const report::RunLog& log) const {
@@ -73,7 +73,7 @@ class Judge {
     const auto open = response(plan, *logs_.passive), closed = response(plan, *logs_.active);
     const auto open_error = report::compare(open, design_.open);
     const auto closed_error = report::compare(closed, design_.closed);
-    const double above_hz = 2 * design_.scene.controller->target_hz;
+    const double above_hz = 2 * design_.scene.controller->lowest_target_hz();
     const auto reduction =
         report::check_reduction(open, closed, design_.open, design_.closed, above_hz);
     verdict_.identification =

@@ -1,15 +1,15 @@
-#include "controller/tustin.hpp"
+#include "core/linear/linear_system.hpp"
 
 #include <Eigen/LU>
 #include <stdexcept>
 #include <string>
 
-namespace stillframe::controller {
+namespace stillframe {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-StateSpace tustin(const StateSpace& continuous, double sample_time) {
+LinearSystem tustin(const LinearSystem& continuous, double sample_time) {
   if (!(sample_time > 0)) {
     throw std::invalid_argument("tustin: sample_time must be positive, got " +
                                 std::to_string(sample_time));
@@ -25,14 +25,14 @@ StateSpace tustin(const StateSpace& continuous, double sample_time) {
           .D = continuous.D + half * C_L * continuous.B};
 }
 
-StateSpace in_series(const StateSpace& first, const StateSpace& second) {
+LinearSystem in_series(const LinearSystem& first, const LinearSystem& second) {
   const Index n_1 = first.A.rows(), n_2 = second.A.rows();
   if (second.B.cols() != first.C.rows()) {
     throw std::invalid_argument("in_series: second takes " + std::to_string(second.B.cols()) +
                                 " inputs, first has " + std::to_string(first.C.rows()) +
                                 " outputs");
   }
-  StateSpace out;
+  LinearSystem out;
   out.A = MatrixXd::Zero(n_1 + n_2, n_1 + n_2);
   out.A.topLeftCorner(n_1, n_1) = first.A;
   out.A.bottomLeftCorner(n_2, n_1) = second.B * first.C;
@@ -45,4 +45,4 @@ StateSpace in_series(const StateSpace& first, const StateSpace& second) {
   return out;
 }
 
-}  // namespace stillframe::controller
+}  // namespace stillframe

@@ -1,0 +1,135 @@
+#include "core/robustness/evaluator.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <set>
+
+#include "core/control_loop.hpp"
+#include "core/linear/frequency_sweep.hpp"
+#include "core/linear/singular_values.hpp"
+#include "core/model/model.hpp"
+#include "core/state_space.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::robustness {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::VectorXd;
+
+VectorXd outcome_frequencies_hz(double target_hz, double sample_rate_hz) {
+  std::set<double> all;
+  const double from = target_hz / 50, to = 0.45 * sample_rate_hz;
+  const int steps = std::max(1, static_cast<int>(std::ceil(20 * std::log10(to / from))));
+  for (int i = 0; i <= steps; ++i) {
+    char digits[24];
+    std::snprintf(digits, sizeof digits, "%.3g", from * std::pow(to / from, double(i) / steps));
+    all.insert(std::strtod(digits, nullptr));
+  }
+  for (const double f : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
+    if (f < sample_rate_hz / 2) all.insert(f);
+  }
+  VectorXd frequencies(static_cast<Index>(all.size()));
+  std::copy(all.begin(), all.end(), frequencies.begin());
+  return frequencies;
+}
+
+double least_damping(const Eigen::VectorXcd& poles) {
+  double least = 1;
+  for (const Complex& z : poles) {
+    const double modulus = std::abs(z);
+    // Poles of commands on their way are 0 but for rounding.
+    if (modulus < 1e-12) continue;
+    const double decay = -std::log(modulus);
+    least = std::min(least, decay / std::hypot(decay, std::arg(z)));
+  }
+  return least;
+}
+
+namespace {
+
+/// The largest singular value of T at each of the angles omega T_s.
+VectorXd largest_gains(FrequencySweep& sweep, const std::vector<double>& angles) {
+  const auto n = static_cast<Index>(angles.size());
+  std::vector<MatrixXcd> T(angles.size(), MatrixXcd(sweep.n_outputs(), sweep.n_inputs()));
+  for (size_t i = 0; i < angles.size(); ++i) sweep.evaluate(std::polar(1.0, angles[i]), T[i]);
+  Eigen::MatrixXd values(std::min(sweep.n_outputs(), sweep.n_inputs()), n);
+  SingularValues(sweep.n_outputs(), sweep.n_inputs()).compute(T.data(), n, values);
+  return values.row(0);
+}
+
+/// y from w as a sweep over z.
+FrequencySweep sweep_of(const SampledLoop& loop) {
+  StateSpace system;
+  system.A = loop.A;
+  system.B = loop.B;
+  system.C = loop.C;
+  system.D = loop.D;
+  for (Index j = 0; j < loop.B.cols(); ++j) {
+    system.columns.push_back({InputColumns::Kind::direct, j});
+  }
+  return FrequencySweep(system);
+}
+
+Eigen::VectorXcd feedback_poles(const SampledLoop& loop) {
+  const Index n = loop.A.rows() - loop.n_exogenous;
+  return loop.A.bottomRightCorner(n, n).eigenvalues();
+}
+
+/// What an error is about, without the numbers of this plant.
+std::string heading(const std::string& message) {
+  return message.substr(0, std::min(message.find(": "), message.find("; ")));
+}
+
+}  // namespace
+
+SampledLoop Evaluator::loop_of(const VectorXd& values) const {
+  const PerturbedPlant plant =
+      perturbed(settings_.scene, settings_.sampling, settings_.parameters, values);
+  const auto n_w = static_cast<Index>(plant.scene.inputs.size());
+  const auto n_y = static_cast<Index>(plant.scene.outputs.size());
+  const LinearModel model = loop_model(plant.scene, make_model(plant.scene));
+  return close_loop(sample_and_hold(loop_plant(model, n_w, n_y), plant.sampling), settings_.law);
+}
+
+Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
+  Outcome outcome;
+  SampledLoop loop;
+  try {
+    loop = loop_of(values);
+  } catch (const Refusal& refusal) {
+    outcome.failure = heading(refusal.what());
+    return outcome;
+  } catch (const InputError& error) {
+    outcome.failure = error.what();
+    return outcome;
+  }
+  const double T_s = loop.sample_time;
+  FrequencySweep sweep = sweep_of(loop);
+  const Eigen::VectorXcd poles = loop.n_exogenous > 0 ? feedback_poles(loop) : sweep.poles();
+  outcome.radius = poles.cwiseAbs().maxCoeff();
+  outcome.decay = -std::log(outcome.radius) / T_s;
+  outcome.damping = least_damping(poles);
+  outcome.verdict = outcome.radius < settings_.largest_stable_radius ? Outcome::Verdict::stable
+                                                                     : Outcome::Verdict::unstable;
+  if (want == Want::poles || outcome.verdict == Outcome::Verdict::unstable) return outcome;
+
+  const Index n_f = settings_.frequencies_hz.size();
+  std::vector<double> angles;
+  for (const double f : settings_.frequencies_hz) angles.push_back(2 * std::numbers::pi * f * T_s);
+  // A resonance is sharpest at the angle of its pole, between the frequencies of any grid.
+  for (const Complex& z : poles) {
+    if (z.imag() > 0 && std::arg(z) >= angles.front()) angles.push_back(std::arg(z));
+  }
+  const VectorXd gains = largest_gains(sweep, angles);
+  outcome.gain = gains.head(n_f);
+  outcome.peak = gains.maxCoeff();
+  return outcome;
+}
+
+}  // namespace stillframe::robustness

@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <string>
+
+#include "core/control_loop.hpp"
+#include "core/gain_design.hpp"
+#include "core/yaml/input_error.hpp"
+#include "tests/core/random_pairs.hpp"
+#include "tests/core/scenes.hpp"
+
+// A target for every virtual mode.
+namespace stillframe::test {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+const std::vector<ModeTarget> four{{10, 0.5}, {20, 0.7}, {3, 0.9}, {40, 0.3}};
+
+LegMatrices four_legs(unsigned seed) {
+  std::mt19937 engine(seed);
+  return {random_spd(4, 30, engine), 1e4 * random_spd(4, 30, engine)};
+}
+
+TEST(ModeTargets, EveryModeGetsItsOwnPair) {
+  for (const unsigned seed : {41u, 42u, 43u}) {
+    const LegMatrices legs = four_legs(seed);
+    const ForceFeedback gains = extended_gains(legs, four, GainOrder::exact).gains();
+    const VectorXcd poles = closed_loop_poles(legs, gains, 20);
+    for (const auto& [omega_d, zeta] : four) {
+      for (const auto root : target_roots(omega_d, zeta)) {
+        // eps times both conditions, 1e3, and sums of four.
+        EXPECT_LE((poles.array() - root).abs().minCoeff(), 1e-12 * omega_d);
+      }
+    }
+  }
+}
+
+/// X M phi_i = K phi_i / omega_di^2 and K_I M phi_i = 2 zeta_i / omega_di K phi_i, with the shapes
+/// of another solver; the deck's order has the same from the left.
+TEST(ModeTargets, TheSlowestModeComesFirst) {
+  const LegMatrices legs = four_legs(44);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(legs.K, legs.M);
+  const VectorXd frequencies = virtual_frequencies(legs);
+  const MatrixXd I = MatrixXd::Identity(4, 4);
+  for (const GainOrder order : {GainOrder::exact, GainOrder::deck}) {
+    const ForceFeedback gains = extended_gains(legs, four, order).gains();
+    const bool exact = order == GainOrder::exact;
+    const MatrixXd X = exact ? MatrixXd(I + gains.K_P) : MatrixXd(I + gains.K_P.transpose());
+    const MatrixXd K_I = exact ? gains.K_I : MatrixXd(gains.K_I.transpose());
+    for (Index i = 0; i < 4; ++i) {
+      const auto& [omega_d, zeta] = four[static_cast<size_t>(i)];
+      const VectorXd phi = modes.eigenvectors().col(i), K_phi = legs.K * phi;
+      const VectorXd X_M_phi = X * legs.M * phi, K_I_M_phi = K_I * legs.M * phi;
+      // As above.
+      EXPECT_LE((X_M_phi * omega_d * omega_d - K_phi).norm(), 1e-12 * K_phi.norm()) << i;
+      EXPECT_LE((K_I_M_phi * omega_d / (2 * zeta) - K_phi).norm(), 1e-12 * K_phi.norm()) << i;
+      EXPECT_NEAR(frequencies(i) / std::sqrt(modes.eigenvalues()(i)), 1, 1e-13);
+    }
+  }
+}
+
+TEST(ModeTargets, OneTargetGivenToEachModeIsOneTargetForAll) {
+  const LegMatrices legs = four_legs(45);
+  for (const GainOrder order : {GainOrder::exact, GainOrder::deck}) {
+    const ForceFeedback each =
+        extended_gains(legs, std::vector<ModeTarget>(4, {20, 0.7}), order).gains();
+    const ForceFeedback all = extended_gains(legs, {{20, 0.7}}, order).gains();
+    // Both are rounded once, from errors of 2^-102: one unit in the last place at most.
+    EXPECT_LE(((each.K_P - all.K_P).array() / all.K_P.array()).abs().maxCoeff(), 2.3e-16);
+    EXPECT_LE(((each.K_I - all.K_I).array() / all.K_I.array()).abs().maxCoeff(), 2.3e-16);
+  }
+}
+
+LegMatrices frame_legs() {
+  const Scene scene = frame_scene();
+  return make_control_loop(scene, make_model(scene)).design.legs;
+}
+
+std::vector<ModeTarget> frame_targets(double of_second, double zeta_of_second = 0.7) {
+  // Modes 1 and 2 of the frame are of one frequency, and so are 4 and 5.
+  return {{30, 0.7}, {of_second, zeta_of_second}, {25, 0.7}, {40, 0.6}, {40, 0.6}, {60, 0.5}};
+}
+
+TEST(ModeTargets, ModesOfOneFrequencyNeedOneTarget) {
+  const LegMatrices legs = frame_legs();
+  for (const auto& targets : {frame_targets(31), frame_targets(30, 0.71)}) {
+    try {
+      extended_gains(legs, targets, GainOrder::exact);
+      FAIL() << "no Refusal";
+    } catch (const Refusal& refusal) {
+      const std::string text = refusal.what();
+      EXPECT_NE(text.find("virtual modes 1 and 2 are of one frequency, 13.9055 Hz"),
+                std::string::npos)
+          << text;
+      EXPECT_NE(text.find("give them the same target"), std::string::npos) << text;
+    }
+  }
+  const ForceFeedback gains = extended_gains(legs, frame_targets(30), GainOrder::exact).gains();
+  const VectorXcd poles = closed_loop_poles(legs, gains, 30);
+  for (const auto& [omega_d, zeta] : frame_targets(30)) {
+    const auto root = target_roots(omega_d, zeta)[0];
+    EXPECT_LE((poles.array() - root).abs().minCoeff(), 1e-12 * omega_d);
+  }
+  EXPECT_EQ(((poles.array() - target_roots(40, 0.6)[0]).abs() < 1e-9).count(), 2);
+}
+
+TEST(ModeTargets, CloseModesThatAreNotOneAreTold) {
+  const MatrixXd M = MatrixXd::Identity(2, 2);
+  const auto with_gap = [&](double relative) {
+    const MatrixXd K = VectorXd{{100.0, 100 * (1 + 2 * relative)}}.asDiagonal();
+    return extended_gains({M, K}, {{1, 0.7}, {2, 0.7}}, GainOrder::exact).gains().K_P;
+  };
+  EXPECT_THROW(with_gap(0.9e-6), Refusal);
+  EXPECT_NEAR(with_gap(1.1e-6)(1, 1), 100 * (1 + 2.2e-6) / 4 - 1, 1e-13);
+}
+
+TEST(ModeTargets, WrongNumbersOfTargetsAreErrors) {
+  const LegMatrices legs = four_legs(46);
+  for (const auto& targets : {std::vector<ModeTarget>{}, std::vector<ModeTarget>(3, {20, 0.7}),
+                              std::vector<ModeTarget>{{0, 0.7}}, std::vector<ModeTarget>{{20, -1}},
+                              std::vector<ModeTarget>{{NAN, 0.7}}}) {
+    EXPECT_THROW(extended_gains(legs, targets, GainOrder::exact), std::invalid_argument);
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::test

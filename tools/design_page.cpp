@@ -1,0 +1,229 @@
+#include "tools/design_page.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "report/table.hpp"
+#include "tools/matrix_table.hpp"
+
+namespace stillframe::tools {
+
+using report::cell;
+
+namespace {
+
+double decibels(double ratio) { return 20 * std::log10(ratio); }
+
+std::string listed(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + cell("%g", value);
+  return text;
+}
+
+std::string instruments_line(const Instruments& has) {
+  if (has.ideal()) return "";
+  std::string text = "Instruments:";
+  if (has.actuator_lag_hz > 0) text += cell(" actuators of %g Hz;", has.actuator_lag_hz);
+  if (has.sensor_filter_hz > 0) text += cell(" sensor filter of %g Hz;", has.sensor_filter_hz);
+  if (has.actuator_gain != 1) text += cell(" actuator gain %g;", has.actuator_gain);
+  text += has.report == Instruments::Report::measured ? " applied force measured"
+                                                      : " applied force taken from the command";
+  if (has.report_age_samples > 0) text += cell(", %d sample(s) old", has.report_age_samples);
+  return text + "\n";
+}
+
+std::string heading(const LoopDesign& design) {
+  const SceneController& block = *design.scene.controller;
+  std::string text = design.scene.title + "\n";
+  text += cell("Target %s Hz, damping %s; order %s: X = I + K_P = %s / omega_d^2; leak %g Hz",
+               listed(block.target_hz).c_str(), listed(block.damping_ratio).c_str(),
+               block.order == GainOrder::exact ? "exact" : "deck",
+               block.order == GainOrder::exact ? "K M^-1" : "M^-1 K", block.leak_hz);
+  if (block.high_pass_hz > 0) text += cell(", high-pass %g Hz", block.high_pass_hz);
+  if (block.roll_off_hz) text += cell(", roll-off %g Hz", *block.roll_off_hz);
+  text += cell(
+      "\nSampled at %g Hz, a command acts %g sample(s) after its measurement, lead %g "
+      "sample(s)\n",
+      block.sample_rate_hz, block.delay_samples, block.lead_samples);
+  return text + instruments_line(design.scene.instruments);
+}
+
+std::string warnings_text(const DesignAnalysis& analysis) {
+  std::string text;
+  for (const std::string& warning : analysis.warnings) text += "  ! " + warning + "\n";
+  return text.empty() ? "" : "\nWarnings\n" + text;
+}
+
+std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis) {
+  const bool exact = design.scene.controller->order == GainOrder::exact;
+  const PoleSpread& used = (exact ? analysis.exact : analysis.deck).poles;
+  std::string text = cell(
+      "Design model, no leak: poles at %.6f to %.6f of their omega_d, largest real part %.4g 1/s\n",
+      used.lowest, used.highest, used.largest_real);
+  text += cell("Continuous loop, all %td poles (rad/s):\n ", analysis.poles.size());
+  size_t column = 0;
+  for (const auto& pole : analysis.poles) {
+    if (pole.imag() < 0) continue;  // of a pair, one is shown
+    if (column == 4) {
+      text += "\n ";
+      column = 0;
+    }
+    ++column;
+    text += pole.imag() > 0 ? cell("  %10.4g +-%9.4gj", pole.real(), pole.imag())
+                            : cell("  %10.4g %12s", pole.real(), "");
+  }
+  return text + "\n";
+}
+
+std::string transfer_text(const DesignAnalysis& analysis) {
+  std::string text =
+      "Floor to frame (largest singular value of T), noise of the force sensors to frame, and how "
+      "far a force on the\nframe moves it against no control\n";
+  const bool square = !analysis.lines.empty() && analysis.lines.front().decoupling.has_value();
+  std::vector<std::string> header{"Hz",         "open dB",       "continuous dB",
+                                  "sampled dB", "noise um/s2/N", "force dB"};
+  if (square) header.insert(header.end(), {"spread dB", "crosstalk dB"});
+  report::Table table(header, 0);
+  for (const FrequencyLine& line : analysis.lines) {
+    std::vector<std::string> row{cell("%g", line.hz),
+                                 cell("%.1f", decibels(line.open(0))),
+                                 cell("%.1f", decibels(line.closed(0))),
+                                 cell("%.1f", decibels(line.sampled(0))),
+                                 cell("%.4g", 1e6 * line.noise),
+                                 cell("%.1f", decibels(line.compliance / line.passive_compliance))};
+    if (line.decoupling) {
+      row.push_back(cell("%.2f", line.decoupling->spread_db));
+      row.push_back(cell("%.1f", line.decoupling->crosstalk_db));
+    }
+    table.add(row);
+  }
+  return text + table.print();
+}
+
+std::string factor(double value) {
+  return value == 0 ? "none" : std::isinf(value) ? "none" : cell("%.3g", value);
+}
+
+std::string milliseconds(double seconds) {
+  return std::isinf(seconds) ? "none" : cell("%.3g", 1e3 * seconds);
+}
+
+std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysis) {
+  if (!analysis.margins) return "";
+  const Margins& margins = *analysis.margins;
+  std::string text =
+      "Margins (force that acts over force that is reported; delay beyond the scene's; disk: both "
+      "at "
+      "once)\n";
+  report::Table table({"leg", "gain down", "gain up", "delay ms", "disk", "disk degrees"}, 1);
+  const auto add = [&](const std::string& name, const GainRange& gain, double delay, double disk) {
+    table.add({name, factor(gain.lowest), factor(gain.highest), milliseconds(delay),
+               cell("%.3f", disk), cell("%.1f", 2 * std::atan(disk / 2) * 180 / std::numbers::pi)});
+  };
+  for (size_t i = 0; i < margins.leg_gain.size(); ++i) {
+    const auto j = static_cast<Index>(i);
+    add(design.gains.legs[i], margins.leg_gain[i], margins.leg_delay(j), margins.leg_disk(j));
+  }
+  add("all at once", margins.all_gain, margins.all_delay, margins.all_disk);
+  return text + table.print();
+}
+
+std::string limits_text(const DesignAnalysis& analysis) {
+  std::string text = cell(
+      "Sampled closed loop: spectral radius %.9f; with the applied force "
+      "reported one sample late %.9f\n",
+      analysis.radius, analysis.misaligned_radius);
+  text += "Stable rates:";
+  for (const auto& [slowest, fastest] : analysis.rates) {
+    text += cell(" %.4g Hz to %.4g Hz%s;", slowest, fastest, fastest >= 2e5 ? " and more" : "");
+  }
+  if (analysis.rates.empty()) text += " none;";
+  if (analysis.recommended) {
+    text += cell(
+        " recommended: %g Hz (up to four targets within %.1f dB of the continuous law, "
+        "disk margin %.2f)\n",
+        analysis.recommended->rate_hz, analysis.recommended->price_db, analysis.recommended->disk);
+  } else {
+    text += " none can be recommended with this delay and lead\n";
+  }
+  return text;
+}
+
+Json margins_json(const Margins& margins) {
+  const auto range = [](const GainRange& gain) { return Json{gain.lowest, gain.highest}; };
+  Json legs = Json::array();
+  for (const GainRange& gain : margins.leg_gain) legs.push_back(range(gain));
+  return {{"leg_gain", legs},
+          {"all_gain", range(margins.all_gain)},
+          {"leg_delay_s", to_json(margins.leg_delay)},
+          {"all_delay_s", margins.all_delay},
+          {"leg_disk", to_json(margins.leg_disk)},
+          {"all_disk", margins.all_disk},
+          {"all_disk_hz", margins.all_disk_hz}};
+}
+
+Json spread_json(const OrderEffect& effect) {
+  return {{"lowest", effect.poles.lowest},
+          {"highest", effect.poles.highest},
+          {"largest_real", effect.poles.largest_real}};
+}
+
+}  // namespace
+
+std::string design_page(const LoopDesign& design, const DesignAnalysis& analysis) {
+  return heading(design) + warnings_text(analysis) + "\n" +
+         matrix_table("K_P (1)", design.gains.K_P) + matrix_table("K_I (1/s)", design.gains.K_I) +
+         "\n" + poles_text(design, analysis) + "\n" + transfer_text(analysis) + "\n" +
+         margins_text(design, analysis) + "\n" + limits_text(analysis);
+}
+
+Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
+  const SceneController& block = *design.scene.controller;
+  Json frequencies = Json::array(), open = Json::array(), closed = Json::array(),
+       sampled = Json::array(), noise = Json::array(), compliance = Json::array(),
+       passive = Json::array(), spread = Json::array(), crosstalk = Json::array(),
+       rates = Json::array();
+  for (const FrequencyLine& line : analysis.lines) {
+    frequencies.push_back(line.hz);
+    open.push_back(to_json(line.open));
+    closed.push_back(to_json(line.closed));
+    sampled.push_back(to_json(line.sampled));
+    noise.push_back(line.noise);
+    compliance.push_back(line.compliance);
+    passive.push_back(line.passive_compliance);
+    spread.push_back(line.decoupling ? Json(line.decoupling->spread_db) : Json());
+    crosstalk.push_back(line.decoupling ? Json(line.decoupling->crosstalk_db) : Json());
+  }
+  for (const auto& [slowest, fastest] : analysis.rates) rates.push_back({slowest, fastest});
+  Json out{
+      {"scene", design.scene.title},
+      {"scene_hash", design.scene.hash},
+      {"order", block.order == GainOrder::exact ? "exact" : "deck"},
+      {"legs", design.gains.legs},
+      {"target_hz", block.target_hz},
+      {"damping_ratio", block.damping_ratio},
+      {"K_P", to_json(design.gains.K_P)},
+      {"K_I", to_json(design.gains.K_I)},
+      {"leak_hz", design.gains.leak_hz},
+      {"closed_loop_poles", to_json(analysis.poles)},
+      {"exact_order", spread_json(analysis.exact)},
+      {"deck_order", spread_json(analysis.deck)},
+      {"spectral_radius", analysis.radius},
+      {"misaligned_spectral_radius", analysis.misaligned_radius},
+      {"frequencies_hz", frequencies},
+      {"singular_values", open},
+      {"closed_singular_values", closed},
+      {"sampled_singular_values", sampled},
+      {"noise_to_acceleration", noise},
+      {"compliance", compliance},
+      {"passive_compliance", passive},
+      {"spread_db", spread},
+      {"crosstalk_db", crosstalk},
+      {"margins", analysis.margins ? margins_json(*analysis.margins) : Json()},
+      {"stable_rates_hz", rates},
+      {"recommended_rate_hz", analysis.recommended ? Json(analysis.recommended->rate_hz) : Json()},
+      {"warnings", analysis.warnings}};
+  return out;
+}
+
+}  // namespace stillframe::tools
