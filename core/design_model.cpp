@@ -127,13 +127,13 @@ LegMatrices on_slowest_modes(const Frame& frame) {
 }
 
 LegMatrices on_static_shapes(const Frame& frame) {
-  const std::optional<ExtendedMatrix> L = cholesky_factor(frame.K);
-  if (!L) throw Refusal("static shapes need a stiffness matrix that is positive definite");
+  require_stiffness(rounded(frame.K));
+  const ExtendedMatrix L = cholesky_factor(frame.K).value();
   const Index m = frame.E.rows();
-  const ExtendedMatrix W = forward_solve(*L, frame.E.transpose());
+  const ExtendedMatrix W = forward_solve(L, frame.E.transpose());
   const ExtendedMatrix F = W.transpose() * W;  // static compliance of the legs
   const ExtendedMatrix K = symmetric(solve(F, ExtendedMatrix::Identity(m, m)));
-  const ExtendedMatrix shapes = backward_solve(*L, W) * K;
+  const ExtendedMatrix shapes = backward_solve(L, W) * K;
   return {.M = rounded(symmetric(shapes.transpose() * shapes)), .K = rounded(K)};
 }
 

@@ -51,7 +51,7 @@ struct DesignModel {
 /// motion, if M_dd is singular, if modes m and m + 1 are of one frequency (`modes`), or if K_dd is
 /// singular (`static_shapes`); std::invalid_argument on shapes.
 DesignModel design_model(const Eigen::MatrixXd& M_dd, const Eigen::MatrixXd& K_dd,
-                         const Eigen::MatrixXd& E, Reduction reduction = Reduction::modes,
+                         const Eigen::MatrixXd& E, Reduction reduction = Reduction::static_shapes,
                          const DesignNames& names = {});
 
 }  // namespace stillframe

@@ -19,7 +19,9 @@ std::optional<ExtendedMatrix> factor(const MatrixXd& A) {
   const VectorXd scale = A.diagonal().cwiseSqrt().cwiseInverse();
   const MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled, Eigen::EigenvaluesOnly);
-  const double rounding = static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon();
+  // The entries are sums of products themselves, each with some roundings.
+  const double rounding =
+      10 * static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon();
   if (!(solver.eigenvalues()(0) > rounding)) return std::nullopt;
   return cholesky_factor(extended(A));
 }

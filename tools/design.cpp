@@ -5,9 +5,13 @@
 
 #include "controller/start_check.hpp"
 #include "core/yaml/input_error.hpp"
+#include "report/plot_trade.hpp"
+#include "report/table.hpp"
 #include "tools/design_page.hpp"
+#include "tools/design_trade.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
+#include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -16,7 +20,7 @@ namespace {
 
 struct Options {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> controller, out;
+  std::optional<std::filesystem::path> controller, design_scene, out, plot_trade;
   bool json = false;
 };
 
@@ -27,14 +31,34 @@ void write_gains(const controller::Gains& gains, const std::filesystem::path& pa
   if (!file) throw InputError(path.string() + ": cannot be written");
 }
 
+void plot_trade(const LoopDesign& design, const std::filesystem::path& path) {
+  Patience patience("trade");
+  const DesignTrade trade =
+      design_trade(design, [&](double done) { patience.now("trade", 100 * done); });
+  report::TradePlot plot{.title = design.scene.title + ": target, sample rate, delay",
+                         .rates_hz = trade.rates_hz,
+                         .columns = {}};
+  for (const TradeCurve& curve : trade.curves) {
+    const std::string title = report::cell("delay %g sample(s)", curve.delay_samples);
+    if (plot.columns.empty() || plot.columns.back().title != title) {
+      plot.columns.push_back({title, {}});
+    }
+    plot.columns.back().curves.push_back(
+        {report::cell("%g Hz", curve.target_hz), curve.disk, curve.price_db});
+  }
+  report::plot_trade(plot, path);
+}
+
 int run(const Options& options) {
-  const LoopDesign design = make_loop_design(options.scene, options.controller);
+  const LoopDesign design =
+      make_loop_design(options.scene, options.controller, options.design_scene);
   const DesignAnalysis analysis = analyse(design);
   if (options.json) {
     print(design_json(design, analysis));
   } else {
     std::cout << design_page(design, analysis);
   }
+  if (options.plot_trade) plot_trade(design, *options.plot_trade);
   controller::require_stable(design.gains);
   if (options.out) write_gains(design.gains, *options.out);
   return exit_done;
@@ -53,7 +77,13 @@ void add_design(CLI::App& app, int& exit_code) {
   verb->add_option("--controller", options->controller,
                    "Controller block that replaces the scene's")
       ->type_name("FILE");
+  verb->add_option("--design-scene", options->design_scene,
+                   "Take the gains of this scene's model (same legs) and judge them on SCENE")
+      ->type_name("FILE");
   verb->add_option("--out", options->out, "Write the gains file that stillframe-controller reads")
+      ->type_name("FILE");
+  verb->add_option("--plot-trade", options->plot_trade,
+                   "Draw what target, sample rate and delay cost each other into a PNG file")
       ->type_name("FILE");
   verb->add_flag("--json", options->json, "Print JSON (keys below)");
   verb->footer(
@@ -77,7 +107,8 @@ void add_design(CLI::App& app, int& exit_code) {
       "                              what reaches other outputs than its own; null if not square\n"
       "  margins                     leg_gain, all_gain [down, up]; leg_delay_s, all_delay_s;\n"
       "                              leg_disk, all_disk, all_disk_hz; null if unstable\n"
-      "  stable_rates_hz             intervals up to 200 kHz; recommended_rate_hz\n"
+      "  stable_rates_hz             intervals up to 200 kHz\n"
+      "  recommended                 sample_rate_hz, lead_samples, roll_off_hz, price_db, disk\n"
       "  warnings");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -32,14 +32,13 @@ FrequencyLine line_at(const LoopDesign& design, const Compliance& compliance, do
 }
 
 /// The poles of the design model without leak, each against the nearest target of its modulus.
-OrderEffect effect_of(const LoopDesign& design, GainOrder order) {
+PoleSpread effect_of(const LoopDesign& design, GainOrder order) {
   const DesignModel& model = design.loop.design;
   const auto targets = mode_targets(*design.scene.controller, model.legs.M.rows());
   const Eigen::VectorXcd poles = closed_loop_poles(
       model.legs, extended_gains(model.legs, targets, order), targets.front().omega_d);
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  OrderEffect effect;
-  effect.poles = {.lowest = infinity, .highest = 0, .largest_real = -infinity};
+  PoleSpread effect{.lowest = infinity, .highest = 0, .largest_real = -infinity};
   for (const Complex pole : poles) {
     if (pole == Complex(0)) continue;  // of the pure integrators
     double nearest = infinity;
@@ -47,44 +46,67 @@ OrderEffect effect_of(const LoopDesign& design, GainOrder order) {
       const double ratio = std::abs(pole) / target.omega_d;
       if (std::abs(std::log(ratio)) < std::abs(std::log(nearest))) nearest = ratio;
     }
-    effect.poles.lowest = std::min(effect.poles.lowest, nearest);
-    effect.poles.highest = std::max(effect.poles.highest, nearest);
-    effect.poles.largest_real = std::max(effect.poles.largest_real, pole.real());
+    effect.lowest = std::min(effect.lowest, nearest);
+    effect.highest = std::max(effect.highest, nearest);
+    effect.largest_real = std::max(effect.largest_real, pole.real());
   }
-  const Eigen::MatrixXd MK = model.legs.M * model.legs.K;
-  effect.same = (MK - MK.transpose()).norm() <= 1e-9 * MK.norm();
   return effect;
 }
 
-/// Largest excess of the sampled over the continuous T up to four targets, dB.
-double price_of_sampling(const LoopDesign& design, const SampledLoop& sampled) {
-  const double target = design.scene.controller->lowest_target_hz();
-  const double to = std::min(4 * target, 0.49 / sampled.sample_time);
-  double price = -std::numeric_limits<double>::infinity();
-  for (const double hz : logarithmic_frequencies(target / 4, to, 25)) {
-    const double ideal = singular_values(design.loop.closed({0, two_pi * hz}))(0);
-    const double real = singular_values(transfer(sampled, two_pi * hz))(0);
-    price = std::max(price, 20 * std::log10(real / ideal));
-  }
-  return price;
+/// Whether a loop is stable and meets the rule of `recommend`.
+std::optional<Recommendation> judged(const LoopDesign& design, const LoopSettings& settings) {
+  if (!(spectral_radius(settings) < largest_stable_radius)) return std::nullopt;
+  const double price =
+      price_of_sampling(design.loop, design.scene.controller->lowest_target_hz(), settings);
+  if (price > 3) return std::nullopt;
+  if (!has_disk_margin(settings, 0.5)) return std::nullopt;
+  Recommendation found{.rate_hz = 1 / settings.sampling.sample_time,
+                       .lead_samples = settings.law.lead_samples,
+                       .roll_off_hz = {},
+                       .price_db = price,
+                       .disk = all_leg_disk_margin(settings).first};
+  if (settings.feedback.roll_off > 0) found.roll_off_hz = settings.feedback.roll_off / two_pi;
+  return found;
 }
 
 }  // namespace
 
-std::optional<RecommendedRate> recommended_rate(const LoopDesign& design, double price_db,
-                                                double disk) {
+double matched_lead(const LoopSettings& settings, double roll_off) {
+  const Sampling& sampling = settings.sampling;
+  double lead = sampling.delay_samples + 0.5;
+  if (roll_off > 0) lead += 1 / (roll_off * sampling.sample_time);
+  const double lag = two_pi * sampling.instruments.actuator_lag_hz;
+  return lag > 0 ? lead + 1 / (lag * sampling.sample_time) : lead;
+}
+
+double price_of_sampling(const ControlLoop& loop, double target, const LoopSettings& settings) {
+  ControlLoop ideal = loop;
+  ideal.gains.roll_off = 0;
+  const SampledLoop sampled = close_loop(settings);
+  const double to = std::min(4 * target, 0.49 / sampled.sample_time);
+  double price = -std::numeric_limits<double>::infinity();
+  for (const double hz : logarithmic_frequencies(target / 4, to, 15)) {
+    const double without = singular_values(ideal.closed({0, two_pi * hz}))(0);
+    const double real = singular_values(transfer(sampled, two_pi * hz))(0);
+    price = std::max(price, 20 * std::log10(real / without));
+  }
+  return price;
+}
+
+std::optional<Recommendation> recommend(const LoopDesign& design) {
   const double target = design.scene.controller->lowest_target_hz();
   for (double decade = 1; decade < 1e5; decade *= 10) {
     for (const double factor : {1.0, 2.0, 5.0}) {
       const double rate = decade * factor;
       if (rate < 4 * target) continue;
-      const LoopSettings settings = at_rate(design.settings, rate);
-      if (!(spectral_radius(settings) < largest_stable_radius)) continue;
-      const double price = price_of_sampling(design, close_loop(settings));
-      if (price > price_db) continue;
-      const double alpha = all_leg_disk_margin(settings).first;
-      if (alpha < disk) continue;
-      return RecommendedRate{rate, price, alpha};
+      LoopSettings settings = at_rate(design.settings, rate);
+      if (const auto as_it_is = judged(design, settings)) return as_it_is;
+      for (const double times : {160.0, 80.0, 40.0, 20.0, 10.0}) {
+        if (times * target > 0.4 * rate) continue;
+        settings.feedback.roll_off = two_pi * times * target;
+        settings.law.lead_samples = matched_lead(settings, settings.feedback.roll_off);
+        if (const auto tuned = judged(design, settings)) return tuned;
+      }
     }
   }
   return std::nullopt;
@@ -103,7 +125,7 @@ DesignAnalysis analyse(const LoopDesign& design) {
   out.misaligned_radius = spectral_radius(misaligned);
   if (out.radius < largest_stable_radius) out.margins = margins(design.settings);
   out.rates = stable_rates(design.settings, 2 * design.scene.controller->lowest_target_hz(), 2e5);
-  out.recommended = recommended_rate(design);
+  out.recommended = recommend(design);
   out.warnings = design_warnings(design, out);
   return out;
 }

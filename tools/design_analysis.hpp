@@ -28,29 +28,25 @@ struct PoleSpread {
   double largest_real = 0;         ///< 1/s
 };
 
-/// What the other order of the same matrices would do, or does.
-struct OrderEffect {
-  PoleSpread poles;
-  bool same = false;  ///< K and M commute
-};
-
-/// A rate that is worth its price, and why; see recommended_rate.
-struct RecommendedRate {
-  double rate_hz = 0;
-  double price_db = 0;  ///< largest excess of sampled over continuous T up to four targets
+/// A sample rate that is worth its price, with the lead and roll-off that make it so.
+struct Recommendation {
+  double rate_hz = 0, lead_samples = 0;
+  std::optional<double> roll_off_hz;
+  double price_db = 0;  ///< largest excess of the sampled T over the law without sampling and
+                        ///< roll-off, up to four targets
   double disk = 0;      ///< all-leg disk margin
 };
 
 /// Everything that the design page says.
 struct DesignAnalysis {
-  Eigen::VectorXcd poles;   ///< of the continuous loop with the whole plant, slowest first
-  OrderEffect exact, deck;  ///< on the design model, without leak
+  Eigen::VectorXcd poles;  ///< of the continuous loop with the whole plant, slowest first
+  PoleSpread exact, deck;  ///< on the design model, without leak
   std::vector<FrequencyLine> lines;
   double radius = 0;
   double misaligned_radius = 0;  ///< with the reported force one sample older
   std::optional<Margins> margins;
   std::vector<std::pair<double, double>> rates;  ///< stable ones, Hz
-  std::optional<RecommendedRate> recommended;
+  std::optional<Recommendation> recommended;
   std::vector<std::string> warnings;
 };
 
@@ -60,10 +56,18 @@ inline constexpr double page_frequencies_hz[] = {1, 2, 5, 10, 20, 50, 100};
 /// Analyses a design; an unstable one has no margins. Errors: as margins and the core's.
 DesignAnalysis analyse(const LoopDesign& design);
 
-/// The lowest of the rates 1, 2, 5, 10, ... (Hz) up to 100 kHz at which the sampled T stays within
-/// `price_db` of the continuous one up to four times the lowest target, with an all-leg disk margin
-/// of `disk` at least (0.5: factors 0.6 to 1.67, 28 degrees). Delay and lead stay so many samples.
-std::optional<RecommendedRate> recommended_rate(const LoopDesign& design, double price_db = 3,
-                                                double disk = 0.5);
+/// Lead that makes up, at low frequencies, for delay, half a sample of hold, actuator lag and
+/// roll-off (rad/s, 0: none), in samples.
+double matched_lead(const LoopSettings& settings, double roll_off);
+
+/// Largest excess of the sampled T over the continuous one without roll-off, dB, up to four times
+/// the target: the price of sampling.
+double price_of_sampling(const ControlLoop& loop, double target_hz, const LoopSettings& settings);
+
+/// The lowest of the rates 1, 2, 5, 10, ... (Hz) up to 100 kHz at which the price of sampling is at
+/// most 3 dB and the all-leg disk margin at least 0.5 (factors 0.6 to 1.67, 28 degrees): with the
+/// scene's lead and roll-off if that does, or with a roll-off at 10 to 160 times the lowest target
+/// and the lead that matches it. Delay stays so many samples.
+std::optional<Recommendation> recommend(const LoopDesign& design);
 
 }  // namespace stillframe::tools

@@ -1,5 +1,6 @@
 #include "tools/design_page.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -56,7 +57,7 @@ std::string warnings_text(const DesignAnalysis& analysis) {
 
 std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis) {
   const bool exact = design.scene.controller->order == GainOrder::exact;
-  const PoleSpread& used = (exact ? analysis.exact : analysis.deck).poles;
+  const PoleSpread& used = exact ? analysis.exact : analysis.deck;
   std::string text = cell(
       "Design model, no leak: poles at %.6f to %.6f of their omega_d, largest real part %.4g 1/s\n",
       used.lowest, used.highest, used.largest_real);
@@ -139,12 +140,15 @@ std::string limits_text(const DesignAnalysis& analysis) {
   }
   if (analysis.rates.empty()) text += " none;";
   if (analysis.recommended) {
+    const Recommendation& best = *analysis.recommended;
+    text += cell(" recommended: %g Hz with lead_samples: %.3g", best.rate_hz, best.lead_samples);
+    text += best.roll_off_hz ? cell(" and roll_off_hz: %g", *best.roll_off_hz) : " and no roll-off";
     text += cell(
-        " recommended: %g Hz (up to four targets within %.1f dB of the continuous law, "
-        "disk margin %.2f)\n",
-        analysis.recommended->rate_hz, analysis.recommended->price_db, analysis.recommended->disk);
+        " (up to four targets within %.1f dB of the law without sampling, disk margin "
+        "%.2f)\n",
+        std::max(best.price_db, 0.0), best.disk);
   } else {
-    text += " none can be recommended with this delay and lead\n";
+    text += " no rate up to 100 kHz can be recommended with this delay\n";
   }
   return text;
 }
@@ -162,10 +166,20 @@ Json margins_json(const Margins& margins) {
           {"all_disk_hz", margins.all_disk_hz}};
 }
 
-Json spread_json(const OrderEffect& effect) {
-  return {{"lowest", effect.poles.lowest},
-          {"highest", effect.poles.highest},
-          {"largest_real", effect.poles.largest_real}};
+Json recommendation_json(const DesignAnalysis& analysis) {
+  if (!analysis.recommended) return {};
+  const Recommendation& best = *analysis.recommended;
+  return {{"sample_rate_hz", best.rate_hz},
+          {"lead_samples", best.lead_samples},
+          {"roll_off_hz", best.roll_off_hz ? Json(*best.roll_off_hz) : Json()},
+          {"price_db", best.price_db},
+          {"disk", best.disk}};
+}
+
+Json spread_json(const PoleSpread& effect) {
+  return {{"lowest", effect.lowest},
+          {"highest", effect.highest},
+          {"largest_real", effect.largest_real}};
 }
 
 }  // namespace

@@ -38,9 +38,9 @@ void warn_of_stability(const LoopDesign& design, const DesignAnalysis& analysis,
 
 void warn_of_order(const LoopDesign& design, const DesignAnalysis& analysis,
                    std::vector<std::string>& out) {
-  if (analysis.deck.same) return;
+  const PoleSpread& deck = analysis.deck;
+  if (deck.lowest > 0.99 && deck.highest < 1.01) return;
   const bool exact = design.scene.controller->order == GainOrder::exact;
-  const PoleSpread& deck = analysis.deck.poles;
   std::string what = cell("spread the poles over %s here", spread(deck).c_str());
   if (deck.largest_real > 0) {
     what = cell("be unstable here (largest real part %+.1f 1/s)", deck.largest_real);
@@ -123,7 +123,8 @@ void warn_of_margins(const DesignAnalysis& analysis, std::vector<std::string>& o
     out.push_back(
         cell("thin margin: the disk margin of all legs is %.2f (at %.3g Hz); forces off "
              "by factors of %.2f to %.2f, or %.0f degrees, each in the worst way, make "
-             "the loop unstable",
+             "the loop unstable; a roll_off_hz with the lead_samples that match it, or less lead, "
+             "widens it",
              margins.all_disk, margins.all_disk_hz, (2 - margins.all_disk) / (2 + margins.all_disk),
              (2 + margins.all_disk) / (2 - margins.all_disk),
              2 * std::atan(margins.all_disk / 2) * 180 / std::numbers::pi));

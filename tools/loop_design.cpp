@@ -1,8 +1,11 @@
 #include "tools/loop_design.hpp"
 
+#include <algorithm>
+
 #include "controller/law.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
+#include "core/yaml/input_error.hpp"
 
 namespace stillframe::tools {
 
@@ -27,14 +30,34 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .plant = {plant.A.topLeftCorner(n, n), plant.B_u.topRows(n), plant.C_sigma.leftCols(n)}};
 }
 
+/// Replaces the design by that of another model with the controller block of this one.
+void take_design_of(const std::filesystem::path& file, LoopDesign& design) {
+  Scene scene = read_scene(file, std::nullopt);
+  for (const std::string& leg : design.scene.controller->legs) {
+    const bool there = std::any_of(
+        scene.elements.begin(), scene.elements.end(),
+        [&](const SceneElement& element) { return element.name == leg && !element.zero.front(); });
+    if (!there) {
+      throw InputError(file.string() + ": elements: has no elastic element '" + leg +
+                       "', a leg of " + design.scene.file);
+    }
+  }
+  scene.controller = design.scene.controller;
+  const ControlLoop other = make_control_loop(scene, make_model(scene));
+  design.loop.design = other.design;
+  design.loop.gains = other.gains;
+}
+
 }  // namespace
 
 LoopDesign make_loop_design(const std::filesystem::path& scene_file,
-                            const std::optional<std::filesystem::path>& controller_file) {
+                            const std::optional<std::filesystem::path>& controller_file,
+                            const std::optional<std::filesystem::path>& design_scene) {
   LoopDesign design;
   design.scene = read_scene(scene_file, controller_file);
   design.model = make_model(design.scene);
   design.loop = make_control_loop(design.scene, design.model);
+  if (design_scene) take_design_of(*design_scene, design);
   const LoopPlant plant = loop_plant(design.loop.plant, design.loop.n_w, design.loop.n_y);
   design.gains = make_gains(design.scene, design.loop, plant);
   design.settings = {.plant = plant,

@@ -23,8 +23,12 @@ struct LoopDesign {
   double radius = 0;  ///< spectral radius of closed
 };
 
-/// Errors: InputError and Refusal of the steps; an unstable loop is not refused here.
+/// With a design scene the gains are those of its model, of the same legs and with the same
+/// controller block, and everything else is that of `scene`: what gains of a simpler model do on
+/// this plant. Errors: InputError and Refusal of the steps, InputError if the legs are not the
+/// same; an unstable loop is not refused here.
 LoopDesign make_loop_design(const std::filesystem::path& scene,
-                            const std::optional<std::filesystem::path>& controller);
+                            const std::optional<std::filesystem::path>& controller,
+                            const std::optional<std::filesystem::path>& design_scene = {});
 
 }  // namespace stillframe::tools

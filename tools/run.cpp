@@ -21,7 +21,7 @@ namespace {
 
 struct Options {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> controller, floor, out;
+  std::optional<std::filesystem::path> controller, design_scene, floor, out;
   std::string mode = "lock_step", loop = "both", lcm_url;
   std::optional<double> duration_s;
   std::optional<std::int64_t> run_id;
@@ -73,7 +73,8 @@ int fail(RunDirectory& directory, const PhaseResult& result) {
 }
 
 int run(const Options& options) {
-  const LoopDesign design = make_loop_design(options.scene, options.controller);
+  const LoopDesign design =
+      make_loop_design(options.scene, options.controller, options.design_scene);
   std::string floor_text;
   const floor::FloorSpec spec = check_input(options, design, floor_text);
 
@@ -132,6 +133,9 @@ void add_run(CLI::App& app, int& exit_code) {
       ->type_name("SCENE");
   verb->add_option("--controller", options->controller,
                    "Controller block that replaces the scene's")
+      ->type_name("FILE");
+  verb->add_option("--design-scene", options->design_scene,
+                   "Take the gains of this scene's model (same legs) and run them on SCENE")
       ->type_name("FILE");
   verb->add_option("--floor", options->floor, "Floor block that replaces the scene's")
       ->type_name("FILE");

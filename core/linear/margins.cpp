@@ -1,5 +1,6 @@
 #include "core/linear/margins.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -155,40 +156,61 @@ class HalfSensitivity {
 
 double diagonal_mu(const MatrixXcd& Z) {
   const Index m = Z.rows();
+  // Osborne's balancing of the moduli brings D close, in the Frobenius norm.
+  MatrixXd squares = Z.cwiseAbs2();
   VectorXd log_d = VectorXd::Zero(m);
-  const auto scaled = [&](const VectorXd& x) -> MatrixXcd {
-    return x.array().exp().matrix().asDiagonal() * Z * (-x).array().exp().matrix().asDiagonal();
-  };
-  // Osborne's balancing brings D close, in the Frobenius norm.
   for (int sweep = 0; sweep < 20; ++sweep) {
+    double change = 0;
     for (Index i = 0; i < m; ++i) {
-      const MatrixXcd A = scaled(log_d);
-      const double row = std::sqrt(A.row(i).squaredNorm() - std::norm(A(i, i)));
-      const double column = std::sqrt(A.col(i).squaredNorm() - std::norm(A(i, i)));
-      if (row > 0 && column > 0) log_d(i) += std::log(column / row) / 2;
+      const double row = squares.row(i).sum() - squares(i, i);
+      const double column = squares.col(i).sum() - squares(i, i);
+      if (!(row > 0) || !(column > 0)) continue;
+      const double factor = std::sqrt(column / row);  // of d_i^2
+      squares.row(i) *= factor;
+      squares.col(i) /= factor;
+      log_d(i) += std::log(factor) / 2;
+      change = std::max(change, std::abs(factor - 1));
     }
+    if (change < 1e-3) break;
   }
-  // The 2-norm is convex in log D; its gradient is |v_i|^2-wise the difference of the singular
-  // vectors. Steps are halved as long as they do not help.
-  double step = 0.5, best = infinity;
-  for (int i = 0; i < 30 && step > 1e-4; ++i) {
-    const Eigen::JacobiSVD<MatrixXcd> svd(scaled(log_d), Eigen::ComputeFullU | Eigen::ComputeFullV);
-    best = std::min(best, svd.singularValues()(0));
+  // The 2-norm is convex in log D; its gradient is the difference of the moduli squared of the
+  // singular vectors. Steps are halved as long as they do not help.
+  const auto decompose = [&](const VectorXd& x) {
+    const VectorXd d = x.array().exp();
+    return Eigen::JacobiSVD<MatrixXcd>(d.asDiagonal() * Z * d.cwiseInverse().asDiagonal(),
+                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  };
+  Eigen::JacobiSVD<MatrixXcd> svd = decompose(log_d);
+  double step = 0.5;
+  for (int i = 0; i < 20 && step > 1e-3; ++i) {
     const VectorXd gradient = svd.matrixU().col(0).cwiseAbs2() - svd.matrixV().col(0).cwiseAbs2();
-    if (gradient.norm() < 1e-6) break;
-    const VectorXd next = log_d - step * gradient;
-    if (Eigen::JacobiSVD<MatrixXcd>(scaled(next)).singularValues()(0) < best) {
-      log_d = next;
+    if (gradient.norm() < 1e-2) break;
+    const auto next = decompose(log_d - step * gradient);
+    if (next.singularValues()(0) < svd.singularValues()(0)) {
+      log_d -= step * gradient;
+      svd = next;
     } else {
       step /= 2;
     }
   }
-  return best;
+  return svd.singularValues()(0);
 }
 
 std::pair<double, double> all_leg_disk_margin(const LoopSettings& settings) {
   const auto [mu, omega] = HalfSensitivity(settings).peak_of(diagonal_mu);
   return {1 / mu, omega / (2 * std::numbers::pi)};
+}
+
+bool has_disk_margin(const LoopSettings& settings, double alpha) {
+  const HalfSensitivity half(settings);
+  const double nyquist = std::numbers::pi / settings.sampling.sample_time;
+  constexpr int n = 40;
+  for (int i = 0; i < n; ++i) {
+    // The spectral radius is a lower bound of the structured singular value.
+    const MatrixXcd Z = half(nyquist * std::pow(10.0, -4.0 * i / n));
+    if (Z.eigenvalues().cwiseAbs().maxCoeff() > 1 / alpha) return false;
+  }
+  return 1 / half.peak_of(diagonal_mu).first >= alpha;
 }
 
 Margins margins(const LoopSettings& settings) {

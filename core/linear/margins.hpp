@@ -39,6 +39,10 @@ Margins margins(const LoopSettings& settings);
 /// all_disk and all_disk_hz alone. Errors: as close_loop; the loop is taken to be stable.
 std::pair<double, double> all_leg_disk_margin(const LoopSettings& settings);
 
+/// Whether the all-leg disk margin is `alpha` at least: quick where it is far below. Errors as
+/// all_leg_disk_margin.
+bool has_disk_margin(const LoopSettings& settings, double alpha);
+
 /// Upper bound of the structured singular value of Z (m x m) for m complex scalars: the least
 /// 2-norm of D Z D^-1 over positive diagonal D.
 double diagonal_mu(const Eigen::MatrixXcd& Z);

@@ -132,7 +132,7 @@ struct SceneController {
   /// One number for all virtual modes, or one for each, slowest mode of the frame first.
   std::vector<double> target_hz, damping_ratio;
   GainOrder order = GainOrder::exact;
-  Reduction reduction = Reduction::modes;
+  Reduction reduction = Reduction::static_shapes;
   Realisation realisation = Realisation::implicit_feedthrough;
   double sample_rate_hz = 0;
   double delay_samples = 0;

@@ -244,6 +244,17 @@ TEST(LegReduction, LegsThatAreDependentToRoundingAreRefused) {
   }
 }
 
+TEST(LegReduction, StaticShapesNeedAStiffnessBeyondRounding) {
+  std::mt19937 engine(39);
+  for (int k = 0; k < 20; ++k) {
+    // Of rank 2, but for rounding, which makes about half of them positive definite.
+    const MatrixXd A = random_matrix(3, 2, engine), E = random_matrix(2, 3, engine);
+    EXPECT_THROW(
+        design_model(MatrixXd::Identity(3, 3), A * A.transpose(), E, Reduction::static_shapes),
+        Refusal);
+  }
+}
+
 TEST(LegReduction, AlmostDependentLegsAreNotRefused) {
   // A thousand times above the threshold of 1e-12: the gains are large, and it is for the analysis
   // to say what they do.

@@ -1,0 +1,199 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/control_loop.hpp"
+#include "core/linear/margins.hpp"
+#include "core/state_space.hpp"
+#include "core/yaml/input_error.hpp"
+#include "tests/core/scenes.hpp"
+
+// Margins come from eigenvalues of perturbed loops; here they are checked in the frequency domain,
+// where a loop on the edge has I + L singular at some frequency.
+namespace stillframe::test {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+/// The metrology frame at 1 kHz with what a rig has: a fraction of a sample more delay, slow
+/// actuators.
+LoopSettings frame_loop(double lead, double lag_hz) {
+  const Scene scene = frame_scene();
+  const ControlLoop loop = make_control_loop(scene, make_model(scene));
+  LoopSettings settings{.plant = loop_plant(loop.plant, loop.n_w, loop.n_y),
+                        .feedback = loop.gains,
+                        .law = {},
+                        .sampling = {}};
+  settings.law.lead_samples = lead;
+  settings.sampling.sample_time = 1e-3;
+  settings.sampling.delay_samples = 1.25;
+  settings.sampling.instruments.actuator_lag_hz = lag_hz;
+  return settings;
+}
+
+/// Least singular value of I + L diag(factors) over frequency: a grid, refined about its lowest
+/// point.
+double distance(const LoopSettings& settings, const VectorXd& factors) {
+  const SampledPlant plant = sample_and_hold(feedback_part(settings.plant), settings.sampling);
+  const DiscreteLaw law = law_of(settings);
+  const Index m = plant.Gamma_u.cols();
+  constexpr int n = 1500;
+  const auto at = [&](double i) {
+    const double omega = two_pi * 500 * std::pow(1e-5, 1 - i / n);
+    const MatrixXcd closed =
+        MatrixXcd::Identity(m, m) + return_ratio(plant, law, omega) * factors.asDiagonal();
+    return Eigen::JacobiSVD<MatrixXcd>(closed).singularValues()(m - 1);
+  };
+  int lowest = 1;
+  double least = at(1);
+  for (int i = 2; i < n; ++i) {
+    const double here = at(i);
+    if (here < least) {
+      least = here;
+      lowest = i;
+    }
+  }
+  double low = lowest - 1, high = lowest + 1;
+  for (int i = 0; i < 50; ++i) {
+    const double a = high - 0.618 * (high - low), b = low + 0.618 * (high - low);
+    (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
+  }
+  return std::min(least, at((low + high) / 2));
+}
+
+class FrameMargins : public testing::TestWithParam<std::pair<double, double>> {
+ protected:
+  LoopSettings settings() const { return frame_loop(GetParam().first, GetParam().second); }
+};
+
+TEST_P(FrameMargins, EdgesOfGainAreWhereTheReturnDifferenceIsSingular) {
+  const LoopSettings loop = settings();
+  const Margins found = margins(loop);
+  ASSERT_EQ(found.leg_gain.size(), 6u);
+  const double nominal = distance(loop, VectorXd::Ones(6));
+  const auto expect_edge = [&](const VectorXd& mask, const GainRange& range) {
+    EXPECT_LT(range.lowest, 1);
+    EXPECT_GT(range.highest, 1);
+    for (const double edge : {range.lowest, range.highest}) {
+      if (edge == 0 || std::isinf(edge)) continue;
+      const VectorXd factors = VectorXd::Ones(6) + (edge - 1) * mask;
+      // Edges are good to 1e-7 of the factor; L is up to some ten there.
+      EXPECT_LT(distance(loop, factors), 1e-5 * nominal) << edge;
+    }
+  };
+  expect_edge(VectorXd::Unit(6, 0), found.leg_gain[0]);
+  expect_edge(VectorXd::Unit(6, 3), found.leg_gain[3]);
+  expect_edge(VectorXd::Ones(6), found.all_gain);
+}
+
+TEST_P(FrameMargins, EdgesOfDelayAreWhereTheReturnDifferenceIsSingular) {
+  const LoopSettings loop = settings();
+  const Margins found = margins(loop);
+  const double nominal = distance(loop, VectorXd::Ones(6));
+  for (const Index leg : {Index(0), Index(3), Index(6)}) {  // the last: all
+    const double limit = leg < 6 ? found.leg_delay(leg) : found.all_delay;
+    ASSERT_TRUE(std::isfinite(limit));
+    LoopSettings late = loop;
+    late.sampling.leg_delays =
+        (limit / 1e-3) * (leg < 6 ? VectorXd(VectorXd::Unit(6, leg)) : VectorXd(VectorXd::Ones(6)));
+    EXPECT_LT(distance(late, VectorXd::Ones(6)), 1e-5 * nominal) << leg;
+  }
+}
+
+TEST_P(FrameMargins, TheDiskTouchesInstabilityAndNothingInsideItDoes) {
+  const LoopSettings loop = settings();
+  const Margins found = margins(loop);
+  const SampledPlant plant = sample_and_hold(feedback_part(loop.plant), loop.sampling);
+  const DiscreteLaw law = law_of(loop);
+  const MatrixXcd I = MatrixXcd::Identity(6, 6);
+  for (const Index leg : {Index(0), Index(3)}) {
+    double worst = 0;
+    for (int i = 0; i < 5000; ++i) {
+      const double omega = two_pi * 500 * std::pow(1e-6, 1 - i / 4999.0);
+      const MatrixXcd L = return_ratio(plant, law, omega);
+      const Complex half = (I + L).inverse()(leg, leg) - 0.5;
+      worst = std::max(worst, std::abs(half));
+      if (i % 1000 != 0) continue;
+      // The factor that the definition calls the nearest on this frequency's disk closes the loop
+      // on the point of instability.
+      const Complex d = 1.0 / half;
+      MatrixXcd D = I;
+      D(leg, leg) = (2.0 + d) / (2.0 - d);
+      const MatrixXcd closed = I + L * D;
+      EXPECT_LT(Eigen::JacobiSVD<MatrixXcd>(closed).singularValues()(5), 1e-9 * closed.norm());
+    }
+    // Peaks between two grid points are lower than here by 1e-6, where they are not sharp.
+    EXPECT_NEAR(found.leg_disk(leg), 1 / worst, 1e-4 * found.leg_disk(leg));
+  }
+  EXPECT_LE(found.all_disk, found.leg_disk.minCoeff() * (1 + 1e-6));
+  // Real factors are the cheapest members of the disk: none may destabilise the loop.
+  std::mt19937 engine(5);
+  const double edge = std::log((2 + found.all_disk) / (2 - found.all_disk));
+  for (int i = 0; i < 100; ++i) {
+    LoopSettings off = loop;
+    off.sampling.leg_gains = VectorXd::NullaryExpr(
+        6, [&] { return std::exp(edge * (2.0 * engine() / 4294967295.0 - 1)); });
+    EXPECT_LT(spectral_radius(off), largest_stable_radius);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(LeadAndLag, FrameMargins,
+                         testing::Values(std::pair(0.0, 0.0), std::pair(1.75, 0.0),
+                                         std::pair(2.0, 300.0)));
+
+TEST(DiagonalMu, HasItsValueWhereThereIsAClosedForm) {
+  std::mt19937 engine(7);
+  const auto any = [&] { return 2.0 * engine() / 4294967295.0 - 1; };
+  for (int n = 0; n < 20; ++n) {
+    const Eigen::VectorXcd a =
+        Eigen::VectorXcd::NullaryExpr(6, [&] { return Complex(any(), any()); });
+    const Eigen::VectorXcd b =
+        Eigen::VectorXcd::NullaryExpr(6, [&] { return Complex(any(), any()); });
+    // Of a b^H it is sum |a_i b_i|; the gradient that ends the search bounds the rest.
+    const double exact = a.cwiseAbs().dot(b.cwiseAbs());
+    EXPECT_NEAR(diagonal_mu(a * b.adjoint()), exact, 1e-2 * exact);
+    EXPECT_GE(diagonal_mu(a * b.adjoint()), exact * (1 - 1e-12));  // an upper bound
+    const MatrixXcd D = a.asDiagonal();
+    EXPECT_NEAR(diagonal_mu(D), a.cwiseAbs().maxCoeff(), 1e-12);
+    const MatrixXcd Z = MatrixXcd::NullaryExpr(6, 6, [&] { return Complex(any(), any()); });
+    const double mu = diagonal_mu(Z);
+    EXPECT_GE(mu, Z.eigenvalues().cwiseAbs().maxCoeff() * (1 - 1e-12));
+    EXPECT_LE(mu, Eigen::JacobiSVD<MatrixXcd>(Z).singularValues()(0) * (1 + 1e-12));
+  }
+}
+
+TEST(StableRates, EdgesAreWhereTheLoopChanges) {
+  const LoopSettings loop = frame_loop(1.75, 0);
+  const auto rates = stable_rates(loop, 20, 2e4);
+  ASSERT_FALSE(rates.empty());
+  EXPECT_EQ(rates.back().second, 2e4);  // nothing is lost by a high rate
+  const auto stable = [&](double rate) {
+    return spectral_radius(at_rate(loop, rate)) < largest_stable_radius;
+  };
+  for (const auto& [slowest, fastest] : rates) {
+    EXPECT_TRUE(stable(slowest * (1 + 1e-5)));  // edges are good to 1e-6
+    EXPECT_FALSE(stable(slowest * (1 - 1e-5)));
+    if (fastest < 2e4) {
+      EXPECT_FALSE(stable(fastest * (1 + 1e-5)));
+    }
+  }
+}
+
+TEST(Margins, AnUnstableLoopHasNone) {
+  LoopSettings loop = frame_loop(1.75, 0);
+  loop.sampling.instruments.report_age_samples = 1;
+  EXPECT_THROW(margins(loop), Refusal);
+}
+
+}  // namespace
+}  // namespace stillframe::test
