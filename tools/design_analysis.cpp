@@ -95,17 +95,26 @@ double price_of_sampling(const ControlLoop& loop, double target, const LoopSetti
 
 std::optional<Recommendation> recommend(const LoopDesign& design) {
   const double target = design.scene.controller->lowest_target_hz();
-  for (double decade = 1; decade < 1e5; decade *= 10) {
+  constexpr double highest = 1e5, none = 0;
+  const auto tuned = [&](double rate, double times) {
+    LoopSettings settings = at_rate(design.settings, rate);
+    if (times == none) return settings;
+    settings.feedback.roll_off = two_pi * times * target;
+    settings.law.lead_samples = matched_lead(settings, settings.feedback.roll_off);
+    return settings;
+  };
+  // What does not do at the highest rate does at no other.
+  std::vector<double> tunings;
+  for (const double times : {none, 80.0, 40.0, 20.0}) {
+    if (judged(design, tuned(highest, times))) tunings.push_back(times);
+  }
+  for (double decade = 1; decade < highest && !tunings.empty(); decade *= 10) {
     for (const double factor : {1.0, 2.0, 5.0}) {
       const double rate = decade * factor;
       if (rate < 4 * target) continue;
-      LoopSettings settings = at_rate(design.settings, rate);
-      if (const auto as_it_is = judged(design, settings)) return as_it_is;
-      for (const double times : {160.0, 80.0, 40.0, 20.0, 10.0}) {
+      for (const double times : tunings) {
         if (times * target > 0.4 * rate) continue;
-        settings.feedback.roll_off = two_pi * times * target;
-        settings.law.lead_samples = matched_lead(settings, settings.feedback.roll_off);
-        if (const auto tuned = judged(design, settings)) return tuned;
+        if (const auto found = judged(design, tuned(rate, times))) return found;
       }
     }
   }

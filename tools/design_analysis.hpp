@@ -66,8 +66,8 @@ double price_of_sampling(const ControlLoop& loop, double target_hz, const LoopSe
 
 /// The lowest of the rates 1, 2, 5, 10, ... (Hz) up to 100 kHz at which the price of sampling is at
 /// most 3 dB and the all-leg disk margin at least 0.5 (factors 0.6 to 1.67, 28 degrees): with the
-/// scene's lead and roll-off if that does, or with a roll-off at 10 to 160 times the lowest target
-/// and the lead that matches it. Delay stays so many samples.
+/// scene's lead and roll-off if that does, or with a roll-off at 20, 40 or 80 times the lowest
+/// target and the lead that matches it. Delay stays so many samples.
 std::optional<Recommendation> recommend(const LoopDesign& design);
 
 }  // namespace stillframe::tools

@@ -105,8 +105,9 @@ std::string factor(double value) {
   return value == 0 ? "none" : std::isinf(value) ? "none" : cell("%.3g", value);
 }
 
-std::string milliseconds(double seconds) {
-  return std::isinf(seconds) ? "none" : cell("%.3g", 1e3 * seconds);
+std::string milliseconds(double seconds, double sample_time) {
+  return std::isinf(seconds) ? cell("> %.3g", 1e3 * longest_delay * sample_time)
+                             : cell("%.3g", 1e3 * seconds);
 }
 
 std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysis) {
@@ -118,8 +119,9 @@ std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysi
       "once)\n";
   report::Table table({"leg", "gain down", "gain up", "delay ms", "disk", "disk degrees"}, 1);
   const auto add = [&](const std::string& name, const GainRange& gain, double delay, double disk) {
-    table.add({name, factor(gain.lowest), factor(gain.highest), milliseconds(delay),
-               cell("%.3f", disk), cell("%.1f", 2 * std::atan(disk / 2) * 180 / std::numbers::pi)});
+    table.add({name, factor(gain.lowest), factor(gain.highest),
+               milliseconds(delay, design.gains.sample_time()), cell("%.3f", disk),
+               cell("%.1f", 2 * std::atan(disk / 2) * 180 / std::numbers::pi)});
   };
   for (size_t i = 0; i < margins.leg_gain.size(); ++i) {
     const auto j = static_cast<Index>(i);
@@ -209,34 +211,33 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
     crosstalk.push_back(line.decoupling ? Json(line.decoupling->crosstalk_db) : Json());
   }
   for (const auto& [slowest, fastest] : analysis.rates) rates.push_back({slowest, fastest});
-  Json out{
-      {"scene", design.scene.title},
-      {"scene_hash", design.scene.hash},
-      {"order", block.order == GainOrder::exact ? "exact" : "deck"},
-      {"legs", design.gains.legs},
-      {"target_hz", block.target_hz},
-      {"damping_ratio", block.damping_ratio},
-      {"K_P", to_json(design.gains.K_P)},
-      {"K_I", to_json(design.gains.K_I)},
-      {"leak_hz", design.gains.leak_hz},
-      {"closed_loop_poles", to_json(analysis.poles)},
-      {"exact_order", spread_json(analysis.exact)},
-      {"deck_order", spread_json(analysis.deck)},
-      {"spectral_radius", analysis.radius},
-      {"misaligned_spectral_radius", analysis.misaligned_radius},
-      {"frequencies_hz", frequencies},
-      {"singular_values", open},
-      {"closed_singular_values", closed},
-      {"sampled_singular_values", sampled},
-      {"noise_to_acceleration", noise},
-      {"compliance", compliance},
-      {"passive_compliance", passive},
-      {"spread_db", spread},
-      {"crosstalk_db", crosstalk},
-      {"margins", analysis.margins ? margins_json(*analysis.margins) : Json()},
-      {"stable_rates_hz", rates},
-      {"recommended_rate_hz", analysis.recommended ? Json(analysis.recommended->rate_hz) : Json()},
-      {"warnings", analysis.warnings}};
+  Json out{{"scene", design.scene.title},
+           {"scene_hash", design.scene.hash},
+           {"order", block.order == GainOrder::exact ? "exact" : "deck"},
+           {"legs", design.gains.legs},
+           {"target_hz", block.target_hz},
+           {"damping_ratio", block.damping_ratio},
+           {"K_P", to_json(design.gains.K_P)},
+           {"K_I", to_json(design.gains.K_I)},
+           {"leak_hz", design.gains.leak_hz},
+           {"closed_loop_poles", to_json(analysis.poles)},
+           {"exact_order", spread_json(analysis.exact)},
+           {"deck_order", spread_json(analysis.deck)},
+           {"spectral_radius", analysis.radius},
+           {"misaligned_spectral_radius", analysis.misaligned_radius},
+           {"frequencies_hz", frequencies},
+           {"singular_values", open},
+           {"closed_singular_values", closed},
+           {"sampled_singular_values", sampled},
+           {"noise_to_acceleration", noise},
+           {"compliance", compliance},
+           {"passive_compliance", passive},
+           {"spread_db", spread},
+           {"crosstalk_db", crosstalk},
+           {"margins", analysis.margins ? margins_json(*analysis.margins) : Json()},
+           {"stable_rates_hz", rates},
+           {"recommended", recommendation_json(analysis)},
+           {"warnings", analysis.warnings}};
   return out;
 }
 

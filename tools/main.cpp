@@ -24,6 +24,8 @@ constexpr const char* footer =
     "  stillframe modes config/scenes/metrology_frame.yaml\n"
     "  stillframe linearise config/scenes/cart.yaml\n"
     "  stillframe design config/scenes/metrology_frame.yaml\n"
+    "  stillframe robustness config/scenes/metrology_frame.yaml \\\n"
+    "    --uncertainty config/uncertainty/piezo_frame.yaml\n"
     "  scripts/private_network stillframe run config/scenes/metrology_frame.yaml\n"
     "Every verb has --help, and --json for machines.\n"
     "Exit codes: 0 done; 2 bad usage or input; 3 refused (an unstable design, a singular model);\n"

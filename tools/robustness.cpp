@@ -7,6 +7,7 @@
 #include "controller/start_check.hpp"
 #include "core/robustness/worst_case.hpp"
 #include "core/scene/controller_block.hpp"
+#include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/plot_robustness.hpp"
 #include "tools/loop_design.hpp"
@@ -27,7 +28,7 @@ namespace {
 
 struct Options {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> controller, uncertainty, out, from, plot;
+  std::optional<std::filesystem::path> controller, design_scene, uncertainty, out, from, plot;
   std::uint64_t samples = 1000, seed = 1;
   std::string shard;
   int jobs = 0;
@@ -82,6 +83,9 @@ Record empty_record(const Options& options, const LoopDesign& design,
   Record record;
   record.scene = design.scene.title;
   record.scene_hash = design.scene.hash;
+  if (options.design_scene) {
+    record.scene_hash = text_hash(record.scene_hash + read_scene(*options.design_scene).hash);
+  }
   record.uncertainty = uncertainty;
   for (const auto& parameter : evaluator.parameters()) {
     record.parameters.push_back(name_of(parameter));
@@ -190,16 +194,27 @@ void plot(const Record& record, const WorstCases& worst, const std::filesystem::
   report::plot_robustness(picture, path);
 }
 
+/// Before hours of work that could then not be written down.
+void require_folder(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder)) {
+    throw InputError("--out: found '" + file.string() + "', but there is no folder '" +
+                     folder.string() + "'");
+  }
+}
+
 int run(Options options) {
   if (options.jobs == 0)
     options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   parse_shard(options.shard);
+  if (options.out) require_folder(*options.out);
   Record record;
   WorstCases worst;
   std::optional<Evaluator> evaluator;
   {
     Patience patience("linearising");
-    const LoopDesign design = make_loop_design(options.scene, options.controller);
+    const LoopDesign design =
+        make_loop_design(options.scene, options.controller, options.design_scene);
     const SceneUncertainty uncertainty = uncertainty_of(options, design.scene);
     controller::require_stable(design.gains);
     evaluator = evaluator_of(design, uncertainty);
@@ -232,9 +247,9 @@ constexpr const char* footer =
     "after `sbatch --array=1-100`, each task runs\n"
     "  stillframe robustness SCENE --samples 1000000 --shard ${SLURM_ARRAY_TASK_ID}/100 \\\n"
     "    --out part_${SLURM_ARRAY_TASK_ID}.json\n"
-    "With GNU parallel, over the machines of a list:\n"
-    "  seq 100 | parallel --sshloginfile hosts \\\n"
-    "    stillframe robustness SCENE --samples 1000000 --shard {}/100 --jobs 1 --out part_{}.json\n"
+    "With GNU parallel, over the machines of a list that share this folder:\n"
+    "  seq 100 | parallel --sshloginfile hosts --workdir . -j1 \\\n"
+    "    stillframe robustness SCENE --samples 1000000 --shard {}/100 --out part_{}.json\n"
     "Then\n"
     "  stillframe merge part_*.json --out all.json\n"
     "  stillframe robustness SCENE --from all.json --plot all.png\n"
@@ -272,14 +287,19 @@ void add_robustness(CLI::App& app, int& exit_code) {
   verb->add_option("--controller", options->controller,
                    "Controller block that replaces the scene's")
       ->type_name("FILE");
+  verb->add_option("--design-scene", options->design_scene,
+                   "Take the gains of this scene's model (same legs); the plant is SCENE")
+      ->type_name("FILE");
   verb->add_option("--uncertainty", options->uncertainty,
                    "Uncertainty block that replaces the scene's")
       ->type_name("FILE");
   CLI::Option* samples =
       verb->add_option("--samples", options->samples, "Number of samples, of all shards together")
+          ->check(CLI::Range(0LL, 1000000000000LL))
           ->type_name("N")
           ->capture_default_str();
   CLI::Option* seed = verb->add_option("--seed", options->seed, "Seed of the samples")
+                          ->check(CLI::Range(0LL, 1000000000000LL))
                           ->type_name("S")
                           ->capture_default_str();
   CLI::Option* shard =

@@ -77,12 +77,12 @@ class Perturbed {
     return {down == infinity ? 0.0 : std::pow(10, down),
             up == infinity ? infinity : std::pow(10, up)};
   }
-  /// Seconds by which the legs of `mask` may be late: up to 4 samples in quarters, on to 100 in
-  /// steps of one.
+  /// Seconds by which the legs of `mask` may be late: up to 4 samples in quarters, on to
+  /// longest_delay in steps of one.
   double delay_limit(const VectorXd& mask) const {
     const auto stable = [&](double samples) { return stable_with_delays(samples * mask); };
     double limit = first_failure(stable, 0, 4, 0.25);
-    if (limit == infinity) limit = first_failure(stable, 4, 100, 1);
+    if (limit == infinity) limit = first_failure(stable, 4, longest_delay, 1);
     return limit * sampling_.sample_time;
   }
   Index n_legs() const { return m_; }

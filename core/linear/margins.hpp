@@ -14,12 +14,15 @@ struct GainRange {
   double lowest = 0, highest = 0;
 };
 
+/// Samples up to which a delay margin is looked for: what is on its way is states of the loop.
+inline constexpr double longest_delay = 20;
+
 /// Distance of a sampled loop from instability.
 struct Margins {
   std::vector<GainRange> leg_gain;  ///< m, each leg alone
   GainRange all_gain;               ///< all legs by the same factor
   Eigen::VectorXd leg_delay;        ///< m, s, that one leg's command may come later
-  double all_delay = 0;             ///< s, that all may; infinite: none found up to 100 samples
+  double all_delay = 0;             ///< s, that all may; infinite: more than longest_delay
   /// Balanced disk margin alpha: any factors (2 + alpha d) / (2 - alpha d), |d| < 1 complex, on the
   /// forces leave the loop stable: real ones between (2 - alpha) / (2 + alpha) and its inverse,
   /// lags up to 2 atan(alpha / 2). One leg at a time, and all at once with a d of their own each (a

@@ -52,21 +52,17 @@ SampledLoop arranged(SampledLoop loop, Index n_plant) {
 }
 
 /// Where the parts of xi stand: plant, law, c_0 (the command that held before t_k), the filtered
-/// report, the reports on their way, oldest first, and the commands on their way, oldest first.
+/// report, the reports on their way, oldest first, and the commands on their way, leg by leg,
+/// oldest first.
 struct Layout {
-  Index longest;  ///< whole delay of any leg
   Index n, m, law, held, filtered, reports, pending, total;
 
   Layout(const SampledPlant& plant, const DiscreteLaw& control)
-      : longest(plant.whole_delay.maxCoeff()),
-        n(plant.Phi.rows()),
-        m(plant.Gamma_u.cols()),
-        law(n),
-        held(law + control.A.rows()) {
+      : n(plant.Phi.rows()), m(plant.Gamma_u.cols()), law(n), held(law + control.A.rows()) {
     filtered = held + m;
     reports = filtered + (control.subtract_applied && control.applied_memory > 0 ? m : 0);
     pending = reports + (control.subtract_applied ? m * plant.report_age : 0);
-    total = pending + m * longest;
+    total = pending + plant.whole_delay.sum();
   }
 };
 
@@ -111,11 +107,13 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
   C_u.middleCols(at.law, n_law) += law.C;
   // A leg whose command takes effect at once has it straight from the law, others from the queue.
   MatrixXd C_f = C_u, D_f = law.D;  // of xi and v
+  Index queue = at.pending;
   for (Index i = 0; i < m; ++i) {
     if (plant.whole_delay(i) == 0) continue;
     C_f.row(i).setZero();
-    C_f(i, at.pending + m * (at.longest - plant.whole_delay(i)) + i) = 1;
+    C_f(i, queue) = 1;
     D_f.row(i).setZero();
+    queue += plant.whole_delay(i);
   }
 
   SampledLoop loop;
@@ -130,14 +128,20 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
   loop.A.middleRows(at.held, m) = C_f;
   if (at.reports > at.filtered) loop.A.middleRows(at.filtered, m) = C_applied;
   shift_in(loop.A, at.reports, at.pending, m, C_report);
-  shift_in(loop.A, at.pending, at.total, m, C_u);
   loop.B = MatrixXd::Zero(at.total, plant.Gamma_w.cols());
   loop.B.topRows(n) = plant.Gamma_w;
   loop.B_v = MatrixXd::Zero(at.total, m);
   loop.B_v.topRows(n) = plant.Gamma_u * D_f;
   loop.B_v.middleRows(at.law, n_law) = law.B;
   loop.B_v.middleRows(at.held, m) = D_f;
-  if (at.longest > 0) loop.B_v.bottomRows(m) = law.D;
+  queue = at.pending;
+  for (Index i = 0; i < m; ++i) {
+    if (plant.whole_delay(i) == 0) continue;
+    const Index end = queue + plant.whole_delay(i);
+    shift_in(loop.A, queue, end, 1, C_u.row(i));
+    loop.B_v.row(end - 1) = law.D.row(i);
+    queue = end;
+  }
   loop.C = plant.D_yu * C_f;
   loop.C.leftCols(n) += plant.C_y;
   loop.C.middleCols(at.held, m) += plant.D_0;

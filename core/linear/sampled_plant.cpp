@@ -8,6 +8,8 @@
 #include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
 
+#include "core/linear/balance.hpp"
+
 namespace stillframe {
 
 using Eigen::Index;
@@ -109,7 +111,11 @@ Part part_of(const Instrumented& plant, double duration) {
   MatrixXd augmented = MatrixXd::Zero(total, total);
   augmented.topLeftCorner(n, n + p + m) << plant.A, plant.B_w, plant.B_c;
   augmented.bottomLeftCorner(n_y, n + p + m) << plant.C_y, plant.D_yw, plant.D_yc;
-  const MatrixXd E = (augmented * duration).exp();
+  // Unbalanced, metres beside newtons and slow beside fast modes cost half of the digits.
+  const VectorXd S = balancing_scales(augmented);
+  const MatrixXd scaled = S.cwiseInverse().asDiagonal() * augmented * S.asDiagonal();
+  const MatrixXd E =
+      S.asDiagonal() * (scaled * duration).exp().eval() * S.cwiseInverse().asDiagonal();
   return {E.topLeftCorner(n, n),         E.block(0, n, n, p),
           E.block(0, n + p, n, m),       E.bottomLeftCorner(n_y, n),
           E.block(n + p + m, n, n_y, p), E.block(n + p + m, n + p, n_y, m)};

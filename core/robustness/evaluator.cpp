@@ -25,7 +25,7 @@ using Eigen::VectorXd;
 VectorXd outcome_frequencies_hz(double target_hz, double sample_rate_hz) {
   std::set<double> all;
   const double from = target_hz / 50, to = 0.45 * sample_rate_hz;
-  const int steps = std::max(1, static_cast<int>(std::ceil(20 * std::log10(to / from))));
+  const int steps = std::max(1, static_cast<int>(std::ceil(10 * std::log10(to / from))));
   for (int i = 0; i <= steps; ++i) {
     char digits[24];
     std::snprintf(digits, sizeof digits, "%.3g", from * std::pow(to / from, double(i) / steps));
@@ -55,11 +55,11 @@ namespace {
 
 /// The largest singular value of T at each of the angles omega T_s.
 VectorXd largest_gains(FrequencySweep& sweep, const std::vector<double>& angles) {
-  const auto n = static_cast<Index>(angles.size());
-  std::vector<MatrixXcd> T(angles.size(), MatrixXcd(sweep.n_outputs(), sweep.n_inputs()));
+  const Index n_y = sweep.n_outputs(), n_w = sweep.n_inputs();
+  std::vector<MatrixXcd> T(angles.size(), MatrixXcd(n_y, n_w));
   for (size_t i = 0; i < angles.size(); ++i) sweep.evaluate(std::polar(1.0, angles[i]), T[i]);
-  Eigen::MatrixXd values(std::min(sweep.n_outputs(), sweep.n_inputs()), n);
-  SingularValues(sweep.n_outputs(), sweep.n_inputs()).compute(T.data(), n, values);
+  Eigen::MatrixXd values(std::min(n_y, n_w), static_cast<Index>(angles.size()));
+  SingularValues(n_y, n_w).compute(T.data(), values.cols(), values);
   return values.row(0);
 }
 
@@ -109,9 +109,12 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
     outcome.failure = error.what();
     return outcome;
   }
+  if (!loop.A.allFinite() || !loop.B.allFinite() || !loop.C.allFinite() || !loop.D.allFinite()) {
+    outcome.failure = "numbers of the model overflow";
+    return outcome;
+  }
   const double T_s = loop.sample_time;
-  FrequencySweep sweep = sweep_of(loop);
-  const Eigen::VectorXcd poles = loop.n_exogenous > 0 ? feedback_poles(loop) : sweep.poles();
+  const Eigen::VectorXcd poles = feedback_poles(loop);
   outcome.radius = poles.cwiseAbs().maxCoeff();
   outcome.decay = -std::log(outcome.radius) / T_s;
   outcome.damping = least_damping(poles);
@@ -126,6 +129,7 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
   for (const Complex& z : poles) {
     if (z.imag() > 0 && std::arg(z) >= angles.front()) angles.push_back(std::arg(z));
   }
+  FrequencySweep sweep = sweep_of(loop);
   const VectorXd gains = largest_gains(sweep, angles);
   outcome.gain = gains.head(n_f);
   outcome.peak = gains.maxCoeff();

@@ -24,7 +24,7 @@ struct Outcome {
   double peak = 0;       ///< largest of those and of the values at the angles of the poles, 1
 };
 
-/// The frequencies at which outcomes are kept: evenly spaced on a logarithmic axis, 20 a decade,
+/// The frequencies at which outcomes are kept: evenly spaced on a logarithmic axis, 10 a decade,
 /// from a fiftieth of the target to 0.45 of the sample rate, rounded to three digits, and 1, 2, 5,
 /// 10, 20, 50 and 100 Hz as far as they are below half the sample rate. Ascending, Hz.
 Eigen::VectorXd outcome_frequencies_hz(double target_hz, double sample_rate_hz);

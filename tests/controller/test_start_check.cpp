@@ -95,6 +95,26 @@ TEST_P(Rates, BothWaysGiveTheSameRadius) {
   }
 }
 
+// A target near or at half the sample rate is no design to want, but its verdict has to be right.
+TEST_P(Rates, TargetsNearHalfTheSampleRateAreJudgedRightly) {
+  for (const double part : {0.1, 0.25, 0.4, 0.49, 0.4999}) {
+    for (const int delay : {0, 1}) {
+      Gains gains = toy::gains(part * GetParam(), GetParam(), delay);
+      for (const double lead : {0.0, delay + 0.5}) {
+        gains.lead_samples = lead;
+        const toy::LoopSimulation loop(gains, law_from_gains(gains), delay);
+        const double radius = closed_loop_radius(gains);
+        const double other = radius_of(toy::step_matrix(loop));
+        // X = (13.9 / target)^2 is as small as 8e-6, and the law's gain its inverse, which costs as
+        // much of 16 digits.
+        EXPECT_NEAR(radius, other, 1e-9 * std::max(1.0, radius))
+            << part << " " << delay << " " << lead;
+        EXPECT_EQ(radius < largest_stable_radius, other < largest_stable_radius);
+      }
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Rates, Rates, testing::Values(1000.0, 4000.0, 10000.0));
 
 // THEORY fact 3: the applied force one sample old makes the radius 1.2, a roll-off at 200 Hz mends

@@ -164,6 +164,7 @@ TEST(Gains, BothOrdersAreOneForEqualLegs) {
 /// others.
 TEST(Gains, FewerLegsThanDofsControlTheSlowestModes) {
   Scene fewer = frame_scene();
+  fewer.controller->reduction = Reduction::modes;
   auto& legs = fewer.controller->legs;
   ASSERT_EQ(legs.back().back(), 'v');
   legs.pop_back();

@@ -138,7 +138,7 @@ TEST(LegReduction, GainsDoNotDependOnTheChoiceOfTheDofs) {
 
 TEST(FewerLegs, OnTheSlowestModesTheModelHasThese) {
   const Frame frame(3, 6, 36);
-  const LegMatrices legs = design_model(frame.M, frame.K, frame.E).legs;
+  const LegMatrices legs = design_model(frame.M, frame.K, frame.E, Reduction::modes).legs;
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> whole(frame.K, frame.M);
   const VectorXd frequencies = virtual_frequencies(legs);
   for (Index i = 0; i < 3; ++i) {
@@ -180,7 +180,7 @@ TEST(FewerLegs, AModeThatStrainsNoLegIsRefusedByNameAndStaticShapesGetBy) {
   const MatrixXd M = MatrixXd::Identity(2, 2), K = VectorXd{{100.0, 900.0}}.asDiagonal();
   const MatrixXd E{{0.0, 1.0}};
   try {
-    design_model(M, K, E);
+    design_model(M, K, E, Reduction::modes);
     FAIL() << "no Refusal";
   } catch (const Refusal& refusal) {
     const std::string text = refusal.what();

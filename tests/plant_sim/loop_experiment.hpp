@@ -19,7 +19,8 @@ struct Ringing {
 
 Ringing ring(const RandomSetting& setting, int samples);
 
-/// The multisine experiment of a setting: some 25 lines from 1 Hz to 0.4 of the rate.
+/// The multisine experiment of a setting: some 20 lines from 1 Hz (2 Hz from a rate of 450 Hz on, 4
+/// Hz from 700 Hz on) to 0.4 of the rate.
 MultisinePlan experiment_of(const RandomSetting& setting);
 
 /// T from floor to frame accelerations at the lines of the plan.

@@ -1,12 +1,12 @@
 #include "tests/plant_sim/random_settings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <random>
 
 #include "controller/law.hpp"
-#include "core/state_space.hpp"
 #include "tests/plant_sim/frame.hpp"
 
 namespace stillframe::test {
@@ -30,25 +30,26 @@ class Draws {
   std::mt19937 engine_;
 };
 
-Instruments draw_instruments(Draws& draws) {
+/// A corner above the sample rate would do little but make the plant stiff.
+Instruments draw_instruments(Draws& draws, double sample_rate_hz) {
   Instruments has;
   has.actuator_gain = draws.between(0.6, 1.6);
-  if (draws.chance(0.5)) has.actuator_lag_hz = draws.scale(100, 1000);
-  if (draws.chance(0.5)) has.sensor_filter_hz = draws.scale(200, 2000);
+  if (draws.chance(0.5)) has.actuator_lag_hz = draws.scale(100, std::min(1000.0, sample_rate_hz));
+  if (draws.chance(0.5)) has.sensor_filter_hz = draws.scale(200, std::min(2000.0, sample_rate_hz));
   if (draws.chance(0.5)) has.report = Instruments::Report::commanded;
   if (draws.chance(0.4)) has.report_age_samples = 1 + draws.below(2);
   return has;
 }
 
 void draw_controller(Draws& draws, SceneController& block) {
-  // Whole, so that ramps and windows are whole numbers of samples.
-  block.sample_rate_hz = std::round(draws.scale(250, 2000));
+  // In fours, so that ramps and windows are whole numbers of samples.
+  block.sample_rate_hz = 4 * std::round(draws.scale(400, 2000) / 4);
   block.target_hz = {draws.scale(2, 12)};
   block.damping_ratio = {draws.between(0.4, 1.0)};
   block.delay_samples = draws.between(0, 2.5);
   if (draws.chance(0.4)) block.delay_samples = std::floor(block.delay_samples);
-  block.leak_hz = draws.scale(0.05, 2);
-  block.high_pass_hz = draws.chance(0.25) ? draws.scale(0.05, 1) : 0;
+  block.leak_hz = draws.scale(0.1, 2);
+  block.high_pass_hz = draws.chance(0.25) ? draws.scale(0.1, 1) : 0;
   // As fits the delay, somewhere about it, or none.
   const int lead = draws.below(3);
   block.lead_samples = lead == 0   ? block.delay_samples + 0.5
@@ -59,11 +60,11 @@ void draw_controller(Draws& draws, SceneController& block) {
   block.force_limit_n.reset();  // saturation is no part of the prediction
 }
 
-/// The gains and predictions that the changed scene asks for.
-RandomSetting predicted(tools::LoopDesign design) {
-  const SceneController& block = *design.scene.controller;
-  design.loop = make_control_loop(design.scene, design.model);
-  controller::Gains& gains = design.gains;
+/// The gains and the prediction of a changed scene.
+RandomSetting predicted(std::shared_ptr<const tools::LoopDesign> frame, Scene scene) {
+  const SceneController& block = *scene.controller;
+  const ControlLoop loop = make_control_loop(scene, frame->model);
+  controller::Gains gains = frame->gains;
   gains.sample_rate_hz = block.sample_rate_hz;
   gains.delay_samples = block.delay_samples;
   gains.leak_hz = block.leak_hz;
@@ -71,44 +72,53 @@ RandomSetting predicted(tools::LoopDesign design) {
   gains.lead_samples = block.lead_samples;
   gains.roll_off_hz = block.roll_off_hz;
   gains.force_limit_n = block.force_limit_n;
-  gains.K_P = design.loop.gains.K_P;
-  gains.K_I = design.loop.gains.K_I;
-  gains.instruments = design.scene.instruments;
-  RandomSetting setting{.design = std::move(design), .law = {}};
-  setting.law = controller::law_from_gains(setting.design.gains);
-  setting.design.closed = predict(setting, setting.design.gains.sampling());
-  setting.radius = spectral_radius(setting.design.closed);
+  gains.K_P = loop.gains.K_P;
+  gains.K_I = loop.gains.K_I;
+  gains.instruments = scene.instruments;
+  RandomSetting setting{.frame = std::move(frame),
+                        .scene = std::move(scene),
+                        .gains = gains,
+                        .law = controller::law_from_gains(gains),
+                        .closed = {}};
+  setting.closed = predict(setting, gains.sampling());
+  setting.radius = spectral_radius(setting.closed);
   return setting;
 }
 
 }  // namespace
 
 int ringing_samples(const RandomSetting& setting) {
-  const double by_mode = 8 / std::abs(std::log(setting.radius));
-  const double by_frame = 2 * setting.design.gains.sample_rate_hz;  // two seconds
-  return static_cast<int>(std::min(std::max(by_mode, by_frame), 1e9));
+  const double by_mode = 2 / std::abs(std::log(setting.radius));
+  const double by_frame = 2 * setting.gains.sample_rate_hz;
+  return static_cast<int>(std::min<double>(std::max(by_mode, by_frame), longest_ringing));
 }
 
 SampledLoop predict(const RandomSetting& setting, const Sampling& sampling) {
-  const ControlLoop& loop = setting.design.loop;
-  return close_loop(sample_and_hold(loop_plant(loop.plant, loop.n_w, loop.n_y), sampling),
-                    setting.law);
+  return close_loop(sample_and_hold(setting.frame->settings.plant, sampling), setting.law);
 }
 
-RandomSettings random_settings(int count) {
-  const tools::LoopDesign frame = tools::make_loop_design(frame_file(), std::nullopt);
+RandomSettings fifty_settings() {
+  const auto frame = std::make_shared<const tools::LoopDesign>(
+      tools::make_loop_design(frame_file(), std::nullopt));
   Draws draws(2009);
   RandomSettings drawn;
-  while (static_cast<int>(drawn.settings.size()) < count) {
-    tools::LoopDesign design = frame;
-    draw_controller(draws, *design.scene.controller);
-    design.scene.instruments = draw_instruments(draws);
-    RandomSetting setting = predicted(std::move(design));
-    if (ringing_samples(setting) > longest_ringing) {
+  int stable_left = 22, near_left = 14, far_left = 14;
+  while (stable_left + near_left + far_left > 0) {
+    Scene scene = frame->scene;
+    draw_controller(draws, *scene.controller);
+    scene.instruments = draw_instruments(draws, scene.controller->sample_rate_hz);
+    RandomSetting setting = predicted(frame, std::move(scene));
+    ++drawn.n_drawn;
+    if (longest_ringing * std::abs(std::log(setting.radius)) < 0.7) {
       ++drawn.passed_over;
-    } else {
-      drawn.settings.push_back(std::move(setting));
+      continue;
     }
+    int& left = setting.predicted_stable() ? stable_left
+                : setting.radius < 1.1     ? near_left
+                                           : far_left;
+    if (left == 0) continue;
+    --left;
+    drawn.settings.push_back(std::move(setting));
   }
   return drawn;
 }
@@ -118,8 +128,8 @@ void print_head(std::ostream& out) {
 }
 
 void print(std::ostream& out, const RandomSetting& setting) {
-  const controller::Gains& g = setting.design.gains;
-  const SceneController& block = *setting.design.scene.controller;
+  const controller::Gains& g = setting.gains;
+  const SceneController& block = *setting.scene.controller;
   const Instruments& has = g.instruments;
   const auto column = [&](int width, int digits, double value) {
     if (value == 0) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <memory>
 #include <vector>
 
 #include "tools/loop_design.hpp"
@@ -9,30 +10,36 @@ namespace stillframe::test {
 
 /// One loop of the metrology frame, with what is predicted of it.
 struct RandomSetting {
-  tools::LoopDesign design;  ///< of the frame with the scene's controller and instruments changed
+  std::shared_ptr<const tools::LoopDesign> frame;  ///< as its files have it
+  Scene scene;                                     ///< the same with these settings
+  controller::Gains gains;
   DiscreteLaw law;
-  double radius = 0;  ///< predicted spectral radius
+  SampledLoop closed;
+  double radius = 0;  ///< spectral radius of closed
 
   bool predicted_stable() const { return radius < largest_stable_radius; }
 };
 
 /// Samples that a verdict may take.
-inline constexpr int longest_ringing = 60'000;
-/// How many a verdict takes: the mode that decides changes by exp(8) = 3000 meanwhile, whichever
-/// way, and slow modes of the frame (1 Hz and more) go through their periods.
+inline constexpr int longest_ringing = 8'000;
+/// How many it takes: two seconds at least, which is long against the modes of the frame, and so
+/// many that the mode that decides changes by exp(2) meanwhile, whichever way, if they are not too
+/// many.
 int ringing_samples(const RandomSetting& setting);
 
-/// The predicted closed loop of a setting whose prediction is told other samplings than the plant
-/// has.
+/// The prediction that a setting would get were its plant sampled like this.
 SampledLoop predict(const RandomSetting& setting, const Sampling& sampling);
 
+/// Drawn with a fixed seed, the same on every machine.
 struct RandomSettings {
   std::vector<RandomSetting> settings;
-  int passed_over = 0;  ///< draws so near to a radius of one that longest_ringing would not do
+  int n_drawn = 0;
+  int passed_over = 0;  ///< whose mode would change by less than exp(0.7) in longest_ringing
 };
 
-/// So many settings, drawn with a fixed seed, the same on every machine.
-RandomSettings random_settings(int count);
+/// Fifty: the first 22 stable ones, the first 14 up to a radius of 1.1, where verdicts are hard,
+/// and the first 14 beyond, in the order in which they come.
+RandomSettings fifty_settings();
 
 /// Its settings in one line of a table, and the head of that table.
 void print_head(std::ostream& out);

@@ -17,10 +17,10 @@ class Comparison : public ::testing::Test {
  protected:
   static constexpr double sample_time = 2.5e-4;
   toy::Frame frame_;
-  SampledPlant plant_ = sample_and_hold(frame_.plant(), sample_time);
+  SampledPlant plant_ = sample_and_hold(frame_.plant(), toy::sampled_at(sample_time));
   SampledLoop open_ = open_loop(plant_);
   SampledLoop closed_ =
-      close_loop(plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, sample_time), 0);
+      close_loop(plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, sample_time));
   std::vector<double> frequencies_ = {1, 4, 12, 20, 29, 50, 100, 400};
 
   /// What a faultless measurement of a loop would give.

@@ -28,10 +28,11 @@ class Identification : public ::testing::Test {
  protected:
   MultisinePlan plan_ = toy::plan();
   toy::Frame frame_;
-  SampledPlant plant_ = sample_and_hold(frame_.plant(), 1 / plan_.sample_rate_hz);
+  SampledPlant plant_ =
+      sample_and_hold(frame_.plant(), toy::sampled_at(1 / plan_.sample_rate_hz, 1));
   SampledLoop open_ = open_loop(plant_);
-  SampledLoop closed_ = close_loop(
-      plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, plant_.sample_time), 1);
+  SampledLoop closed_ =
+      close_loop(plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, plant_.sample_time));
 };
 
 // The same transfer function by hand, turned into leg directions: one mode under a held input w has

@@ -52,10 +52,10 @@ class Plots : public ::testing::Test {
 /// Toy responses as a run would leave them, with a scatter of 0.05 dB on the measured ones.
 SingularValuePlot toy_singular_values() {
   const toy::Frame frame;
-  const SampledPlant plant = sample_and_hold(frame.plant(), 2.5e-4);
+  const SampledPlant plant = sample_and_hold(frame.plant(), toy::sampled_at(2.5e-4));
   const SampledLoop open = open_loop(plant);
   const SampledLoop closed =
-      close_loop(plant, frame.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, 2.5e-4), 0);
+      close_loop(plant, frame.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, 2.5e-4));
   SingularValuePlot plot;
   plot.title = "toy_frame at 4000 Hz, lock-step: floor to frame";
   for (int i = 0; i <= 600; ++i)

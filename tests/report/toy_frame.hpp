@@ -14,6 +14,14 @@
 
 namespace stillframe::report::toy {
 
+/// A sample time, and commands that take effect whole samples late.
+inline Sampling sampled_at(double sample_time, double delay_samples = 0) {
+  Sampling sampling;
+  sampling.sample_time = sample_time;
+  sampling.delay_samples = delay_samples;
+  return sampling;
+}
+
 inline constexpr double pi = std::numbers::pi;
 
 /// A unit mass on three undamped legs whose modes are no leg directions: e'' = -K e - u - w, sigma

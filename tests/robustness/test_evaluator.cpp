@@ -141,16 +141,17 @@ TEST(Evaluator, OneLegInClosedForm) {
     Cart other = cart;
     other.k *= 1 + 0.3 * values(0);
     other.m *= 1 + 0.3 * values(1);
-    // A few roundings in a system of three states.
+    // Rounding of the elongation of a leg of 1 m, some 1e3 of it in the exponential.
     EXPECT_NEAR(evaluator(values, Evaluator::Want::poles).radius, other.radius(1 + 0.9 * values(2)),
-                1e-13)
+                1e-11)
         << i;
   }
 }
 
 TEST(Evaluator, ThePeakIsMetBetweenTheFrequencies) {
-  // Without control the mass swings undamped; a little of u = -kappa sigma moves its poles inwards.
-  Cart cart{.m = 2, .k = 800, .kappa = -1e-3, .sample_time = 0.01};
+  // Without control the mass swings undamped; a little of u = -kappa sigma, a sample late, moves
+  // its poles inwards.
+  Cart cart{.m = 2, .k = 800, .kappa = 1e-3, .sample_time = 0.01};
   const Outcome outcome = cart.evaluator({})(VectorXd(0));
   ASSERT_EQ(outcome.verdict, Outcome::Verdict::stable);
   EXPECT_LT(outcome.damping, 2e-3);
@@ -165,11 +166,14 @@ TEST(Evaluator, APlantThatCannotBeIsAnOutcome) {
   SceneUncertainty uncertainty;
   uncertainty.centre_of_mass_m = 1;
   EXPECT_EQ(cart.evaluator(uncertainty).size(), 0);  // the mass ends the leg
-  // A mass that is all but gone leaves a mass matrix that is not positive definite.
-  cart.m = 1e-320;
-  const Outcome outcome = cart.evaluator({})(VectorXd(0));
+  cart.m = 0;
+  Outcome outcome = cart.evaluator({})(VectorXd(0));
   EXPECT_EQ(outcome.verdict, Outcome::Verdict::failed);
   EXPECT_EQ(outcome.failure, "the mass matrix is not positive definite");
+  cart.m = 1e-320;  // so that k / m is beyond the numbers
+  outcome = cart.evaluator({})(VectorXd(0));
+  EXPECT_EQ(outcome.verdict, Outcome::Verdict::failed);
+  EXPECT_EQ(outcome.failure, "numbers of the model overflow");
 }
 
 TEST(LeastDamping, OfPolesOfTheZPlane) {
@@ -195,7 +199,7 @@ TEST(OutcomeFrequencies, AscendingBelowNyquistWithTheOnesOfTheTable) {
     EXPECT_LT(f(f.size() - 1), rate / 2);
     for (Eigen::Index i = 1; i < f.size(); ++i) {
       EXPECT_GT(f(i), f(i - 1));
-      EXPECT_LT(f(i), f(i - 1) * 1.13);  // 10^(1/20) is 1.122, and three digits
+      EXPECT_LT(f(i), f(i - 1) * 1.27);  // 10^(1/10) is 1.259, and three digits
     }
     for (const double wanted : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
       EXPECT_EQ((f.array() == wanted).any(), wanted < rate / 2) << wanted << " at " << rate;

@@ -20,9 +20,9 @@ SceneUncertainty of_cart() {
 }
 
 TEST(MonteCarlo, CountsWhatTheClosedFormSays) {
-  // u = -kappa sigma with kappa < 0 damps (it delays a force that adds to the spring's), and is
-  // unstable on the feedthrough once |kappa| g > 1.
-  const Cart cart{.m = 2, .k = 800, .kappa = -0.8, .sample_time = 0.01};
+  // u = -kappa sigma damps, as it comes late, and is unstable once the actuator's feedthrough to
+  // its own sensor, kappa g, is about 1.
+  const Cart cart{.m = 2, .k = 800, .kappa = 0.8, .sample_time = 0.01};
   const Evaluator evaluator = cart.evaluator(of_cart());
   constexpr std::uint64_t n = 300;
   const Tally tally = run_samples(evaluator, {.seed = 9, .samples = n, .shard = {}}, 2);
@@ -42,7 +42,7 @@ TEST(MonteCarlo, CountsWhatTheClosedFormSays) {
   EXPECT_LT(n_stable, n - n / 10);
   EXPECT_EQ(tally.n_stable, n_stable);
   EXPECT_EQ(tally.n_samples(), n);
-  EXPECT_NEAR(tally.radius.most, largest, 1e-13);
+  EXPECT_NEAR(tally.radius.most, largest, 1e-11);  // as in test_evaluator.cpp
   EXPECT_EQ(tally.worst[0][0].index, worst);
   EXPECT_EQ(tally.worst[0][0].values, sample(9, worst, 3));
 }

@@ -22,7 +22,7 @@ Record part(std::uint64_t number, std::uint64_t of) {
   SceneUncertainty uncertainty;
   uncertainty.stiffness = 0.1;
   record.tally =
-      run_samples(Cart{.m = 2, .k = 800, .kappa = -0.5, .sample_time = 0.01}.evaluator(uncertainty),
+      run_samples(Cart{.m = 2, .k = 800, .kappa = 0.5, .sample_time = 0.01}.evaluator(uncertainty),
                   {record.seed, record.samples, {number, of}}, 1);
   return record;
 }
@@ -83,7 +83,7 @@ TEST(Merge, RefusesWhatDoesNotBelongTogether) {
   EXPECT_NE(with_change([](Record& r) { r.parameters.front() = "delay"; }).find("parameters"),
             std::string::npos);
   EXPECT_EQ(with_change([](Record& r) { r.n_shards = 4; }),
-            "a is of 3 shards and b of 4 shards: only shards of one division can be merged");
+            "a is of 3 shards and b of 4: only shards of one division can be merged");
 }
 
 }  // namespace

@@ -9,14 +9,16 @@ class Usage : public Verb {};
 TEST_F(Usage, HelpNamesEveryVerbAndExitCodes) {
   const Said said = run({"--help"});
   EXPECT_EQ(said.exit_code, 0);
-  for (const char* word : {"modes", "equilibrium", "buckling", "linearise", "sigma", "design",
-                           "run", "0 done", "2 bad usage", "3 refused", "4 a run"}) {
+  for (const char* word :
+       {"modes", "equilibrium", "buckling", "linearise", "sigma", "design", "robustness", "merge",
+        "run", "0 done", "2 bad usage", "3 refused", "4 a run"}) {
     EXPECT_NE(said.output.find(word), std::string::npos) << word;
   }
 }
 
 TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
-  for (const char* verb : {"modes", "equilibrium", "buckling", "linearise", "sigma"}) {
+  for (const char* verb :
+       {"modes", "equilibrium", "buckling", "linearise", "sigma", "robustness"}) {
     const Said said = run({verb, "--help"});
     EXPECT_EQ(said.exit_code, 0);
     EXPECT_NE(said.output.find(std::string("Example: stillframe ") + verb), std::string::npos)
@@ -28,11 +30,12 @@ TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
 TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
   expect_refused({"linearize", "scene.yaml"}, 2,
                  "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
-                 "equilibrium, buckling, linearise, sigma, design, run");
+                 "equilibrium, buckling, linearise, sigma, design, robustness, merge, run");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {
-  for (const char* verb : {"modes", "equilibrium", "buckling", "linearise", "sigma"}) {
+  for (const char* verb :
+       {"modes", "equilibrium", "buckling", "linearise", "sigma", "robustness"}) {
     EXPECT_EQ(run({verb}).exit_code, 2) << verb;
     EXPECT_EQ(run({verb, config("scenes/cart.yaml"), "--jason"}).exit_code, 2) << verb;
     expect_refused({verb, folder_ / "none.yaml"}, 2, "none.yaml: cannot be read");

@@ -37,9 +37,11 @@ ChildProcess::ChildProcess(std::string name, const std::vector<std::string>& com
   arguments.push_back(nullptr);
   int pipe_ends[2];
   const int error = open(error_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (error < 0 || pipe2(pipe_ends, O_CLOEXEC | O_NONBLOCK) != 0) {
+  if (error < 0 || pipe2(pipe_ends, O_CLOEXEC) != 0) {
     throw InputError(error_file.string() + ": cannot be written, " + name_ + " is not started");
   }
+  // The reading end alone: a child whose pipe is full has to wait, not to lose what it writes.
+  fcntl(pipe_ends[0], F_SETFL, O_NONBLOCK);
   pid_ = fork();
   if (pid_ == 0) become(arguments.data(), pipe_ends[1], error);
   close(pipe_ends[1]);
