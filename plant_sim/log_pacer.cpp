@@ -56,15 +56,18 @@ void LogPacer::sent(std::size_t bytes, std::size_t channel_length) noexcept {
 
 bool LogPacer::wait() noexcept {
   const std::int64_t begin = monotonic_ns();
-  std::int64_t nudged = begin;
+  // A logger that does not get the processor would lose its queue to nudges in even steps: doubled
+  // steps make eleven of them before the patience is out.
+  std::int64_t nudged = begin, pause = nudge_ns;
   // In whole numbers: behind * messages > limit * sent, with the mean size sent / messages of a
   // message.
   while ((sent_ - (size() - base_)) * messages_ > messages_behind * sent_) {
     const std::int64_t now = monotonic_ns();
     if (now - begin > patience_ns) return false;
-    if (now - nudged > nudge_ns) {
+    if (now - nudged > pause) {
       nudge_();
       nudged = now;
+      pause *= 2;
     }
     sleep_until(now + pause_ns);
   }

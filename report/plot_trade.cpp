@@ -29,8 +29,8 @@ MatrixXd table_of(const TradePlot& plot, const TradePlotColumn& column, bool dis
 }
 
 std::string panel(const TradePlot& plot, size_t c, bool disk) {
-  const double n = static_cast<double>(plot.columns.size()), width = 0.9 / n;
-  const double left = 0.075 + static_cast<double>(c) * width;
+  const double n = static_cast<double>(plot.columns.size()), width = 0.885 / n;
+  const double left = 0.09 + static_cast<double>(c) * width;
   const TradePlotColumn& column = plot.columns[c];
   std::string script = margins(left, left + width - 0.05, disk ? 0.54 : 0.17, disk ? 0.88 : 0.49);
   script += frequency_axis(plot.rates_hz(0), plot.rates_hz(plot.rates_hz.size() - 1),

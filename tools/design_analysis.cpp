@@ -19,9 +19,10 @@ using Complex = std::complex<double>;
 
 FrequencyLine line_at(const LoopDesign& design, const Compliance& compliance, double hz) {
   const Complex s(0, two_pi * hz);
-  FrequencyLine line{.hz = hz,
-                     .open = singular_values(design.loop.open(s)),
-                     .closed = singular_values(design.loop.closed(s))};
+  FrequencyLine line;
+  line.hz = hz;
+  line.open = singular_values(design.loop.open(s));
+  line.closed = singular_values(design.loop.closed(s));
   const Eigen::MatrixXcd T = transfer(design.closed, two_pi * hz);
   line.sampled = singular_values(T);
   line.noise = singular_values(noise_transfer(design.closed, two_pi * hz))(0);
