@@ -202,8 +202,8 @@ TEST(FlexibleFrame, SofterArmsLoseIsolationFirstAndALowerTargetGivesItBack) {
     scene.controller->target_hz = {target_hz};
     return make_case(scene).predicted_db(20);
   };
-  // Read off once: where a mount of 20 kg on what the law leaves of its leg, up to 514 kg times
-  // omega_d^2, resonates at 5 sqrt(514 / 20) = 25 Hz, with the arms as soft as that.
+  // Read off once: where a mount of 20 kg on what the law leaves of its leg, up to 517 kg times
+  // omega_d^2, resonates at 5 sqrt(517 / 20) = 25 Hz, with the arms as soft as that.
   EXPECT_LT(at_20_hz(first_internal_hz, 5), -25);
   EXPECT_GT(at_20_hz(33, 5), -6);
   EXPECT_LT(at_20_hz(33, 2.5), -13);
