@@ -74,10 +74,10 @@ void warn_of_standstill(const LoopDesign& design, std::vector<std::string>& out)
     if (softest > 0) {
       const double needed = 2 * block.damping_ratio.front() * softest / omega_d / two_pi;
       out.push_back(
-          cell("preload takes up to %.1f %% off the stiffness that the loop leaves; the "
-               "leak (or high-pass) holds the frame from about %.2g Hz on, here it is "
-               "%.2g Hz",
-               100 * softest / (omega_d * omega_d), needed, block.leak_hz + block.high_pass_hz));
+          cell("preload takes up to %.1f %% off the stiffness that the loop leaves; a leak "
+               "alone holds the frame from about %.2g Hz on (with a high-pass beside it "
+               "see docs/design_cases.md), here leak_hz is %.2g",
+               100 * softest / (omega_d * omega_d), needed, block.leak_hz));
     }
   }
   if (block.high_pass_hz == 0 || block.leak_hz == 0) {
