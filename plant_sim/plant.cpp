@@ -78,6 +78,9 @@ Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::Floo
   q_0_ = rest.motion.state.q_d;
   data_.x = rest.motion.x;
   accelerations(model, data_, rest.motion.state, sigma_a_, q_d_ddot_);
+  // Preloads balance up to rounding only. Errors of that size can be met by no step, so they set
+  // the least acceleration that counts.
+  least_scale_ = 100 * q_d_ddot_.lpNorm<Eigen::Infinity>() / scene.simulation.relative_tolerance;
   sigma_0_ = data_.sigma;
   q_d_ddot_.setZero();
   const auto n_outputs = static_cast<Index>(scene.outputs.size());
@@ -150,7 +153,7 @@ Integrator::Status Plant::hold(const Eigen::Ref<const Eigen::VectorXd>& command,
   if (q_d_ddot_.isZero(0) && !motion(0.0, y_, y_rate_)) {
     return Integrator::Status::right_hand_side_failed;
   }
-  const double scale = q_d_ddot_.lpNorm<Eigen::Infinity>();
+  const double scale = std::max(q_d_ddot_.lpNorm<Eigen::Infinity>(), least_scale_);
   const auto status = integrator_.advance(y_, duration, scale);
   if (status != Integrator::Status::ok) return status;
   if (!right_hand_side(duration, y_, y_rate_)) return Integrator::Status::right_hand_side_failed;

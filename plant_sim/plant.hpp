@@ -76,6 +76,8 @@ class Plant {
   Eigen::VectorXd q_0_, sigma_0_;  ///< n_d, n_e, of the equilibrium, from which y counts
   /// y_: 2 n_d, or 2 n_d + m with a sensor filter: q^d - q_0, q'^d, s_e / stiffness_.
   Eigen::VectorXd y_, y_rate_, sigma_a_, q_d_ddot_;
+  double least_scale_ =
+      0;  ///< m/s^2, of what is left of the equilibrium's forces, over the tolerance
   Reading reading_;
   std::int64_t k_ = 0;
 };

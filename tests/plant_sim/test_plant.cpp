@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/equilibrium.hpp"
+#include "core/scene/scene_reader.hpp"
 #include "tests/plant_sim/frame.hpp"
 
 namespace stillframe {
@@ -140,6 +141,19 @@ TEST(Plant, IdealInstrumentsAddNothing) {
       ASSERT_NEAR(reading.sigma(leg), bare.data.sigma(row), 1e-12) << k;  // of about 1 N
     }
     ASSERT_EQ(plant.evaluations(), bare.integrator.evaluations());
+  }
+}
+
+// Under its weight the frame rests on forces that balance to rounding only, and stays there.
+TEST(PlantUnderGravity, RestsOnAFloorThatRests) {
+  const Scene scene = read_scene(
+      std::filesystem::path(STILLFRAME_SOURCE_DIR "/config/scenes/frame_under_gravity.yaml"), {});
+  const Model model = make_model(scene);
+  Plant plant(scene, model, test::table(Eigen::MatrixXd::Zero(6, 20)));
+  for (int k = 0; k < 20; ++k) {
+    ASSERT_EQ(plant.advance(Eigen::VectorXd::Zero(6)), "") << k;
+    // Rounding of 2.5 kN in each leg.
+    EXPECT_LT(plant.read().sigma.lpNorm<Eigen::Infinity>(), 1e-9) << k;
   }
 }
 
