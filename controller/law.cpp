@@ -11,12 +11,6 @@ using Eigen::Index;
 using Eigen::Ref;
 using Eigen::VectorXd;
 
-namespace {
-
-constexpr std::int64_t longest_gap = 100;
-
-}  // namespace
-
 DiscreteLaw law_from_gains(const Gains& gains) {
   return sample_law(gains.feedback(), gains.law_sampling());
 }

@@ -20,6 +20,8 @@ DiscreteLaw law_from_gains(const Gains& gains);
 /// hot: noexcept, no allocation.
 class Law {
  public:
+  static constexpr std::int64_t longest_gap = 100;
+
   /// Errors: std::invalid_argument on shapes that do not match.
   explicit Law(DiscreteLaw matrices);
 
@@ -33,7 +35,7 @@ class Law {
   /// The same where n_samples samples have passed since the last step (1: none was missed): the law
   /// runs through all of them, with e interpolated linearly between its last value and the present
   /// one. Without that, a missed sample would stop the law's clock, and a lead would take the
-  /// change over n samples for that over one. At most 100 samples are made up for.
+  /// change over n samples for that over one. At most longest_gap samples are made up for.
   void step_over(std::int64_t n_samples, const Eigen::Ref<const Eigen::VectorXd>& sigma,
                  const Eigen::Ref<const Eigen::VectorXd>& applied,
                  Eigen::Ref<Eigen::VectorXd> force) noexcept;
@@ -47,6 +49,12 @@ class Law {
 
   /// n states of the law, N.
   const Eigen::VectorXd& state() const noexcept { return x_; }
+
+  /// Hands all that a later force depends on to an archive.
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(x_), archive(e_last_), archive(r_);
+  }
 
  private:
   void advance() noexcept;

@@ -1,6 +1,6 @@
 #include "controller/lcm_io.hpp"
 
-#include <array>
+#include <random>
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
@@ -17,15 +17,32 @@ namespace {
 constexpr const char* plant_source = "plant";
 constexpr const char* controller_source = "controller";
 
+std::int64_t random_number() {
+  std::random_device device;
+  return static_cast<std::int64_t>((static_cast<std::uint64_t>(device()) << 31) ^ device());
+}
+
 }  // namespace
 
 LcmIo::LcmIo(const std::string& url)
-    : lcm_(open_lcm(url)), command_channel_(channels::command), last_heard_ns_(monotonic_ns()) {
+    : lcm_(open_lcm(url)),
+      instance_(random_number()),
+      command_channel_(channels::command),
+      last_heard_ns_(monotonic_ns()) {
   lcm_->subscribe(channels::run_info, &LcmIo::on_run_info, this);
   lcm_->subscribe(channels::run_state, &LcmIo::on_run_state, this);
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
   // so.
-  lcm_->subscribe(channels::measurement, &LcmIo::on_measurement, this)->setQueueCapacity(4096);
+  measurement_subscription_ = lcm_->subscribe(channels::measurement, &LcmIo::on_measurement, this);
+  measurement_subscription_->setQueueCapacity(4096);
+  lcm_->subscribe(channels::request, &LcmIo::on_request, this);
+  lcm_->subscribe(channels::status, &LcmIo::on_status, this);
+}
+
+void LcmIo::stop_measurements() {
+  if (measurement_subscription_ == nullptr) return;
+  lcm_->unsubscribe(measurement_subscription_);
+  measurement_subscription_ = nullptr;
 }
 
 Heard LcmIo::take(int timeout_ms) noexcept {
@@ -36,13 +53,7 @@ Heard LcmIo::take(int timeout_ms) noexcept {
 
 void LcmIo::follow(const stillframe_msgs::run_info_t& info) {
   run_id_ = info.run_id;
-  measurement_.n_floor = info.n_floor;
-  measurement_.n_legs = info.n_legs;
-  measurement_.n_frame = info.n_frame;
-  measurement_.floor_acceleration.resize(static_cast<size_t>(info.n_floor));
-  measurement_.sigma.resize(static_cast<size_t>(info.n_legs));
-  measurement_.applied_force.resize(static_cast<size_t>(info.n_legs));
-  measurement_.frame_acceleration.resize(static_cast<size_t>(info.n_frame));
+  measurements_.follow(info);
   command_.n_legs = info.n_legs;
   command_.force.assign(static_cast<size_t>(info.n_legs), 0.0);
   command_bytes_.resize(static_cast<size_t>(command_.getEncodedSize()));
@@ -76,6 +87,7 @@ void LcmIo::publish_timing(const Counters& counters) {
                          .n_late = counters.n_late,
                          .n_lost = counters.n_lost,
                          .n_duplicate = counters.n_duplicate,
+                         .n_listened = counters.n_listened,
                          .worst_wake_up_ns = counters.worst_wake_up_ns,
                          .worst_compute_ns = counters.worst_compute_ns,
                          .wall_time_ns = counters.wall_time_ns};
@@ -89,7 +101,10 @@ void LcmIo::on_run_info(const lcm::ReceiveBuffer* buffer, const std::string&) {
     ++n_malformed_;
     return;
   }
-  if (following_ && message.run_id != run_id_) return;
+  if (following_ && message.run_id != run_id_) {
+    heard_.other_run = true;
+    return;
+  }
   if (!following_) run_info_ = std::move(message);
   heard_.run_info = true;
   last_heard_ns_ = monotonic_ns();
@@ -107,33 +122,35 @@ void LcmIo::on_run_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
   last_heard_ns_ = monotonic_ns();
 }
 
-void LcmIo::on_measurement(const lcm::ReceiveBuffer* buffer, const std::string&) {
-  if (!following_ || !is_of_run(*buffer)) return;
-  if (!has_run_sizes(*buffer) || !decode(*buffer, measurement_)) {
+void LcmIo::on_request(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  if (!decode(*buffer, request_)) {
     ++n_malformed_;
     return;
   }
-  heard_.measurement = true;
-  last_heard_ns_ = monotonic_ns();
+  heard_.request = request_.run_id == 0 || (following_ && request_.run_id == run_id_);
 }
 
-// Run and sizes are read before decoding: another run's measurement must not overwrite one that
-// waits to be answered, and a damaged one must not give the vectors whatever size it claims.
-bool LcmIo::is_of_run(const lcm::ReceiveBuffer& buffer) const noexcept {
-  constexpr int offset = 8;  // after the fingerprint
-  std::int64_t run_id = 0;
-  return __int64_t_decode_array(buffer.data, offset, static_cast<int>(buffer.data_size) - offset,
-                                &run_id, 1) > 0 &&
-         run_id == run_id_;
+void LcmIo::on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  if (!decode(*buffer, other_status_)) {
+    ++n_malformed_;
+    return;
+  }
+  heard_.other_status =
+      following_ && other_status_.run_id == run_id_ && other_status_.instance != instance_;
 }
 
-bool LcmIo::has_run_sizes(const lcm::ReceiveBuffer& buffer) const noexcept {
-  constexpr int offset = 8 + 3 * 8;  // fingerprint, run_id, seq, time_ns
-  if (static_cast<int>(buffer.data_size) != measurement_.getEncodedSize()) return false;
-  std::array<std::int32_t, 3> sizes{};
-  __int32_t_decode_array(buffer.data, offset, 12, sizes.data(), 3);
-  return sizes[0] == measurement_.n_floor && sizes[1] == measurement_.n_legs &&
-         sizes[2] == measurement_.n_frame;
+void LcmIo::on_measurement(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  if (!following_) return;
+  switch (measurements_.decode(*buffer)) {
+    case MeasurementDecoder::Result::other_run:
+      return;
+    case MeasurementDecoder::Result::malformed:
+      ++n_malformed_;
+      return;
+    case MeasurementDecoder::Result::taken:
+      heard_.measurement = true;
+      last_heard_ns_ = monotonic_ns();
+  }
 }
 
 }  // namespace stillframe::controller

@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "controller/measurement_decoder.hpp"
 #include "controller/outcome.hpp"
 #include "stillframe_msgs/command_t.hpp"
-#include "stillframe_msgs/measurement_t.hpp"
+#include "stillframe_msgs/control_request_t.hpp"
+#include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "stillframe_msgs/run_state_t.hpp"
 
@@ -18,8 +20,11 @@ namespace stillframe::controller {
 struct Heard {
   bool message = false;  ///< anything at all
   bool run_info = false;
-  bool run_state = false;    ///< of the plant
-  bool measurement = false;  ///< of the run, with the sizes of the run
+  bool run_state = false;     ///< of the plant
+  bool measurement = false;   ///< of the run, with the sizes of the run
+  bool other_run = false;     ///< run_info of a run that is not followed
+  bool request = false;       ///< for this run or for any
+  bool other_status = false;  ///< of another controller of this run
 };
 
 /// The controller's end of LCM: decodes into messages that it keeps, encodes into a buffer that it
@@ -37,10 +42,23 @@ class LcmIo {
 
   /// Fixes the run: from now on only its messages are heard, measurements among them. Set-up.
   void follow(const stillframe_msgs::run_info_t& info);
+  /// Lets go of the run, so that the next one may be followed. Set-up.
+  void forget() noexcept { following_ = false; }
+  /// Leaves the measurements to somebody else. Set-up.
+  void stop_measurements();
 
   const stillframe_msgs::run_info_t& run_info() const noexcept { return run_info_; }
   const stillframe_msgs::run_state_t& plant_state() const noexcept { return plant_state_; }
-  const stillframe_msgs::measurement_t& measurement() const noexcept { return measurement_; }
+  const stillframe_msgs::measurement_t& measurement() const noexcept {
+    return measurements_.message();
+  }
+
+  const stillframe_msgs::control_request_t& request() const noexcept { return request_; }
+  const stillframe_msgs::controller_status_t& other_status() const noexcept {
+    return other_status_;
+  }
+  /// A number that no other controller has. Set-up.
+  std::int64_t instance() const noexcept { return instance_; }
 
   /// The command message to be filled, and its way out: encodes and publishes it.
   stillframe_msgs::command_t& command() noexcept { return command_; }
@@ -53,6 +71,12 @@ class LcmIo {
   /// Publishes the timing_t of source "controller" for the run that is followed. Set-up.
   void publish_timing(const Counters& counters);
 
+  /// Publishes any message. Set-up.
+  template <class Message>
+  void publish(const char* channel, const Message& message) {
+    lcm_->publish(channel, &message);
+  }
+
   std::int64_t last_heard_ns() const noexcept { return last_heard_ns_; }  ///< monotonic
   std::int64_t n_malformed() const noexcept { return n_malformed_; }
 
@@ -60,16 +84,21 @@ class LcmIo {
   void on_run_info(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_run_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_measurement(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  bool is_of_run(const lcm::ReceiveBuffer& buffer) const noexcept;
-  bool has_run_sizes(const lcm::ReceiveBuffer& buffer) const noexcept;
+
+  void on_request(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
 
   std::unique_ptr<lcm::LCM> lcm_;
+  lcm::Subscription* measurement_subscription_ = nullptr;
+  std::int64_t instance_;
   bool following_ = false;
   std::int64_t run_id_ = 0;
   Heard heard_;
   stillframe_msgs::run_info_t run_info_;
   stillframe_msgs::run_state_t plant_state_;
-  stillframe_msgs::measurement_t measurement_;
+  MeasurementDecoder measurements_;
+  stillframe_msgs::control_request_t request_;
+  stillframe_msgs::controller_status_t other_status_;
   stillframe_msgs::command_t command_;
   const std::string command_channel_;
   std::vector<std::uint8_t> command_bytes_;

@@ -8,15 +8,17 @@
 #include <optional>
 #include <string>
 
-#include "controller/deadlines.hpp"
 #include "controller/gains.hpp"
 #include "controller/handshake.hpp"
 #include "controller/law.hpp"
 #include "controller/lock_step.hpp"
+#include "controller/policy.hpp"
 #include "controller/realtime.hpp"
+#include "controller/session.hpp"
 #include "controller/start_check.hpp"
-#include "controller/wall_clock.hpp"
+#include "controller/timing_file.hpp"
 #include "core/yaml/input_error.hpp"
+#include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
 
@@ -32,13 +34,19 @@ constexpr const char* description =
     "is not stable, waits on LCM for a plant that runs the same scene, and answers its "
     "measurements\n"
     "(SF_MEASUREMENT) with piezo forces (SF_COMMAND) until the plant ends the run. Lock-step or\n"
-    "wall-clock, sample rate and delay are the plant's to say (SF_RUN_INFO).";
+    "wall-clock, sample rate and delay are the plant's to say (SF_RUN_INFO).\n"
+    "In wall-clock runs it arms, ramps the loop in, and lets the frame go smoothly when anything\n"
+    "fails, by the numbers of a policy (docs/safety.md). Keys: s start, x or space stop, r reset "
+    "a\n"
+    "latched fault, Ctrl-C end; `stillframe ctl` does the same from elsewhere.";
 
 constexpr const char* footer =
     "Examples:\n"
     "  stillframe-controller --gains gains.yaml --check-only\n"
     "  scripts/private_network stillframe-controller --gains gains.yaml --run-id 7 --timeout 30\n"
-    "Exit codes: 0 done, 2 bad input, 3 refused (an unstable loop), 4 the run failed or fell back.";
+    "  stillframe-controller --gains gains.yaml --policy policy.yaml --realtime enforce\n"
+    "Exit codes: 0 done, 2 bad input, 3 refused (an unstable loop, another controller, no real\n"
+    "time where it is enforced), 4 the run failed, fell back, or ended with a latched fault.";
 
 struct Options {
   std::filesystem::path gains;
@@ -46,7 +54,10 @@ struct Options {
   std::optional<std::int64_t> run_id;
   double timeout_s = 10;
   double phase = 0.5;
-  bool realtime = false, check_only = false;
+  std::optional<std::filesystem::path> policy, timing;
+  std::filesystem::path flight_folder = ".";
+  std::optional<std::string> realtime;
+  bool check_only = false;
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -67,8 +78,22 @@ void add_options(CLI::App& app, Options& options) {
                  "Wall-clock mode: when in a sample to wake up, as a part of it from 0 up to 1")
       ->check(CLI::Range(0.0, 0.999))
       ->capture_default_str();
-  app.add_flag("--realtime", options.realtime,
-               "Ask for SCHED_FIFO and locked memory, and say what was obtained");
+  app.add_option("--policy", options.policy,
+                 "Wall-clock mode: fault policy (YAML, docs/safety.md; default: its defaults)")
+      ->type_name("FILE");
+  app.add_option("--realtime", options.realtime,
+                 "Wall-clock mode: SCHED_FIFO, locked memory and fine timers: off; best_effort: go "
+                 "on without what the system refuses; enforce: do not (default: the policy's)")
+      ->check(CLI::IsMember({"off", "best_effort", "enforce"}));
+  app.add_option("--timing", options.timing,
+                 "Wall-clock mode: write histograms of wake-up, receipt, computing and publishing "
+                 "at the end (JSON)")
+      ->type_name("FILE");
+  app.add_option("--flight-folder", options.flight_folder,
+                 "Wall-clock mode: where flight records (flight-RUN-N.lcm) go after a fault")
+      ->capture_default_str()
+      ->type_name("DIR")
+      ->check(CLI::ExistingDirectory);
   app.add_flag("--check-only", options.check_only,
                "Only check the gains: print the spectral radius of the sampled closed loop");
 }
@@ -82,70 +107,165 @@ void print_closing_line(const Counters& counters) {
       static_cast<double>(counters.worst_compute_ns) / 1e3);
 }
 
-int close_run(Outcome outcome, LcmIo& io, const Answer& answer, const Counters& counters,
-              double timeout_s) {
-  using stillframe_msgs::run_state_t;
+/// How a run ended in words, for all that is not an end in good order.
+std::string trouble(Outcome outcome, const LcmIo& io, double timeout_s) {
   switch (outcome) {
     case Outcome::plant_failed:
-      spdlog::error("the plant failed: {}", io.plant_state().text);
-      return exit_failed;
+      return "the plant failed: " + io.plant_state().text;
     case Outcome::missed:
-      spdlog::error("the run had ended before its start was heard");
-      return exit_failed;
+      return "the run had ended before its start was heard";
     case Outcome::silent:
-      spdlog::error("nothing heard from the plant for {} s", timeout_s);
-      return exit_failed;
+      return fmt::format("nothing heard from the plant for {} s", timeout_s);
     case Outcome::interrupted:
-      io.publish_state(io.run_info().run_id, run_state_t::FAILED, "the controller was interrupted");
-      spdlog::error("interrupted before the run had ended");
-      return exit_failed;
+      return "interrupted before the run had ended";
     case Outcome::ended:
+    case Outcome::began_anew:
+    case Outcome::refused:
       break;
   }
-  io.publish_timing(counters);
-  print_closing_line(counters);
+  return "";
+}
+
+int close_run(Outcome outcome, LcmIo& io, const Counters& counters, double timeout_s) {
+  if (outcome == Outcome::interrupted) {
+    io.publish_state(io.run_info().run_id, stillframe_msgs::run_state_t::FAILED,
+                     "the controller was interrupted");
+  }
+  if (outcome == Outcome::ended) io.publish_timing(counters);
+  if (counters.n_periods > 0) print_closing_line(counters);
+  const std::string text = trouble(outcome, io, timeout_s);
+  if (text.empty()) return exit_done;
+  spdlog::error(text);
+  return exit_failed;
+}
+
+int serve_lock_step(const Options& options, const Gains& gains, LcmIo& io) {
+  Answer answer(law_from_gains(gains), gains.force_limit_n, io.run_info().loop != "passive");
+  Counters counters;
+  const Outcome outcome = run_lock_step(io, answer, options.timeout_s, counters);
+  const int code = close_run(outcome, io, counters, options.timeout_s);
   if (answer.n_saturated() > 0) {
     spdlog::warn("{} commands were limited by force_limit_n", answer.n_saturated());
   }
-  if (answer.n_fallback() == 0) return exit_done;
+  if (answer.n_fallback() == 0) return code;
   spdlog::error("{} commands fell back to zero force, because values were not finite",
                 answer.n_fallback());
   return exit_failed;
 }
 
-int serve(const Options& options, const Gains& gains) {
-  // Before LCM starts its reading thread, which inherits the scheduling.
-  if (options.realtime) spdlog::info("real time: {}", request_realtime());
+void say_counters(const LoopCounters& counters) {
+  if (counters.n_saturated > 0)
+    spdlog::warn("{} commands were limited", counters.n_saturated.load());
+  if (counters.n_faults > 0) {
+    spdlog::warn("{} faults, {} times back in the loop", counters.n_faults.load(),
+                 counters.n_rejoins.load());
+  }
+  if (counters.n_page_faults > 0) {
+    spdlog::warn("{} page faults in the loop", counters.n_page_faults.load());
+  }
+  if (counters.n_records_dropped > 0) {
+    spdlog::warn("{} records of the loop were dropped from telemetry",
+                 counters.n_records_dropped.load());
+  }
+}
+
+/// Session after session, as long as the plant begins anew.
+class WallClock {
+ public:
+  WallClock(const Options& options, const Gains& gains, const Policy& policy, LcmIo& io)
+      : options_(options),
+        gains_(gains),
+        policy_(policy),
+        io_(io),
+        presence_(io.instance(), monotonic_ns()) {
+    session_options_ = {.lcm_url = lcm_url(options.lcm_url),
+                        .timeout_s = options.timeout_s,
+                        .phase = options.phase,
+                        .any_run = !options.run_id,
+                        .flight_folder = options.flight_folder,
+                        .say = [](const std::string& text) { spdlog::info(text); },
+                        .warn = [](const std::string& text) { spdlog::warn(text); }};
+    if (keyboard_.is_there()) spdlog::info("keys: s start, x stop, r reset, Ctrl-C end");
+    io.stop_measurements();
+  }
+
+  int serve(Start start) {
+    while (true) {
+      if (start.over) return close(*start.over);
+      Session session(io_, gains_, policy_, presence_, keyboard_, session_options_,
+                      start.start_monotonic_ns);
+      const Outcome outcome = session.run();
+      session.add_to(counters_, times_);
+      say_counters(session.counters());
+      if (outcome == Outcome::refused) throw Refusal(session.reason());
+      latched_ = session.latched() ? session.fault() : Fault::none;
+      if (outcome != Outcome::began_anew) return close(outcome);
+      spdlog::info("the plant begins anew");
+      io_.forget();
+      start = shake_hands(io_, gains_, options_.run_id, options_.timeout_s);
+    }
+  }
+
+ private:
+  int close(Outcome outcome) {
+    const int code = close_run(outcome, io_, counters_, options_.timeout_s);
+    if (options_.timing) write_timing_file(*options_.timing, counters_, times_);
+    if (latched_ == Fault::none) return code;
+    spdlog::error("the run ended with a latched fault: {}", to_text(latched_));
+    return exit_failed;
+  }
+
+  const Options& options_;
+  const Gains& gains_;
+  const Policy& policy_;
+  LcmIo& io_;
+  Presence presence_;
+  Keyboard keyboard_;
+  SessionOptions session_options_;
+  Counters counters_;
+  LoopTimes times_;
+  Fault latched_ = Fault::none;
+};
+
+Policy policy_of(const Options& options) {
+  Policy policy = options.policy ? read_policy(*options.policy) : Policy{};
+  if (!options.realtime) return policy;
+  policy.realtime = *options.realtime == "off"       ? Policy::Realtime::off
+                    : *options.realtime == "enforce" ? Policy::Realtime::enforce
+                                                     : Policy::Realtime::best_effort;
+  return policy;
+}
+
+int serve(const Options& options, const Gains& gains, const Policy& policy) {
   catch_stop_signals();
   LcmIo io(lcm_url(options.lcm_url));
-  Counters counters;
   spdlog::info("waiting for a plant");
   const Start start = shake_hands(io, gains, options.run_id, options.timeout_s);
   const auto& info = io.run_info();
-  Answer answer(law_from_gains(gains), gains.force_limit_n, info.loop != "passive");
-  if (start.over) return close_run(*start.over, io, answer, counters, options.timeout_s);
+  if (start.over) return close_run(*start.over, io, {}, options.timeout_s);
   spdlog::info("run {} of {}: {}, {} Hz, {} loop", info.run_id, info.scene_name, info.mode,
                info.sample_rate_hz, info.loop);
-  Outcome outcome;
-  if (info.mode == "wall_clock") {
-    request_fine_timers();
-    const Deadlines deadlines(start.start_monotonic_ns, info.sample_rate_hz, options.phase);
-    outcome = run_wall_clock(io, answer, deadlines, options.timeout_s, counters);
-  } else {
-    outcome = run_lock_step(io, answer, options.timeout_s, counters);
+  if (info.mode != "wall_clock") return serve_lock_step(options, gains, io);
+  const RealtimeReport realtime = prepare_process(policy);
+  spdlog::info("real time: {}", realtime.text);
+  if (policy.realtime == Policy::Realtime::enforce && !realtime.complete) {
+    io.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, "no real time");
+    throw Refusal("real time is enforced and was not obtained: " + realtime.text +
+                  "; run as root or with CAP_SYS_NICE and CAP_IPC_LOCK, or take best_effort");
   }
-  return close_run(outcome, io, answer, counters, options.timeout_s);
+  return WallClock(options, gains, policy, io).serve(start);
 }
 
 int run(const Options& options) {
   const Gains gains = read_gains(options.gains);
+  const Policy policy = policy_of(options);
   const double radius = require_stable(gains);
   if (options.check_only) {
     std::printf("spectral radius %.17g\n", radius);
     return exit_done;
   }
   spdlog::info("{}: stable, spectral radius {:.9f}", options.gains.string(), radius);
-  return serve(options, gains);
+  return serve(options, gains, policy);
 }
 
 }  // namespace

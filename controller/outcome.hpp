@@ -11,6 +11,8 @@ enum class Outcome {
   missed,        ///< it had ended before its start was heard
   silent,        ///< nothing was heard for the time limit
   interrupted,   ///< SIGINT or SIGTERM
+  began_anew,    ///< the plant was started again, or another one
+  refused,       ///< another controller serves the run
 };
 
 /// What the controller measured of its own timing; the fields of timing_t.
@@ -19,6 +21,7 @@ struct Counters {
   std::int64_t n_late = 0;            ///< periods skipped whole
   std::int64_t n_lost = 0;            ///< measurements never answered
   std::int64_t n_duplicate = 0;       ///< measurements heard again
+  std::int64_t n_listened = 0;        ///< measurements met while it must not command
   std::int64_t worst_wake_up_ns = 0;  ///< past the deadline
   std::int64_t worst_compute_ns = 0;  ///< of Answer::answer
   std::int64_t wall_time_ns = 0;      ///< from the first sample to the last

@@ -1,15 +1,26 @@
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "controller/policy.hpp"
 
 namespace stillframe::controller {
 
-/// Asks the system for what wall-clock runs gain from, SCHED_FIFO scheduling and locked memory, for
-/// this thread and those it starts later; answers in words what was obtained. Set-up. Errors: none,
-/// a run goes on without.
-std::string request_realtime();
+/// What was asked of the system and what it gave, in words.
+struct RealtimeReport {
+  bool complete = false;  ///< all that was asked for
+  std::string text;
+};
 
-/// Lets timers of this thread fire as close to their deadline as the system can. Set-up.
-void request_fine_timers() noexcept;
+/// Prepares the process for a loop that is on time: memory locked and never given back, small
+/// stacks, no deep sleep of the processors; and tries on a thread of its own what prepare_thread
+/// will get. Set-up. Errors: none, a loop goes on without; whoever enforces looks at complete.
+RealtimeReport prepare_process(const Policy& policy);
+
+/// For the calling thread: SCHED_FIFO at a priority, the processor if one is given, timers as close
+/// to their deadline as the system can, and its stack touched. Set-up. The threads that it starts
+/// inherit the priority.
+RealtimeReport prepare_thread(std::int64_t priority, std::optional<std::int64_t> cpu);
 
 }  // namespace stillframe::controller

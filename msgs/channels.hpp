@@ -9,6 +9,12 @@ inline constexpr const char* run_info = "SF_RUN_INFO";        // run_info_t, pla
 inline constexpr const char* run_state = "SF_RUN_STATE";      // run_state_t, plant and controller
 inline constexpr const char* timing = "SF_TIMING";            // timing_t, plant and controller
 
+// Wall-clock runs only:
+inline constexpr const char* request = "SF_REQUEST";  // control_request_t, to the controller
+inline constexpr const char* status = "SF_STATUS";    // controller_status_t, controller
+inline constexpr const char* loop = "SF_LOOP";        // loop_records_t, controller
+inline constexpr const char* checkpoint = "SF_CHECKPOINT";  // loop_checkpoint_t, controller
+
 inline constexpr const char* logger_check =
     "SF_LOGGER_CHECK";  // empty, makes a logger write out what it holds
 

@@ -44,7 +44,8 @@ struct Options {
   std::string mode = "lock_step", loop = "active", lcm_url;
   std::int64_t run_id = 1;
   std::optional<double> duration_s;
-  double timeout_s = 10;
+  double timeout_s = 10, amplifier_fade_s = 1;
+  std::int64_t amplifier_hold_samples = 10;
   bool progress = false;
 };
 
@@ -77,6 +78,16 @@ void add_options(CLI::App& app, Options& options) {
                  "Seconds without a word from the controller before giving up")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--amplifier-hold", options.amplifier_hold_samples,
+                 "Wall-clock: samples without a command for which the amplifiers hold the last one")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("SAMPLES");
+  app.add_option("--amplifier-fade", options.amplifier_fade_s,
+                 "Wall-clock: seconds in which they then let it go, smoothly")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("S");
   app.add_option("--pace-by-log", options.pace_by_log,
                  "Lock-step: wait whenever the lcm-logger (--flush-interval=1) that writes this "
                  "log falls behind, so "
@@ -145,6 +156,8 @@ int run(const Options& options) {
   catch_stop_signals();
   PlantRunOptions run_options;
   run_options.timeout_s = options.timeout_s;
+  run_options.amplifier_hold_samples = options.amplifier_hold_samples;
+  run_options.amplifier_fade_s = options.amplifier_fade_s;
   if (options.progress) {
     run_options.progress = [](std::int64_t k, std::int64_t total) {
       std::printf("progress %lld %lld\n", static_cast<long long>(k), static_cast<long long>(total));

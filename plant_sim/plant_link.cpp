@@ -21,9 +21,7 @@ void copy(const Eigen::VectorXd& from, std::int32_t& count, std::vector<double>&
 }  // namespace
 
 PlantLink::PlantLink(const std::string& url, run_info_t info)
-    : lcm_(open_lcm(url)),
-      info_(std::move(info)),
-      command_force_(Eigen::VectorXd::Zero(info_.n_legs)) {
+    : lcm_(open_lcm(url)), info_(std::move(info)), commands_(info_.n_legs) {
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
   // so.
   lcm_->subscribe(channels::command, &PlantLink::on_command, this)->setQueueCapacity(4096);
@@ -91,16 +89,21 @@ void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string& 
   if (command_.run_id != info_.run_id) return;
   const bool finite = std::all_of(command_.force.begin(), command_.force.end(),
                                   [](double force) { return std::isfinite(force); });
-  if (command_.n_legs != info_.n_legs || !finite) {
+  if (command_.n_legs != info_.n_legs || !finite || command_.seq > last_allowed_) {
     ++n_malformed_;
     return;
   }
-  if (command_.seq <= command_seq_) {
-    ++n_duplicate_;
-    return;
+  const Eigen::Map<const Eigen::VectorXd> force(command_.force.data(), info_.n_legs);
+  switch (commands_.add(command_.seq, force)) {
+    case CommandTrack::Result::taken:
+      ++n_commands_;
+      return;
+    case CommandTrack::Result::duplicate:
+      ++n_duplicate_;
+      return;
+    case CommandTrack::Result::too_many:
+      ++n_malformed_;
   }
-  command_seq_ = command_.seq;
-  command_force_ = Eigen::Map<const Eigen::VectorXd>(command_.force.data(), info_.n_legs);
 }
 
 void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <lcm/lcm-cpp.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "plant_sim/command_track.hpp"
 #include "plant_sim/log_pacer.hpp"
 #include "plant_sim/plant.hpp"
 #include "stillframe_msgs/command_t.hpp"
@@ -47,9 +49,16 @@ class PlantLink {
   /// Why the controller gave up; empty while it has not.
   const std::string& controller_failure() const { return controller_failure_; }
 
-  /// Sequence number that the newest command answers, -1 before the first, and its forces (N).
-  std::int64_t command_seq() const { return command_seq_; }
-  const Eigen::VectorXd& command_force() const { return command_force_; }
+  /// Goes on to the newest command that belongs to sample k or one before; then the number of its
+  /// sample, -1 before the first, and its forces (N).
+  void take_commands(std::int64_t k) { commands_.advance_to(k); }
+  std::int64_t command_seq() const { return commands_.seq(); }
+  const Eigen::VectorXd& command_force() const { return commands_.force(); }
+  /// Refuses commands of samples after k, which are yet to come by the clock: they belong to
+  /// another run of the same number.
+  void refuse_after(std::int64_t k) { last_allowed_ = k; }
+  /// How many commands were heard that were new.
+  std::int64_t n_commands() const { return n_commands_; }
   /// Commands that were refused: of a wrong size or not finite.
   std::int64_t n_malformed() const { return n_malformed_; }
   std::int64_t n_duplicate() const { return n_duplicate_; }
@@ -70,8 +79,9 @@ class PlantLink {
   std::vector<std::uint8_t> measurement_bytes_;
   bool controller_ready_ = false;
   std::string controller_failure_;
-  std::int64_t command_seq_ = -1, n_malformed_ = 0, n_duplicate_ = 0;
-  Eigen::VectorXd command_force_;
+  std::int64_t last_allowed_ = std::numeric_limits<std::int64_t>::max();
+  std::int64_t n_commands_ = 0, n_malformed_ = 0, n_duplicate_ = 0;
+  CommandTrack commands_;
 };
 
 }  // namespace stillframe

@@ -5,6 +5,7 @@
 
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
+#include "plant_sim/amplifier.hpp"
 #include "plant_sim/command_queue.hpp"
 
 namespace stillframe {
@@ -14,6 +15,7 @@ using namespace stillframe_msgs;
 namespace {
 
 constexpr std::int64_t ns_per_ms = 1'000'000;
+constexpr std::int64_t announce_every_ns = 500 * ns_per_ms;
 constexpr const char* unwritten = "the logger does not write what it is sent";
 
 /// What both ways of running share: counters, progress, the messages at both ends.
@@ -28,17 +30,23 @@ class Run {
     timing_.run_id = link.info().run_id;
     timing_.source = "plant";
     timing_.n_periods = timing_.n_late = timing_.n_lost = timing_.n_duplicate = 0;
+    timing_.n_listened = 0;
     timing_.worst_wake_up_ns = timing_.worst_compute_ns = timing_.wall_time_ns = 0;
   }
 
   void begin(std::int64_t start_ns) {
-    link_.publish_info();
     // Without it a controller would never learn t_0; in lock-step the first measurement says as
     // much.
-    for (int i = 0; i < (start_ns > 0 ? 3 : 1); ++i) {
+    announce(start_ns);
+    for (int i = 0; start_ns > 0 && i < 2; ++i) {
       link_.publish_state(run_state_t::RUNNING, start_ns, "");
     }
     began_ns_ = monotonic_ns();
+  }
+
+  void announce(std::int64_t start_ns) {
+    link_.publish_info();
+    link_.publish_state(run_state_t::RUNNING, start_ns, "");
   }
 
   void measure(std::int64_t k) {
@@ -96,6 +104,7 @@ std::string await_command(PlantLink& link, std::int64_t k, double timeout_s) {
   std::int64_t asked = begin;
   while (link.command_seq() < k) {
     link.listen(50);
+    link.take_commands(k);
     if (stop_requested()) return "interrupted";
     if (!link.controller_failure().empty()) return link.controller_failure();
     const std::int64_t now = monotonic_ns();
@@ -153,30 +162,39 @@ PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions&
 PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions& options) {
   Run run(plant, link, options);
   const double period_ns = 1e9 / link.info().sample_rate_hz;
+  const Amplifier amplifier(options.amplifier_hold_samples, options.amplifier_fade_s,
+                            1 / link.info().sample_rate_hz);
   // Both processes get time to settle before the first deadline.
   const std::int64_t start = monotonic_ns() + 100 * ns_per_ms;
   run.begin(start);
-  std::int64_t heard_ns = start;
-  std::int64_t last_seq = -1;
+  std::int64_t heard_ns = start, announced_ns = start, n_heard = 0;
   for (std::int64_t k = 0; k < run.n(); ++k) {
     const std::int64_t deadline = start + std::llround(static_cast<double>(k) * period_ns);
     sleep_until(deadline);
     const std::int64_t now = monotonic_ns();
+    link.refuse_after(static_cast<std::int64_t>(static_cast<double>(now - start) / period_ns) + 1);
     while (link.listen(0)) {
     }
     if (stop_requested()) return run.fail("interrupted");
     if (!link.controller_failure().empty()) return run.fail(link.controller_failure());
     run.timing().worst_wake_up_ns = std::max(run.timing().worst_wake_up_ns, now - deadline);
     if (static_cast<double>(now - deadline) > period_ns) ++run.timing().n_late;
-    if (k > 0 && link.command_seq() < k - 1) ++run.timing().n_lost;
-    if (link.command_seq() != last_seq) heard_ns = now;
-    last_seq = link.command_seq();
+    link.take_commands(k - 1);
+    const std::int64_t n_missing = k - 1 - link.command_seq();
+    if (link.n_commands() > 0 && n_missing > 0) ++run.timing().n_lost;
+    if (link.n_commands() != n_heard) heard_ns = now;
+    n_heard = link.n_commands();
     if (static_cast<double>(now - heard_ns) > options.timeout_s * 1e9) {
       return run.fail("no command for " + std::to_string(options.timeout_s) + " s");
     }
+    // For a controller that comes, or comes back, while the run goes on.
+    if (now - announced_ns > announce_every_ns) {
+      announced_ns = now;
+      run.announce(start);
+    }
     run.measure(k);
     // What came in time stands for the command of the sample before.
-    run.queue().push(link.command_force());
+    run.queue().push(amplifier.part(n_missing) * link.command_force());
     const std::string reason = run.advance();
     if (!reason.empty()) return run.fail(reason);
   }

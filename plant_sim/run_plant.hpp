@@ -17,6 +17,8 @@ struct PlantOutcome {
 
 struct PlantRunOptions {
   double timeout_s = 10;  ///< without a word from the controller, after which the run has failed
+  std::int64_t amplifier_hold_samples = 10;  ///< wall-clock: as Amplifier
+  double amplifier_fade_s = 1;
   std::function<void(std::int64_t k, std::int64_t n)> progress;  ///< called a few times a second
 };
 
@@ -31,9 +33,10 @@ std::string await_controller(PlantLink& link, double timeout_s);
 PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions& options);
 
 /// Sample k at t_0 + k T_s on CLOCK_MONOTONIC, with a delay of one sample or more. The newest
-/// command of an earlier sample stands for that of sample k - 1, and takes effect by its delay;
-/// where none came in time the last one is held. A plant that is late catches up without skipping
-/// any sample.
+/// command of sample k - 1 or before stands for that of k - 1, and takes effect by its delay; where
+/// none came in time the amplifiers hold the last one, and after a while let it go. A plant that is
+/// late catches up without skipping any sample. It announces itself again and again, so that a
+/// controller may come, or come back, at any time.
 PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions& options);
 
 }  // namespace stillframe

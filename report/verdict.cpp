@@ -62,6 +62,7 @@ std::vector<TimingSummary> timing_of(const RunLog& log) {
                      .n_late = t.n_late,
                      .n_lost = t.n_lost,
                      .n_duplicates = t.n_duplicate,
+                     .n_listened = t.n_listened,
                      .worst_wake_up_us = 1e-3 * static_cast<double>(t.worst_wake_up_ns),
                      .worst_compute_us = 1e-3 * static_cast<double>(t.worst_compute_ns)});
   }
@@ -129,6 +130,7 @@ ordered_json json_of(const TimingSummary& timing) {
           {"n_late", timing.n_late},
           {"n_lost", timing.n_lost},
           {"n_duplicates", timing.n_duplicates},
+          {"n_listened", timing.n_listened},
           {"worst_wake_up_us", timing.worst_wake_up_us},
           {"worst_compute_us", timing.worst_compute_us}};
 }

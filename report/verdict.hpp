@@ -33,7 +33,7 @@ struct RunSummary {
 struct TimingSummary {
   std::string loop;    ///< of the run
   std::string source;  ///< plant or controller
-  std::int64_t n_periods = 0, n_late = 0, n_lost = 0, n_duplicates = 0;
+  std::int64_t n_periods = 0, n_late = 0, n_lost = 0, n_duplicates = 0, n_listened = 0;
   double worst_wake_up_us = 0, worst_compute_us = 0;
 };
 
@@ -94,9 +94,9 @@ MotionLevel motion_level(const Eigen::VectorXd& acceleration, double sample_rate
 ///   n_lost
 ///     n_duplicates n_commands n_saturated n_damaged unread_bytes real_time_factor (null if
 ///     unknown)
-///   timing[]: loop source n_periods n_late n_lost n_duplicates worst_wake_up_us worst_compute_us
-///   identification (if any): pass n_frequencies lowest_hz highest_hz floor_db allowed_db
-///   open_largest_db
+///   timing[]: loop source n_periods n_late n_lost n_duplicates n_listened worst_wake_up_us
+///   worst_compute_us identification (if any): pass n_frequencies lowest_hz highest_hz floor_db
+///   allowed_db open_largest_db
 ///     open_at_hz closed_largest_db closed_at_hz reduction_above_hz n_reduction_frequencies
 ///     n_closed_below_open reduction_largest_error_db
 ///   axes[]: axis, then floor, passive, active (those there are): rms_acceleration (m/s^2, 1-80 Hz)

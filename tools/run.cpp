@@ -3,6 +3,7 @@
 #include <memory>
 #include <random>
 
+#include "controller/policy.hpp"
 #include "controller/start_check.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -21,12 +22,13 @@ namespace {
 
 struct Options {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> controller, design_scene, floor, out;
+  std::optional<std::filesystem::path> controller, design_scene, floor, policy, out;
+  std::optional<std::string> realtime;
   std::string mode = "lock_step", loop = "both", lcm_url;
   std::optional<double> duration_s;
   std::optional<std::int64_t> run_id;
   double timeout_s = 10;
-  bool realtime = false, json = false;
+  bool json = false;
 };
 
 std::filesystem::path default_folder(const std::filesystem::path& scene) {
@@ -78,6 +80,8 @@ int run(const Options& options) {
   std::string floor_text;
   const floor::FloorSpec spec = check_input(options, design, floor_text);
 
+  if (options.policy) controller::read_policy(*options.policy);
+
   catch_stop_signals();
   RunDirectory directory(options.out.value_or(default_folder(options.scene)));
   directory.write("scene.yaml", design.scene.text);
@@ -95,6 +99,7 @@ int run(const Options& options) {
                      .duration_s = options.duration_s,
                      .sample_rate_hz = design.gains.sample_rate_hz,
                      .timeout_s = options.timeout_s,
+                     .policy = options.policy,
                      .realtime = options.realtime};
   RunLogs logs;
   for (const char* loop : {"passive", "active"}) {
@@ -163,12 +168,21 @@ void add_run(CLI::App& app, int& exit_code) {
                    "Seconds of silence after which a run has failed")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  verb->add_flag("--realtime", options->realtime, "Ask for real-time scheduling of the controller");
+  verb->add_option("--policy", options->policy,
+                   "Wall-clock: fault policy of the controller (YAML, docs/safety.md)")
+      ->type_name("FILE");
+  verb->add_option("--realtime", options->realtime,
+                   "Wall-clock: off; best_effort: real-time scheduling as far as the system allows "
+                   "it; enforce: all of it or no run (default: the policy's)")
+      ->check(CLI::IsMember({"off", "best_effort", "enforce"}));
   verb->add_flag("--json", options->json, "Print the verdict as JSON, as in verdict.json");
   verb->footer(
       "The run directory holds passive.lcm and active.lcm (LCM logs), scene.yaml, floor.yaml, "
       "gains.yaml,\n"
-      "verdict.json, verdict.txt and the plots. Until all is well it is called DIR.incomplete.\n"
+      "verdict.json, verdict.txt and the plots; in wall-clock mode LOOP_timing.json (histograms) "
+      "and,\n"
+      "after a fault, flight-RUN-N.lcm (the last seconds; `stillframe replay` reads it). Until all "
+      "is well it is called DIR.incomplete.\n"
       "Exit code 4: a process failed, a sample was lost, or the measurement is not what was "
       "predicted.");
   verb->callback([options, &exit_code] { exit_code = run(*options); });

@@ -46,7 +46,10 @@ ChildProcess::~ChildProcess() {
   wait();
 }
 
-void ChildProcess::signal(int number) const { kill(pid_, number); }
+void ChildProcess::signal(int number) const {
+  // -1 would mean every process there is.
+  if (pid_ > 0) kill(pid_, number);
+}
 
 void ChildProcess::suspend() const {
   signal(SIGSTOP);

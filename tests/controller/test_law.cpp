@@ -45,9 +45,8 @@ MatrixXcd closed_form(const Gains& gains, Complex s) {
   const double w_h = toy::two_pi * gains.high_pass_hz;
   const MatrixXcd P =
       (gains.K_P * s + gains.K_I) / (s + w_l) * (w_h > 0 ? s / (s + w_h) : Complex(1));
-  MatrixXcd C = gains.realisation == Realisation::naive_pi
-                    ? MatrixXcd(-P)
-                    : MatrixXcd(-(I + P).inverse() * P);
+  MatrixXcd C = gains.realisation == Realisation::naive_pi ? MatrixXcd(-P)
+                                                           : MatrixXcd(-(I + P).inverse() * P);
   if (gains.roll_off_hz) {
     const double w_r = toy::two_pi * *gains.roll_off_hz;
     C *= w_r / (s + w_r);
@@ -179,7 +178,8 @@ double force_after_a_second(int every, bool made_up_for) {
 }
 
 TEST(Law, StaysStableWhenSamplesAreMissed) {
-  // A leg that starts 1 um long: without static stiffness the force stays of that order for seconds.
+  // A leg that starts 1 um long: without static stiffness the force stays of that order for
+  // seconds.
   const double undisturbed = force_after_a_second(1, true);
   EXPECT_LT(undisturbed, 2.0);
   for (const int every : {2, 3, 4, 6}) {

@@ -1,22 +1,57 @@
 #include <csignal>
 #include <ctime>
+#include <thread>
 
+#include "controller/supervisor.hpp"
+#include "controller/telemetry.hpp"
+#include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "stillframe_msgs/loop_checkpoint_t.hpp"
+#include "stillframe_msgs/loop_records_t.hpp"
 #include "tests/controller/controller_process.hpp"
 
 namespace stillframe::controller {
 namespace {
 
 void publish_at(toy::FakePlant& plant, std::int64_t k, std::int64_t at_ns) {
-  const timespec deadline{.tv_sec = at_ns / ns_per_s, .tv_nsec = at_ns % ns_per_s};
-  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr);
+  sleep_until(at_ns);
   plant.publish(plant.measure(k));
 }
 
-TEST_F(ControllerProcess, WallClockAnswersTheNewestAndCountsTheRest) {
-  constexpr std::int64_t n_samples = 300;
+/// All that the controller says of itself.
+class Listener {
+ public:
+  explicit Listener(toy::FakePlant& plant) {
+    plant.lcm().subscribe(channels::loop, &Listener::on_records, this)->setQueueCapacity(0);
+    plant.lcm()
+        .subscribe(channels::checkpoint, &Listener::on_checkpoint, this)
+        ->setQueueCapacity(0);
+    plant.lcm().subscribe(channels::status, &Listener::on_status, this)->setQueueCapacity(0);
+  }
+  std::vector<LoopRecord> records;
+  std::vector<LoopCheckpoint> checkpoints;
+  stillframe_msgs::controller_status_t status{};
+
+ private:
+  void on_records(const lcm::ReceiveBuffer*, const std::string&,
+                  const stillframe_msgs::loop_records_t* message) {
+    for (const auto& record : message->records) records.push_back(from_message(record));
+  }
+  void on_checkpoint(const lcm::ReceiveBuffer*, const std::string&,
+                     const stillframe_msgs::loop_checkpoint_t* message) {
+    checkpoints.push_back({.period = message->period, .memory = message->memory});
+  }
+  void on_status(const lcm::ReceiveBuffer*, const std::string&,
+                 const stillframe_msgs::controller_status_t* message) {
+    status = *message;
+  }
+};
+
+TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
+  constexpr std::int64_t n_samples = 2500;
   const Gains gains = toy::gains(5, 1000, 1);
   toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", n_samples));
+  Listener listener(plant);
   ChildProcess controller(command_line(gains));
   ASSERT_EQ(plant.announce(), run_state_t::READY);
   const std::int64_t start = monotonic_ns() + 20'000'000;
@@ -24,63 +59,120 @@ TEST_F(ControllerProcess, WallClockAnswersTheNewestAndCountsTheRest) {
   // Paced by the clock because that is the mode; how well it is kept is not judged here.
   for (std::int64_t k = 0; k < n_samples; ++k) {
     publish_at(plant, k, start + k * 1'000'000);
-    plant.move({1e-3, 0, -1e-3, 0});
+    while (plant.take(0)) {
+    }
+    plant.move(plant.commands.empty() ? std::vector<double>(4, 0.0) : plant.commands.back().force);
   }
   plant.publish_state(run_state_t::ENDED);
-  EXPECT_EQ(controller.wait(), 0) << controller.err();
   while (!plant.timing && plant.take(1000)) {
   }
+  EXPECT_EQ(controller.wait(), 0) << controller.err();
   ASSERT_TRUE(plant.timing);
-  // The same measurements again: every answer must be the law's, run over those that were answered.
-  toy::FakePlant again(plant.info());
-  Reference reference(gains);
-  size_t answered = 0;
-  for (std::int64_t k = 0; k < n_samples && answered < plant.commands.size(); ++k) {
-    const measurement_t measurement = again.measure(k);
-    again.move({1e-3, 0, -1e-3, 0});
-    if (plant.commands[answered].seq != k) continue;
-    ASSERT_EQ(plant.command_bytes[answered], reference(measurement)) << "sample " << k;
-    ++answered;
+  ASSERT_FALSE(listener.checkpoints.empty());
+  ASSERT_FALSE(listener.records.empty());
+  EXPECT_EQ(listener.status.n_records_dropped, 0);
+
+  // The supervisor here, given the records one by one, comes to the same commands; and those are
+  // what was sent.
+  Supervisor supervisor(law_from_gains(gains), {}, 1000, {}, true);
+  ASSERT_EQ(listener.checkpoints.front().period, listener.records.front().period);
+  supervisor.restore(listener.checkpoints.front().memory);
+  Command command;
+  command.force = Eigen::VectorXd::Zero(4);
+  size_t sent = 0;
+  std::int64_t answered = 0;
+  for (const LoopRecord& record : listener.records) {
+    const bool have = record.defect == Defect::none;
+    const bool send = supervisor.step({.n_elapsed = record.n_elapsed,
+                                       .measurement = have ? &record.measurement : nullptr,
+                                       .defect = record.defect,
+                                       .request = record.request},
+                                      command);
+    ASSERT_EQ(send, record.sent) << record.period;
+    ASSERT_EQ(command.force, record.command.force) << record.period;
+    answered += have;
+    if (!send) continue;
+    ASSERT_LT(sent, plant.commands.size());
+    EXPECT_EQ(plant.commands[sent].seq, command.seq);
+    ASSERT_EQ(plant.commands[sent].force,
+              std::vector<double>(command.force.begin(), command.force.end()));
+    ++sent;
   }
-  EXPECT_EQ(answered, plant.commands.size());
-  EXPECT_GT(answered, 0u);
-  EXPECT_EQ(plant.timing->n_lost, n_samples - static_cast<std::int64_t>(answered));
+  EXPECT_EQ(sent, plant.commands.size());
+  EXPECT_GT(sent, 0u);
+  EXPECT_EQ(plant.timing->n_lost, n_samples - answered);
   EXPECT_EQ(plant.timing->n_duplicate, 0);
-  // Wake-ups and skipped periods together are the run, and the period in which the end is heard.
-  EXPECT_GE(plant.timing->n_periods + plant.timing->n_late, n_samples);
+  EXPECT_EQ(plant.timing->n_periods, static_cast<std::int64_t>(listener.records.size()));
+  EXPECT_EQ(plant.timing->n_periods + plant.timing->n_late, listener.records.back().period + 1);
+}
+
+TEST_F(ControllerProcess, WallClockLetsGoSmoothlyBeforeItIsInterrupted) {
+  const Gains gains = toy::gains(5, 1000, 1);
+  toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", 100'000));
+  Listener listener(plant);
+  ChildProcess controller(command_line(gains));
+  ASSERT_EQ(plant.announce(), run_state_t::READY);
+  const std::int64_t start = monotonic_ns() + 20'000'000;
+  plant.publish_state(run_state_t::RUNNING, start);
+  bool told = false;
+  double largest = 0, steepest = 0;
+  std::vector<double> before(4, 0.0);
+  const auto failed = [&] {
+    return !plant.states.empty() && plant.states.back().state == run_state_t::FAILED;
+  };
+  for (std::int64_t k = 0; k < 60'000 && !failed(); ++k) {
+    publish_at(plant, k, start + k * 1'000'000);
+    while (plant.take(0)) {
+    }
+    const auto force = plant.commands.empty() ? before : plant.commands.back().force;
+    plant.move(force);
+    if (!told && listener.status.state == stillframe_msgs::controller_status_t::ACTIVE) {
+      controller.signal(SIGINT);
+      told = true;
+    }
+    for (size_t i = 0; i < 4; ++i) {
+      largest = std::max(largest, std::abs(force[i]));
+      if (told) steepest = std::max(steepest, std::abs(force[i] - before[i]));
+    }
+    before = force;
+  }
+  EXPECT_TRUE(told);
+  EXPECT_EQ(controller.wait(), 4);
+  ASSERT_FALSE(plant.commands.empty());
+  EXPECT_EQ(plant.commands.back().force, std::vector<double>(4, 0.0));
+  EXPECT_GT(largest, 0);
+  EXPECT_LT(steepest, largest);
 }
 
 TEST_F(ControllerProcess, WallClockSkipsWhatItSleptThrough) {
-  constexpr std::int64_t n_samples = 60, period_ns = 1'000'000;
+  constexpr std::int64_t n_slept = 60, period_ns = 1'000'000;
   const Gains gains = toy::gains(5, 1000, 1);
-  toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", n_samples));
+  toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", 1000));
+  Listener listener(plant);
   ChildProcess controller(command_line(gains));
   ASSERT_EQ(plant.announce(), run_state_t::READY);
   const std::int64_t start = monotonic_ns();
   plant.publish_state(run_state_t::RUNNING, start);
-  ASSERT_TRUE(plant.exchange(plant.measure(0)));
+  while (listener.records.empty()) ASSERT_TRUE(plant.take(10'000));
   controller.suspend();
-  const std::int64_t suspended = monotonic_ns();
-  for (std::int64_t k = 1; k < n_samples; ++k) publish_at(plant, k, suspended + k * period_ns);
+  sleep_until(monotonic_ns() + n_slept * period_ns);
   controller.signal(SIGCONT);
-  while (plant.commands.back().seq != n_samples - 1) ASSERT_TRUE(plant.take(5000));
-  // One answer, to the newest; a few more if LCM's reading thread was itself slow to catch up.
-  EXPECT_LT(plant.commands.size(), 20u);
+  const auto slept = [](const LoopRecord& record) { return record.n_elapsed >= n_slept; };
+  while (std::none_of(listener.records.begin(), listener.records.end(), slept)) {
+    ASSERT_TRUE(plant.take(10'000));
+  }
   plant.publish_state(run_state_t::ENDED);
-  const std::int64_t told = monotonic_ns();
   EXPECT_EQ(controller.wait(), 0) << controller.err();
-  const std::int64_t ended = monotonic_ns();
   while (!plant.timing && plant.take(1000)) {
   }
   ASSERT_TRUE(plant.timing);
-  const auto answered =
-      static_cast<std::int64_t>(plant.commands.size()) - plant.timing->n_duplicate;
-  EXPECT_EQ(plant.timing->n_lost, n_samples - answered);
-  EXPECT_GE(plant.timing->worst_wake_up_ns, (n_samples - 2) * period_ns);
-  // Every period of the run was either woken for or skipped; the ends are uncertain by one each.
-  const std::int64_t periods = plant.timing->n_periods + plant.timing->n_late;
-  EXPECT_GE(periods, (told - start) / period_ns - 1);
-  EXPECT_LE(periods, (ended - start) / period_ns + 1);
+  EXPECT_GE(plant.timing->n_late, n_slept - 1);
+  EXPECT_GE(plant.timing->worst_wake_up_ns, (n_slept - 1) * period_ns);
+  // Every period of the run was either woken for or skipped, and the phase was kept.
+  EXPECT_EQ(plant.timing->n_periods + plant.timing->n_late, listener.records.back().period + 1);
+  for (const LoopRecord& record : listener.records) {
+    EXPECT_EQ((record.deadline_ns - start) % period_ns, period_ns / 2);
+  }
 }
 
 }  // namespace

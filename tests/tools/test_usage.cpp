@@ -11,7 +11,7 @@ TEST_F(Usage, HelpNamesEveryVerbAndExitCodes) {
   EXPECT_EQ(said.exit_code, 0);
   for (const char* word :
        {"modes", "equilibrium", "buckling", "linearise", "sigma", "design", "robustness", "merge",
-        "run", "0 done", "2 bad usage", "3 refused", "4 a run"}) {
+        "run", "ctl", "replay", "0 done", "2 bad usage", "3 refused", "4 a run"}) {
     EXPECT_NE(said.output.find(word), std::string::npos) << word;
   }
 }
@@ -28,9 +28,10 @@ TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
 }
 
 TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
-  expect_refused({"linearize", "scene.yaml"}, 2,
-                 "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
-                 "equilibrium, buckling, linearise, sigma, design, robustness, merge, run");
+  expect_refused(
+      {"linearize", "scene.yaml"}, 2,
+      "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
+      "equilibrium, buckling, linearise, sigma, design, robustness, merge, run, ctl, replay");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {

@@ -40,7 +40,8 @@ class Phase {
   Phase(const PhaseOptions& options, const RunDirectory& directory)
       : options_(options),
         log_(directory / (options.loop + ".lcm")),
-        text_(directory / (options.loop + ".txt")) {}
+        text_(directory / (options.loop + ".txt")),
+        timing_(directory / (options.loop + "_timing.json")) {}
 
   PhaseResult run() {
     start_logger();
@@ -89,7 +90,15 @@ class Phase {
                                      options_.lcm_url,
                                      "--timeout",
                                      std::to_string(options_.timeout_s)};
-    if (options_.realtime) command.push_back("--realtime");
+    const auto add = [&](const char* option, const std::string& value) {
+      command.insert(command.end(), {option, value});
+    };
+    if (options_.policy) add("--policy", options_.policy->string());
+    if (options_.realtime) add("--realtime", *options_.realtime);
+    if (options_.mode == "wall_clock") {
+      add("--timing", timing_.string());
+      add("--flight-folder", timing_.parent_path().string());
+    }
     controller_ = std::make_unique<ChildProcess>("stillframe-controller", command, text_);
   }
 
@@ -176,7 +185,7 @@ class Phase {
   }
 
   const PhaseOptions& options_;
-  std::filesystem::path log_, text_;
+  std::filesystem::path log_, text_, timing_;
   std::unique_ptr<ChildProcess> logger_, controller_, plant_;
 };
 

@@ -17,7 +17,8 @@ struct PhaseOptions {
   std::int64_t run_id = 0;
   std::optional<double> duration_s;
   double sample_rate_hz = 0, timeout_s = 10;
-  bool realtime = false;
+  std::optional<std::filesystem::path> policy;  ///< of the controller, docs/safety.md
+  std::optional<std::string> realtime;          ///< off, best_effort or enforce
 };
 
 /// How it went: exit code 0, or the code and reason of the process that ended it.
@@ -29,8 +30,9 @@ struct PhaseResult {
 
 /// Starts lcm-logger, stillframe-controller and stillframe-plant, waits for the logger before the
 /// first message, shows progress, and stops all of them at the end, on Ctrl-C and when one of them
-/// dies. The log is LOOP.lcm and what they say is LOOP.txt in the run directory. Errors: InputError
-/// if a program cannot be started or LCM cannot be opened.
+/// dies. The log is LOOP.lcm, what they say is LOOP.txt, and in wall-clock mode the controller's
+/// histograms are LOOP_timing.json in the run directory, its flight records beside them. Errors:
+/// InputError if a program cannot be started or LCM cannot be opened.
 PhaseResult run_phase(const PhaseOptions& options, const RunDirectory& directory);
 
 }  // namespace stillframe::tools

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace stillframe::controller {
+
+/// What the force sensors read at one instant, for m legs.
+struct Measurement {
+  std::int64_t seq = 0;          ///< number of the sample, rising
+  std::int64_t time_ns = 0;      ///< of the sample, from the start of the run
+  std::int64_t received_ns = 0;  ///< CLOCK_MONOTONIC, when it came
+  Eigen::VectorXd sigma;         ///< m, N, tension positive
+  Eigen::VectorXd applied;       ///< m, N, sigma_a really applied when sigma was sampled
+};
+
+/// The piezo forces that are wanted.
+struct Command {
+  std::int64_t seq = 0;      ///< of the measurement that it answers; later if there was none
+  std::int64_t time_ns = 0;  ///< of that sample
+  Eigen::VectorXd force;     ///< m, N, tension positive, after all limits
+  bool saturated = false;    ///< true if any force was limited
+};
+
+/// The way of the loop to its sensors and actuators. Both functions are hot: called once or more a
+/// period from the loop's thread, they neither wait, allocate nor throw.
+class Io {
+ public:
+  virtual ~Io() = default;
+
+  /// Takes the oldest measurement that has come and was not taken yet; false if there is none.
+  /// The vectors have their size already.
+  virtual bool receive(Measurement& measurement) noexcept = 0;
+
+  /// Gives a command on its way.
+  virtual void send(const Command& command) noexcept = 0;
+};
+
+}  // namespace stillframe::controller

@@ -1,0 +1,193 @@
+#include "controller/loop.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "msgs/clock.hpp"
+
+namespace stillframe::controller {
+
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr auto relaxed = std::memory_order_relaxed;
+constexpr double checkpoint_s = 0.1, telemetry_s = 1, after_fault_s = 0.5;
+
+Measurement measurement_of(Eigen::Index m) {
+  Measurement measurement;
+  measurement.sigma = measurement.applied = VectorXd::Zero(m);
+  return measurement;
+}
+
+LoopRecord record_of(Eigen::Index m) {
+  LoopRecord record;
+  record.measurement = measurement_of(m);
+  record.command.force = VectorXd::Zero(m);
+  return record;
+}
+
+LoopCheckpoint checkpoint_of(const Supervisor& supervisor) {
+  return {.period = 0, .memory = std::vector<double>(supervisor.memory_size())};
+}
+
+std::int64_t samples(double seconds, double rate_hz) {
+  return std::max<std::int64_t>(1, std::llround(seconds * rate_hz));
+}
+
+std::size_t places(double seconds, double rate_hz) {
+  return static_cast<std::size_t>(samples(seconds, rate_hz));
+}
+
+void add(std::atomic<std::int64_t>& counter, std::int64_t n) noexcept {
+  counter.store(counter.load(relaxed) + n, relaxed);
+}
+
+void raise(std::atomic<std::int64_t>& worst, std::int64_t value) noexcept {
+  if (value > worst.load(relaxed)) worst.store(value, relaxed);
+}
+
+std::int64_t page_faults() noexcept {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_minflt + usage.ru_majflt;
+}
+
+}  // namespace
+
+Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const LoopSetting& setting)
+    : io_(io),
+      supervisor_(supervisor),
+      screen_(policy, setting.sample_rate_hz, supervisor.n_legs(), setting.start_ns),
+      deadlines_(setting.start_ns, setting.sample_rate_hz, setting.phase),
+      start_ns_(setting.start_ns),
+      checkpoint_every_(samples(checkpoint_s, setting.sample_rate_hz)),
+      last_answered_(setting.first_seq - 1),
+      page_faults_every_(samples(1, setting.sample_rate_hz)),
+      incoming_(measurement_of(supervisor.n_legs())),
+      newest_(incoming_),
+      record_(record_of(supervisor.n_legs())),
+      checkpoint_(checkpoint_of(supervisor)),
+      records_(places(telemetry_s, setting.sample_rate_hz), record_),
+      checkpoints_(places(telemetry_s / checkpoint_s, 1) + 1, checkpoint_),
+      flight_(places(policy.record_s, setting.sample_rate_hz),
+              places(policy.record_s / checkpoint_s, 1) + 1,
+              samples(policy.fade_s + after_fault_s, setting.sample_rate_hz), record_,
+              checkpoint_) {
+  if (setting.now_ns > deadlines_.next_ns()) deadlines_.wake_up(setting.now_ns);
+}
+
+void Loop::period(std::int64_t now_ns) noexcept {
+  record_.deadline_ns = deadlines_.next_ns();
+  record_.wake_up_ns = now_ns;
+  const Deadlines::WakeUp wake_up = deadlines_.wake_up(now_ns);
+  record_.n_elapsed = 1 + wake_up.n_skipped;
+  period_ += record_.n_elapsed;
+  record_.period = period_;
+  give_checkpoint();
+
+  record_.defect = take_newest(now_ns);
+  record_.request = request_.exchange(Request::none);
+  const bool have = record_.defect == Defect::none;
+  record_.sent = supervisor_.step({.n_elapsed = record_.n_elapsed,
+                                   .measurement = have ? &record_.measurement : nullptr,
+                                   .defect = record_.defect,
+                                   .request = record_.request},
+                                  record_.command);
+  record_.computed_ns = monotonic_ns();
+  if (record_.sent) io_.send(record_.command);
+  record_.published_ns = monotonic_ns();
+
+  times_.wake_up.add(wake_up.late_ns);
+  times_.compute.add(record_.computed_ns - now_ns);
+  if (record_.sent) times_.publish.add(record_.published_ns - record_.computed_ns);
+  if (have) times_.receive.add(newest_.received_ns - start_ns_ - newest_.time_ns);
+  add(counters_.n_late, wake_up.n_skipped);
+  raise(counters_.worst_wake_up_ns, wake_up.late_ns);
+  count(now_ns);
+  give_record();
+}
+
+// Bounded, so that a flood costs lateness that is counted, and not a loop that never answers again.
+Defect Loop::take_newest(std::int64_t now_ns) noexcept {
+  bool any = false;
+  for (int n = 0; n < 4096 && io_.receive(incoming_); ++n) {
+    if (!screen_.is_new(incoming_, now_ns)) {
+      add(counters_.n_duplicate, 1);
+      continue;
+    }
+    any = true;
+    std::swap(incoming_, newest_);
+  }
+  if (!any) return Defect::missing;
+  const Defect defect = screen_.judge(newest_, now_ns);
+  if (defect == Defect::none) record_.measurement = newest_;
+  return defect;
+}
+
+void Loop::count(std::int64_t now_ns) noexcept {
+  add(counters_.n_periods, 1);
+  if (record_.defect == Defect::none) {
+    add(counters_.n_answered, 1);
+    add(counters_.n_lost, newest_.seq - last_answered_ - 1);
+    last_answered_ = newest_.seq;
+    if (!record_.sent) add(counters_.n_listened, 1);
+  } else {
+    add(counters_.n_missing, 1);
+  }
+  raise(counters_.worst_compute_ns, record_.computed_ns - now_ns);
+  record_.state = supervisor_.state();
+  record_.fault = supervisor_.fault();
+  if (supervisor_.n_faults() > counters_.n_faults.load(relaxed)) flight_.trigger();
+  counters_.n_faults.store(supervisor_.n_faults(), relaxed);
+  counters_.n_rejoins.store(supervisor_.n_rejoins(), relaxed);
+  counters_.n_saturated.store(supervisor_.n_saturated(), relaxed);
+  counters_.fault.store(record_.fault, relaxed);
+  counters_.latched.store(supervisor_.latched(), relaxed);
+  counters_.driving.store(supervisor_.driving(), relaxed);
+  if (record_.request != Request::none) add(counters_.n_requests, 1);
+  counters_.state.store(record_.state, std::memory_order_release);
+  if (--since_page_faults_ <= 0) {
+    since_page_faults_ = page_faults_every_;
+    const std::int64_t now = page_faults();
+    if (page_faults_at_start_ < 0) page_faults_at_start_ = now;
+    counters_.n_page_faults.store(now - page_faults_at_start_, relaxed);
+  }
+}
+
+void Loop::give_checkpoint() noexcept {
+  if (--since_checkpoint_ > 0) return;
+  since_checkpoint_ = checkpoint_every_;
+  checkpoint_.period = period_;
+  supervisor_.save(checkpoint_.memory);
+  flight_.add(checkpoint_);
+  if (LoopCheckpoint* place = checkpoints_.free_place()) {
+    *place = checkpoint_;
+    checkpoints_.push();
+  } else {
+    add(counters_.n_records_dropped, 1);
+  }
+}
+
+void Loop::give_record() noexcept {
+  flight_.add(record_);
+  if (LoopRecord* place = records_.free_place()) {
+    *place = record_;
+    records_.push();
+  } else {
+    add(counters_.n_records_dropped, 1);
+  }
+}
+
+void run_periodic(Loop& loop, const std::atomic<bool>& stop) noexcept {
+  while (!stop.load(relaxed)) {
+    sleep_until(loop.next_ns());
+    loop.period(monotonic_ns());
+  }
+  loop.finish();
+}
+
+}  // namespace stillframe::controller

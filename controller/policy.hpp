@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace stillframe::controller {
+
+/// Why a period had no measurement to answer.
+enum class Defect : std::int32_t { none, missing, late, not_finite, out_of_range, frozen };
+
+/// Why the loop let go of the frame.
+enum class Fault : std::int32_t {
+  none,
+  silence,         ///< no usable measurement for hold_periods and fade_s
+  losses,          ///< too many periods without one
+  suspended,       ///< the loop itself slept through more than hold_periods
+  not_finite,      ///< measurements that are not finite, for as long as silence
+  out_of_range,    ///< measurements beyond sigma_limit_n, for as long as silence
+  frozen,          ///< a sensor that does not answer to its actuator
+  law_not_finite,  ///< the law's force or state is not finite
+  not_alive,       ///< arming: a sensor does not move
+  offset,          ///< arming: a sensor's offset beyond offset_limit_n
+};
+
+/// Faults that end by themselves once measurements come again; the others stay until a reset.
+constexpr bool is_passing(Fault fault) noexcept {
+  return fault == Fault::silence || fault == Fault::losses || fault == Fault::suspended;
+}
+
+std::string_view to_text(Defect defect) noexcept;
+std::string_view to_text(Fault fault) noexcept;
+
+/// The numbers of the fault policy of wall-clock runs, docs/safety.md; a policy file states those
+/// that differ from these.
+struct Policy {
+  enum class Realtime { off, best_effort, enforce };
+
+  bool start_at_once = true;   ///< arm as soon as measurements come; else wait for a request
+  double arming_s = 0.5;       ///< s of measurements that the checks look at
+  bool require_motion = true;  ///< every sensor must have moved meanwhile
+  double offset_limit_n = 50;  ///< N, the largest offset that is removed
+  double ramp_in_s = 1, ramp_out_s = 1;  ///< s
+
+  std::int64_t hold_periods = 10;      ///< the last force is held so long
+  double fade_s = 1;                   ///< s, then it fades to zero
+  double missing_part = 0.75;          ///< of the periods of about the last second
+  double late_periods = 1;             ///< a measurement older than this is late
+  double sigma_limit_n = 1e5;          ///< N, beyond it a measurement is out of range
+  std::int64_t frozen_samples = 50;    ///< successive equal values of a sensor
+  double frozen_force_n = 0.01;        ///< N, while its actuator has moved by more than this
+  std::int64_t rejoins_a_minute = 20;  ///< of passing faults; one more stays
+
+  std::optional<double> rate_limit_n_per_s;          ///< N/s, of every leg
+  std::optional<double> power_limit_w;               ///< W, of every leg
+  std::optional<double> actuator_stiffness_n_per_m;  ///< N/m, with a power limit
+
+  std::int64_t amplifier_hold_periods = 10;  ///< the simulated amplifier, without a command
+  double amplifier_fade_s = 1;               ///< s
+
+  Realtime realtime = Realtime::best_effort;
+  std::int64_t priority = 49;       ///< SCHED_FIFO, 2 to 98
+  std::optional<std::int64_t> cpu;  ///< processor of the loop's thread
+  double record_s = 10;             ///< s, length of the flight record
+};
+
+/// Reads a policy file. Errors: InputError (missing file, unknown key, value that is not allowed).
+Policy read_policy(const std::filesystem::path& path);
+
+/// Reads a policy from text; source_name stands for the file in messages. Errors: InputError.
+Policy parse_policy(const std::string& text, const std::string& source_name);
+
+}  // namespace stillframe::controller

@@ -1,0 +1,161 @@
+#include <array>
+#include <charconv>
+
+#include "controller/policy.hpp"
+#include "core/yaml/reader.hpp"
+
+namespace stillframe::controller {
+
+namespace {
+
+// A law makes up for at most 100 missed samples, so that a force held longer could not be taken up
+// again.
+constexpr std::int64_t most_held_periods = 100;
+// Below 10 ms a ramp is a kick; above a minute it is a mistake rather than a ramp.
+constexpr double shortest_ramp_s = 0.01, longest_ramp_s = 60;
+// Ten samples at 100 Hz, the slowest loop; the checks need eight.
+constexpr double shortest_arming_s = 0.1;
+
+std::string digits(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end.ptr};
+}
+
+[[noreturn]] void refuse(const YamlReader& value, const std::string& allowed) {
+  value.fail("found '" + value.text() + "', allowed is " + allowed);
+}
+
+struct Range {
+  double lowest, highest;
+};
+
+void read(const YamlReader& block, const char* key, Range range, double& into) {
+  const auto value = block.find(key);
+  if (!value) return;
+  const double number = value->number();
+  if (number < range.lowest || number > range.highest) {
+    refuse(*value, "a number from " + digits(range.lowest) + " to " + digits(range.highest));
+  }
+  into = number;
+}
+
+void read_positive(const YamlReader& block, const char* key, double highest, double& into) {
+  const auto value = block.find(key);
+  if (!value) return;
+  const double number = value->number();
+  if (number <= 0 || number > highest) {
+    refuse(*value, "a number above 0 and up to " + digits(highest));
+  }
+  into = number;
+}
+
+void read_positive(const YamlReader& block, const char* key, double& into) {
+  if (const auto value = block.find(key)) into = value->positive();
+}
+
+void read_positive(const YamlReader& block, const char* key, std::optional<double>& into) {
+  if (const auto value = block.find(key)) into = value->positive();
+}
+
+struct WholeRange {
+  std::int64_t lowest, highest;
+};
+
+void read(const YamlReader& block, const char* key, WholeRange range, std::int64_t& into) {
+  const auto value = block.find(key);
+  if (!value) return;
+  const std::int64_t number = value->integer(range.lowest);
+  if (number > range.highest) {
+    refuse(*value, "a whole number from " + std::to_string(range.lowest) + " to " +
+                       std::to_string(range.highest));
+  }
+  into = number;
+}
+
+void read_arming(const YamlReader& block, Policy& policy) {
+  block.allow_only({"duration_s", "require_motion", "offset_limit_n"});
+  read(block, "duration_s", Range{shortest_arming_s, longest_ramp_s}, policy.arming_s);
+  if (const auto value = block.find("require_motion")) policy.require_motion = value->boolean();
+  read_positive(block, "offset_limit_n", policy.offset_limit_n);
+}
+
+void read_ramp(const YamlReader& block, Policy& policy) {
+  block.allow_only({"in_s", "out_s"});
+  read(block, "in_s", Range{shortest_ramp_s, longest_ramp_s}, policy.ramp_in_s);
+  read(block, "out_s", Range{shortest_ramp_s, longest_ramp_s}, policy.ramp_out_s);
+}
+
+void read_measurements(const YamlReader& block, Policy& policy) {
+  block.allow_only({"hold_periods", "fade_s", "missing_part", "late_periods", "sigma_limit_n",
+                    "frozen_samples", "frozen_force_n"});
+  read(block, "hold_periods", WholeRange{0, most_held_periods}, policy.hold_periods);
+  read(block, "fade_s", Range{shortest_ramp_s, longest_ramp_s}, policy.fade_s);
+  read_positive(block, "missing_part", 1, policy.missing_part);
+  read_positive(block, "late_periods", 100, policy.late_periods);
+  read_positive(block, "sigma_limit_n", policy.sigma_limit_n);
+  read(block, "frozen_samples", WholeRange{2, 100000}, policy.frozen_samples);
+  read_positive(block, "frozen_force_n", policy.frozen_force_n);
+}
+
+void read_limits(const YamlReader& block, Policy& policy) {
+  block.allow_only({"rate_n_per_s", "power_w", "actuator_stiffness_n_per_m"});
+  read_positive(block, "rate_n_per_s", policy.rate_limit_n_per_s);
+  read_positive(block, "power_w", policy.power_limit_w);
+  read_positive(block, "actuator_stiffness_n_per_m", policy.actuator_stiffness_n_per_m);
+  if (policy.power_limit_w.has_value() != policy.actuator_stiffness_n_per_m.has_value()) {
+    block.fail("found only one of power_w and actuator_stiffness_n_per_m, allowed is both or none");
+  }
+}
+
+void read_amplifier(const YamlReader& block, Policy& policy) {
+  block.allow_only({"hold_periods", "fade_s"});
+  read(block, "hold_periods", WholeRange{0, most_held_periods}, policy.amplifier_hold_periods);
+  read(block, "fade_s", Range{shortest_ramp_s, longest_ramp_s}, policy.amplifier_fade_s);
+}
+
+void read_realtime(const YamlReader& block, Policy& policy) {
+  block.allow_only({"mode", "priority", "cpu"});
+  if (const auto value = block.find("mode")) {
+    const std::string word = value->one_of({"off", "best_effort", "enforce"});
+    policy.realtime = word == "off"           ? Policy::Realtime::off
+                      : word == "best_effort" ? Policy::Realtime::best_effort
+                                              : Policy::Realtime::enforce;
+  }
+  read(block, "priority", WholeRange{2, 98}, policy.priority);
+  if (block.find("cpu")) read(block, "cpu", WholeRange{0, 1023}, policy.cpu.emplace());
+}
+
+Policy read(const YamlReader& root) {
+  root.allow_only({"start", "arming", "ramp", "measurements", "rejoin", "limits", "amplifier",
+                   "realtime", "flight_record"});
+  Policy policy;
+  if (const auto value = root.find("start")) {
+    policy.start_at_once = value->one_of({"at_once", "on_request"}) == "at_once";
+  }
+  if (const auto block = root.find("arming")) read_arming(*block, policy);
+  if (const auto block = root.find("ramp")) read_ramp(*block, policy);
+  if (const auto block = root.find("measurements")) read_measurements(*block, policy);
+  if (const auto block = root.find("rejoin")) {
+    block->allow_only({"a_minute"});
+    read(*block, "a_minute", WholeRange{0, 1000}, policy.rejoins_a_minute);
+  }
+  if (const auto block = root.find("limits")) read_limits(*block, policy);
+  if (const auto block = root.find("amplifier")) read_amplifier(*block, policy);
+  if (const auto block = root.find("realtime")) read_realtime(*block, policy);
+  if (const auto block = root.find("flight_record")) {
+    block->allow_only({"duration_s"});
+    read_positive(*block, "duration_s", 120, policy.record_s);
+  }
+  return policy;
+}
+
+}  // namespace
+
+Policy read_policy(const std::filesystem::path& path) { return read(YamlReader::from_file(path)); }
+
+Policy parse_policy(const std::string& text, const std::string& source_name) {
+  return read(YamlReader::from_text(text, source_name));
+}
+
+}  // namespace stillframe::controller

@@ -1,0 +1,28 @@
+#include "controller/presence.hpp"
+
+#include <utility>
+
+namespace stillframe::controller {
+
+namespace {
+
+bool holds_the_frame(State state) {
+  return state == State::ramp_in || state == State::active || state == State::fading ||
+         state == State::ramp_out;
+}
+
+}  // namespace
+
+std::optional<std::string> Presence::gives_way(
+    State own, const stillframe_msgs::controller_status_t& other) const {
+  const auto state = static_cast<State>(other.state);
+  const bool own_holds = holds_the_frame(own), other_holds = holds_the_frame(state);
+  const bool other_first =
+      std::pair(other.started_ns, other.instance) < std::pair(started_ns_, instance_);
+  if (own_holds != other_holds ? own_holds : !other_first) return std::nullopt;
+  return "another controller (process " + std::to_string(other.pid) + ", " +
+         std::string(to_text(state)) + ") serves run " + std::to_string(other.run_id) +
+         "; end it first: two controllers would drive the frame against each other";
+}
+
+}  // namespace stillframe::controller

@@ -1,0 +1,65 @@
+#include "controller/screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stillframe::controller {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+Screen::Screen(const Policy& policy, double sample_rate_hz, Index m, std::int64_t start_ns)
+    : sample_time_(1 / sample_rate_hz),
+      late_after_(policy.late_periods / sample_rate_hz),
+      sigma_limit_(policy.sigma_limit_n),
+      frozen_force_(policy.frozen_force_n),
+      frozen_samples_(policy.frozen_samples),
+      start_ns_(start_ns),
+      value_(VectorXd::Constant(m, std::numeric_limits<double>::quiet_NaN())),
+      force_(VectorXd::Zero(m)),
+      n_equal_(Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>::Zero(m)) {}
+
+bool Screen::is_new(const Measurement& measurement, std::int64_t now_ns) noexcept {
+  if (measurement.seq <= last_seq_) return false;
+  // One from the future would make all until then look like old ones.
+  if (age(measurement, now_ns) < -sample_time_) return false;
+  const double due = static_cast<double>(measurement.seq) * sample_time_;
+  if (std::abs(static_cast<double>(measurement.time_ns) * 1e-9 - due) > sample_time_ / 2) {
+    return false;
+  }
+  last_seq_ = measurement.seq;
+  return true;
+}
+
+Defect Screen::judge(const Measurement& measurement, std::int64_t now_ns) noexcept {
+  const bool frozen = is_frozen(measurement);
+  if (age(measurement, now_ns) > late_after_) return Defect::late;
+  if (!measurement.sigma.allFinite() || !measurement.applied.allFinite()) {
+    return Defect::not_finite;
+  }
+  if ((measurement.sigma.array().abs() > sigma_limit_).any() ||
+      (measurement.applied.array().abs() > sigma_limit_).any()) {
+    return Defect::out_of_range;
+  }
+  return frozen ? Defect::frozen : Defect::none;
+}
+
+// The actuator pushes on its own force sensor: one that stays while the other moves is dead.
+bool Screen::is_frozen(const Measurement& measurement) noexcept {
+  bool frozen = false;
+  for (Index i = 0; i < value_.size(); ++i) {
+    if (measurement.sigma(i) != value_(i)) {
+      value_(i) = measurement.sigma(i);
+      force_(i) = measurement.applied(i);
+      n_equal_(i) = 0;
+      continue;
+    }
+    ++n_equal_(i);
+    frozen |= n_equal_(i) >= frozen_samples_ &&
+              std::abs(measurement.applied(i) - force_(i)) > frozen_force_;
+  }
+  return frozen;
+}
+
+}  // namespace stillframe::controller

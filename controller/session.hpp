@@ -1,0 +1,85 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "controller/gains.hpp"
+#include "controller/keyboard.hpp"
+#include "controller/lcm_io.hpp"
+#include "controller/lcm_stream.hpp"
+#include "controller/loop.hpp"
+#include "controller/outcome.hpp"
+#include "controller/policy.hpp"
+#include "controller/presence.hpp"
+#include "controller/telemetry.hpp"
+
+namespace stillframe::controller {
+
+/// What a session needs to know beside gains and policy.
+struct SessionOptions {
+  std::string lcm_url;
+  double timeout_s = 10;  ///< without a word from the plant, after which the session is over
+  double phase = 0.5;     ///< of the deadlines in a sample
+  bool any_run = true;    ///< another run may take the place of one that is silent
+  std::filesystem::path flight_folder;
+  std::function<void(const std::string&)> say, warn;
+};
+
+/// One wall-clock run of one plant: the loop on a thread of its own, and beside it, on the calling
+/// thread, all that may be slow: status and telemetry, requests from bus and keyboard, the flight
+/// record, the watch for other controllers and for the end. Set-up.
+class Session {
+ public:
+  /// io follows the run; all arguments outlive the session. start_ns: t_0 of the run on
+  /// CLOCK_MONOTONIC. Errors: as LcmStream and Supervisor.
+  Session(LcmIo& io, const Gains& gains, const Policy& policy, const Presence& presence,
+          Keyboard& keyboard, const SessionOptions& options, std::int64_t start_ns);
+
+  /// Runs to the end.
+  Outcome run();
+
+  const std::string& reason() const { return reason_; }  ///< why the session was refused
+  bool latched() const { return loop_.counters().latched; }
+  Fault fault() const { return loop_.counters().fault; }
+  /// Adds what was counted and measured to what was before. After run.
+  void add_to(Counters& counters, LoopTimes& times) const;
+  const LoopCounters& counters() const { return loop_.counters(); }
+
+ private:
+  void listen();
+  void serve_requests();
+  std::string refusal(Request request) const;
+  void take_keys();
+  void tell();
+  void write_flight();
+  std::optional<Outcome> broken_off();
+
+  LcmIo& io_;
+  const Policy& policy_;
+  const Presence& presence_;
+  Keyboard& keyboard_;
+  const SessionOptions& options_;
+  LcmStream stream_;
+  std::int64_t start_ns_;
+  Loop loop_;
+  Telemetry telemetry_;
+  struct Asked {
+    Request request = Request::none;
+    std::int64_t nonce = 0;  ///< 0: from the keyboard
+  };
+  std::deque<Asked> asked_;       ///< oldest first; its front may be with the loop
+  std::int64_t n_requests_ = -1;  ///< that the loop had taken before the front; -1: not with it
+  LastRequest last_request_;
+  std::optional<Outcome> end_;
+  std::string reason_;
+  State told_state_ = State::idle;
+  bool told_latched_ = false;
+  std::int64_t told_ns_ = 0, told_faults_ = 0, alive_ns_, alive_count_ = 0, let_go_until_ns_ = 0;
+  std::int64_t n_unheard_ = 0;
+};
+
+}  // namespace stillframe::controller

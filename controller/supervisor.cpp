@@ -1,0 +1,357 @@
+#include "controller/supervisor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include "core/linear/smooth_step.hpp"
+
+namespace stillframe::controller {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+// At first, and after a sleep of its own, the loop listens so long before it commands: another
+// controller may serve the run.
+constexpr double quiet_s = 0.35;
+
+template <class T>
+concept Scalar = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+/// Writes values one after the other as doubles, or reads them back. Whole numbers stay below
+/// 2^53.
+class Writer {
+ public:
+  explicit Writer(std::span<double> memory) : memory_(memory) {}
+  template <Scalar T>
+  void operator()(T& value) noexcept {
+    memory_[i_++] = static_cast<double>(value);
+  }
+  template <class Derived>
+  void operator()(Eigen::PlainObjectBase<Derived>& values) noexcept {
+    for (Index j = 0; j < values.size(); ++j) memory_[i_++] = values.data()[j];
+  }
+
+ private:
+  std::span<double> memory_;
+  std::size_t i_ = 0;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::span<const double> memory) : memory_(memory) {}
+  template <Scalar T>
+  void operator()(T& value) noexcept {
+    if constexpr (std::is_enum_v<T>) {
+      value = static_cast<T>(static_cast<std::int64_t>(memory_[i_++]));
+    } else {
+      value = static_cast<T>(memory_[i_++]);
+    }
+  }
+  template <class Derived>
+  void operator()(Eigen::PlainObjectBase<Derived>& values) noexcept {
+    for (Index j = 0; j < values.size(); ++j) values.data()[j] = memory_[i_++];
+  }
+
+ private:
+  std::span<const double> memory_;
+  std::size_t i_ = 0;
+};
+
+class Counter {
+ public:
+  template <Scalar T>
+  void operator()(T&) noexcept {
+    ++n;
+  }
+  template <class Derived>
+  void operator()(Eigen::PlainObjectBase<Derived>& values) noexcept {
+    n += static_cast<std::size_t>(values.size());
+  }
+  std::size_t n = 0;
+};
+
+Fault fault_of(Defect defect) noexcept {
+  switch (defect) {
+    case Defect::not_finite:
+      return Fault::not_finite;
+    case Defect::out_of_range:
+      return Fault::out_of_range;
+    default:
+      return Fault::silence;
+  }
+}
+
+}  // namespace
+
+std::string_view to_text(State state) noexcept {
+  switch (state) {
+    case State::idle:
+      return "idle";
+    case State::arming:
+      return "arming";
+    case State::ramp_in:
+      return "ramp_in";
+    case State::active:
+      return "active";
+    case State::fading:
+      return "fading";
+    case State::ramp_out:
+      return "ramp_out";
+    case State::fault:
+      return "fault";
+  }
+  return "";
+}
+
+Supervisor::Supervisor(DiscreteLaw law, const Policy& policy, double sample_rate_hz,
+                       std::optional<double> force_limit_n, bool active)
+    : law_(std::move(law)),
+      policy_(policy),
+      limits_(force_limit_n, policy, 1 / sample_rate_hz),
+      arming_(law_.n_legs(), policy, sample_rate_hz),
+      sample_time_(1 / sample_rate_hz),
+      active_(active),
+      wanted_(active && policy.start_at_once),
+      quiet_(std::llround(quiet_s / sample_time_)) {
+  base_ = force_ = u_ = offset_ = sigma_ = VectorXd::Zero(law_.n_legs());
+  Counter counter;
+  visit(counter);
+  memory_size_ = counter.n;
+}
+
+template <class Archive>
+void Supervisor::visit(Archive& archive) {
+  archive(state_), archive(fault_), archive(latched_), archive(wanted_), archive(met_);
+  archive(law_ran_), archive(missing_), archive(missing_part_), archive(last_defect_);
+  archive(quiet_), archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
+  archive(base_), archive(force_), archive(offset_);
+  archive(seq_), archive(law_seq_), archive(time_ns_);
+  archive(n_faults_), archive(n_rejoins_), archive(n_saturated_);
+  law_.visit(archive);
+  arming_.visit(archive);
+}
+
+void Supervisor::save(std::span<double> memory) const noexcept {
+  Writer writer(memory);
+  // The writer changes nothing; one list of the members serves both ways.
+  const_cast<Supervisor*>(this)->visit(writer);
+}
+
+void Supervisor::restore(std::span<const double> memory) noexcept {
+  Reader reader(memory);
+  visit(reader);
+}
+
+bool Supervisor::engaged() const noexcept {
+  return state_ == State::ramp_in || state_ == State::active || state_ == State::ramp_out;
+}
+
+bool Supervisor::step(const Event& event, Command& command) noexcept {
+  if (event.measurement != nullptr) {
+    seq_ = event.measurement->seq;
+    time_ns_ = static_cast<double>(event.measurement->time_ns);
+    if (!met_) fade_from(event.measurement->applied);  // what another controller has left there
+    met_ = true;
+  } else {
+    seq_ += event.n_elapsed;
+    time_ns_ += static_cast<double>(event.n_elapsed) * sample_time_ * 1e9;
+  }
+  take(event.request);
+  count_missing(event);
+  if (event.n_elapsed - 1 > policy_.hold_periods) {
+    quiet_ = std::llround(quiet_s / sample_time_) + event.n_elapsed;
+  }
+  watch(event);
+
+  saturated_ = false;
+  bool send = event.measurement != nullptr;
+  if (engaged()) {
+    if (send) run_law(event);
+  } else {
+    const double before = q_;
+    q_ = std::max(0.0, q_ - static_cast<double>(event.n_elapsed) * sample_time_ / policy_.fade_s);
+    force_ = base_ * smooth_step(q_);
+    send |= before > 0 && met_;
+    if (state_ == State::fading && q_ == 0) let_go(fault_of(last_defect_), event);
+    if (state_ == State::fault) come_back(event);
+    if (state_ == State::idle && wanted_ && q_ == 0 && event.measurement) {
+      state_ = State::arming;
+      arming_.restart();
+    } else if (state_ == State::arming) {
+      arm(event);
+    }
+  }
+  if (quiet_ > 0) {
+    quiet_ -= event.n_elapsed;
+    send = false;
+    // What the amplifier does meanwhile is its own; go on from what it reports.
+    if (event.measurement != nullptr) fade_from(event.measurement->applied);
+  }
+  command.seq = seq_;
+  command.time_ns = static_cast<std::int64_t>(time_ns_);
+  command.force = force_;
+  command.saturated = saturated_;
+  return send;
+}
+
+void Supervisor::take(Request request) noexcept {
+  switch (request) {
+    case Request::none:
+      return;
+    case Request::start:
+      if (latched_ || !active_) return;
+      wanted_ = true;
+      if (state_ == State::ramp_out) state_ = State::ramp_in;
+      return;
+    case Request::stop:
+      wanted_ = false;
+      if (state_ == State::arming) state_ = State::idle;
+      if (state_ == State::ramp_in || state_ == State::active) state_ = State::ramp_out;
+      return;
+    case Request::reset:
+      if (!latched_) return;
+      latched_ = false;
+      state_ = State::idle;
+      return;
+  }
+}
+
+void Supervisor::count_missing(const Event& event) noexcept {
+  const auto n = static_cast<double>(event.n_elapsed);
+  const bool have = event.measurement != nullptr;
+  // While nothing is held nothing can be lost: each arming begins with a clean sheet.
+  const double share = have ? (n - 1) / n : 1.0;
+  missing_part_ += std::min(1.0, n * sample_time_) * (share - missing_part_);
+  rejoins_ = std::max(
+      0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
+  if (have) {
+    missing_ = 0;
+    last_defect_ = Defect::none;
+  } else {
+    missing_ += event.n_elapsed;
+    last_defect_ = event.defect;
+  }
+}
+
+void Supervisor::watch(const Event& event) noexcept {
+  if (engaged() || state_ == State::fading) {
+    if (event.n_elapsed - 1 > policy_.hold_periods) return let_go(Fault::suspended, event);
+    if (event.defect == Defect::frozen && event.measurement == nullptr) {
+      return let_go(Fault::frozen, event);
+    }
+    if (missing_part_ > policy_.missing_part) return let_go(Fault::losses, event);
+  }
+  if (engaged() && missing_ > policy_.hold_periods) {
+    state_ = State::fading;
+    fade_from(force_);
+  } else if (state_ == State::fading && event.measurement != nullptr &&
+             event.measurement->seq - law_seq_ <= Law::longest_gap) {
+    p_ = smooth_step_inverse(smooth_step(p_) * smooth_step(q_));
+    state_ = wanted_ ? State::ramp_in : State::ramp_out;
+  }
+}
+
+void Supervisor::fade_from(const VectorXd& force) noexcept {
+  base_ = force;
+  q_ = force.isZero(0) ? 0 : 1;
+}
+
+// A fade that goes on already is not begun anew: it would never end.
+void Supervisor::let_go(Fault fault, const Event& event) noexcept {
+  const bool fades = state_ == State::fading;
+  ++n_faults_;
+  fault_ = fault;
+  state_ = State::fault;
+  p_ = 0;
+  if (fault == Fault::suspended) {
+    if (event.measurement != nullptr) fade_from(event.measurement->applied);
+  } else if (!fades) {
+    fade_from(force_);
+  }
+  if (is_passing(fault)) {
+    passing_fault_ = true;
+  } else {
+    latched_ = true;
+    wanted_ = false;
+  }
+}
+
+void Supervisor::latch(Fault fault) noexcept {
+  ++n_faults_;
+  fault_ = fault;
+  state_ = State::fault;
+  latched_ = true;
+  wanted_ = false;
+}
+
+// Out of a passing fault, once the force is gone and measurements are there again.
+void Supervisor::come_back(const Event& event) noexcept {
+  if (latched_ || q_ > 0 || quiet_ > 0 || event.measurement == nullptr) return;
+  if (wanted_ && rejoins_ + 1 > static_cast<double>(policy_.rejoins_a_minute)) {
+    latched_ = true;
+    wanted_ = false;
+    return;
+  }
+  state_ = State::idle;
+}
+
+void Supervisor::arm(const Event& event) noexcept {
+  if (event.n_elapsed - 1 > policy_.hold_periods || missing_ > policy_.hold_periods) {
+    arming_.restart();
+  }
+  const Fault broken = fault_of(last_defect_);
+  if (!is_passing(broken) &&
+      static_cast<double>(missing_) * sample_time_ > policy_.arming_s + policy_.fade_s) {
+    return latch(broken);
+  }
+  if (event.measurement == nullptr) return;
+  arming_.add(event.measurement->sigma);
+  if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0) return;
+  const Fault found = arming_.judge(offset_);
+  if (found != Fault::none) return latch(found);
+  law_.reset();
+  law_ran_ = false;
+  p_ = 0;
+  if (passing_fault_) {
+    ++n_rejoins_;
+    rejoins_ += 1;
+    passing_fault_ = false;
+  }
+  state_ = State::ramp_in;
+}
+
+void Supervisor::run_law(const Event& event) noexcept {
+  const Measurement& now = *event.measurement;
+  const std::int64_t n_samples = law_ran_ ? now.seq - law_seq_ : 1;
+  law_ran_ = true;
+  law_seq_ = now.seq;
+  sigma_ = now.sigma - offset_;
+  law_.step_over(n_samples, sigma_, now.applied, u_);
+  if (!u_.allFinite() || !law_.state().allFinite()) return let_go(Fault::law_not_finite, event);
+  move_gain(event.n_elapsed);
+  if (!engaged()) return;
+  u_ *= smooth_step(p_);
+  saturated_ = limits_.apply(force_, n_samples, u_);
+  n_saturated_ += saturated_ ? 1 : 0;
+  force_ = u_;
+}
+
+void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {
+  const double passed = static_cast<double>(n_elapsed) * sample_time_;
+  if (state_ == State::ramp_in) {
+    p_ = std::min(1.0, p_ + passed / policy_.ramp_in_s);
+    if (p_ == 1) state_ = State::active;
+  } else if (state_ == State::ramp_out) {
+    p_ = std::max(0.0, p_ - passed / policy_.ramp_out_s);
+    if (p_ > 0) return;
+    state_ = State::idle;
+    force_.setZero();
+    fade_from(force_);
+  }
+}
+
+}  // namespace stillframe::controller

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+
+#include "controller/lcm_io.hpp"
+#include "controller/lcm_stream.hpp"
+#include "controller/loop.hpp"
+#include "controller/presence.hpp"
+#include "stillframe_msgs/loop_checkpoint_t.hpp"
+#include "stillframe_msgs/loop_record_t.hpp"
+
+namespace stillframe::controller {
+
+/// The messages of records and checkpoints. Set-up.
+stillframe_msgs::loop_record_t to_message(const LoopRecord& record);
+stillframe_msgs::loop_checkpoint_t to_message(const LoopCheckpoint& checkpoint, std::int64_t run_id,
+                                              std::int64_t instance);
+/// The way back, for replay; the vectors get their sizes from the message.
+LoopRecord from_message(const stillframe_msgs::loop_record_t& message);
+
+/// What was last asked of the controller, and what came of it.
+struct LastRequest {
+  std::int64_t nonce = 0;
+  std::string answer;  ///< empty: done
+};
+
+/// Tells the bus what the loop does, from a thread that may be slow. Set-up.
+class Telemetry {
+ public:
+  /// All outlive the telemetry.
+  Telemetry(LcmIo& io, Loop& loop, const LcmStream& stream, const Presence& presence);
+
+  /// Publishes the records and checkpoints that wait, in their order.
+  void publish_records();
+  void publish_status(const LastRequest& request);
+
+ private:
+  LcmIo& io_;
+  Loop& loop_;
+  const LcmStream& stream_;
+  const Presence& presence_;
+};
+
+}  // namespace stillframe::controller

@@ -1,0 +1,209 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "controller/arming.hpp"
+#include "controller/histogram.hpp"
+#include "controller/limits.hpp"
+#include "controller/presence.hpp"
+#include "controller/screen.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+using Eigen::VectorXd;
+
+VectorXd vector(std::initializer_list<double> values) {
+  VectorXd out(static_cast<Eigen::Index>(values.size()));
+  std::copy(values.begin(), values.end(), out.begin());
+  return out;
+}
+
+Measurement measurement(std::int64_t seq, double sigma = 1, double applied = 0) {
+  return {.seq = seq,
+          .time_ns = seq * 1'000'000,
+          .received_ns = 0,
+          .sigma = VectorXd::Constant(2, sigma),
+          .applied = VectorXd::Constant(2, applied)};
+}
+
+constexpr std::int64_t at(double sample) { return static_cast<std::int64_t>(sample * 1e6); }
+
+TEST(Screen, TakesOnlyWhatIsNew) {
+  Screen screen({}, 1000, 2, 0);
+  EXPECT_TRUE(screen.is_new(measurement(0), at(0.5)));
+  EXPECT_FALSE(screen.is_new(measurement(0), at(1)));  // twice
+  EXPECT_TRUE(screen.is_new(measurement(3), at(3)));
+  EXPECT_FALSE(screen.is_new(measurement(2), at(3)));  // overtaken
+  Measurement replayed = measurement(4);               // another number, the old time
+  replayed.time_ns = 1'000'000;
+  EXPECT_FALSE(screen.is_new(replayed, at(4)));
+  // From the future, and without any harm to those that come in their time.
+  EXPECT_FALSE(screen.is_new(measurement(1000), at(4)));
+  EXPECT_TRUE(screen.is_new(measurement(4), at(4)));
+}
+
+TEST(Screen, JudgesAgeAndValues) {
+  Screen screen({}, 1000, 2, 5'000'000);
+  EXPECT_EQ(screen.judge(measurement(7), at(5 + 7.5)), Defect::none);
+  EXPECT_EQ(screen.judge(measurement(8), at(5 + 9.001)), Defect::late);
+  EXPECT_EQ(screen.judge(measurement(9, std::nan("")), at(14.5)), Defect::not_finite);
+  EXPECT_EQ(screen.judge(measurement(10, 1, INFINITY), at(15.5)), Defect::not_finite);
+  EXPECT_EQ(screen.judge(measurement(11, -1.001e5), at(16.5)), Defect::out_of_range);
+  EXPECT_EQ(screen.judge(measurement(12, 1, 2e5), at(17.5)), Defect::out_of_range);
+}
+
+TEST(Screen, SeesASensorThatDoesNotAnswerToItsActuator) {
+  for (const double moves : {0.0, 0.001}) {
+    Screen screen({}, 1000, 2, 0);
+    Defect defect = Defect::none;
+    int k = 0;
+    for (; k < 200 && defect == Defect::none; ++k) {
+      Measurement m = measurement(k);
+      m.sigma(0) = 0.3;      // frozen
+      m.sigma(1) = 0.1 * k;  // alive
+      m.applied(0) = moves * k;
+      m.applied(1) = moves * k;
+      defect = screen.judge(m, at(k + 0.5));
+    }
+    if (moves == 0) {
+      EXPECT_EQ(defect, Defect::none) << "a still actuator proves nothing";
+    } else {
+      EXPECT_EQ(defect, Defect::frozen);
+      EXPECT_EQ(k, 51);  // frozen_samples after the first
+    }
+  }
+}
+
+TEST(Limits, ForceRateAndPower) {
+  Policy policy;
+  VectorXd force = vector({5, -7, 0.5});
+  EXPECT_TRUE(Limits(2.0, policy, 1e-3).apply(VectorXd::Zero(3), 1, force));
+  EXPECT_EQ(force, vector({2, -2, 0.5}));
+  EXPECT_FALSE(Limits(2.0, policy, 1e-3).apply(VectorXd::Zero(3), 1, force));
+
+  policy.rate_limit_n_per_s = 100;
+  force = vector({1, -1, 0.05});
+  EXPECT_TRUE(Limits({}, policy, 1e-3).apply(vector({0.2, 0, 0}), 1, force));
+  EXPECT_LT((force - vector({0.3, -0.1, 0.05})).norm(), 1e-15);
+  force = vector({1, -1, 0.05});
+  EXPECT_TRUE(Limits({}, policy, 1e-3).apply(VectorXd::Zero(3), 3, force));  // three samples' worth
+  EXPECT_LT((force - vector({0.3, -0.3, 0.05})).norm(), 1e-15);
+
+  Policy power;
+  power.power_limit_w = 0.5;
+  power.actuator_stiffness_n_per_m = 1e6;
+  const Limits limits({}, power, 1e-3);
+  force = vector({100, -100, 100});
+  const VectorXd last = vector({10, -10, -10});
+  EXPECT_TRUE(limits.apply(last, 1, force));
+  // The energy of the actuator grows by P dt, from nothing where the force goes through zero.
+  const double energy = 0.5 * 1e-3;
+  EXPECT_NEAR((force(0) * force(0) - 100) / 2e6, energy, 1e-15);
+  EXPECT_NEAR(force(1), -force(0), 1e-12);
+  EXPECT_NEAR(force(2) * force(2) / 2e6, energy, 1e-15);
+  // Letting go is not limited.
+  force = vector({0, -1, -9});
+  EXPECT_FALSE(limits.apply(last, 1, force));
+
+  EXPECT_THROW(Limits(0.0, {}, 1e-3), std::invalid_argument);
+  EXPECT_THROW(Limits(std::nan(""), {}, 1e-3), std::invalid_argument);
+}
+
+class ArmingTest : public testing::Test {
+ protected:
+  Fault judge(const std::function<double(int, int)>& sigma, const Policy& policy = {}) {
+    Arming arming(2, policy, 1000);
+    for (int k = 0; !arming.complete(); ++k) {
+      arming.add(vector({sigma(0, k), sigma(1, k)}));
+    }
+    offset = VectorXd::Zero(2);
+    return arming.judge(offset);
+  }
+  VectorXd offset;
+};
+
+TEST_F(ArmingTest, RemovesAnOffsetAndLeavesMotionAlone) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  EXPECT_EQ(judge([&](int leg, int) { return (leg == 0 ? 3.0 : 0.0) + normal(random); }),
+            Fault::none);
+  // 496 samples of standard deviation 1: a standard error of 0.045.
+  EXPECT_NEAR(offset(0), 3, 4 * 0.045);
+  EXPECT_EQ(offset(1), 0);
+  // A vibration of 14 Hz that is not a whole number of periods long has a mean, and no offset.
+  EXPECT_EQ(judge([](int leg, int k) { return std::sin(0.0873 * k + leg); }), Fault::none);
+  EXPECT_EQ(offset, VectorXd::Zero(2));
+}
+
+TEST_F(ArmingTest, FindsDeadSensorsAndLargeOffsets) {
+  EXPECT_EQ(judge([](int leg, int k) { return leg == 1 ? 0.25 : k % 3; }), Fault::not_alive);
+  Policy lenient;
+  lenient.require_motion = false;
+  EXPECT_EQ(judge([](int leg, int k) { return leg == 1 ? 0.25 : k % 3; }, lenient), Fault::none);
+  EXPECT_EQ(judge([](int, int k) { return 51 + 0.1 * (k % 3); }), Fault::offset);
+  Policy too_short;
+  too_short.arming_s = 0.005;
+  EXPECT_THROW(Arming(2, too_short, 1000), std::invalid_argument);
+}
+
+TEST(Histogram, QuantilesAreThoseOfTheSortedTimes) {
+  std::mt19937_64 random(2);
+  std::lognormal_distribution<double> times(10, 1.5);
+  Histogram histogram;
+  std::vector<double> sorted;
+  for (int i = 0; i < 20'000; ++i) {
+    sorted.push_back(std::floor(times(random)));
+    histogram.add(static_cast<std::int64_t>(sorted.back()));
+  }
+  std::sort(sorted.begin(), sorted.end());
+  for (const double part : {0.01, 0.5, 0.9, 0.99, 0.999}) {
+    const double exact = sorted[static_cast<size_t>(std::ceil(part * 20'000)) - 1];
+    EXPECT_GE(histogram.quantile(part), exact);
+    EXPECT_LE(histogram.quantile(part), exact * std::exp2(1.0 / 64) * (1 + 1e-12)) << part;
+  }
+  EXPECT_EQ(static_cast<double>(histogram.worst_ns()), sorted.back());
+  EXPECT_EQ(histogram.quantile(1), sorted.back());
+  EXPECT_EQ(histogram.count(), 20'000);
+  Histogram both;
+  both.add(histogram);
+  both.add(histogram);
+  EXPECT_EQ(both.count(), 40'000);
+  EXPECT_EQ(both.quantile(0.5), histogram.quantile(0.5));
+  EXPECT_EQ(Histogram{}.quantile(0.5), 0);
+  Histogram extreme;
+  for (const std::int64_t t : {std::int64_t{-5}, std::int64_t{0}, std::int64_t{1} << 60}) {
+    extreme.add(t);
+  }
+  EXPECT_EQ(extreme.count(), 3);
+}
+
+// Of two controllers exactly one gives way, whatever their states, ages and numbers.
+TEST(Presence, ExactlyOneOfTwoGivesWay) {
+  using stillframe_msgs::controller_status_t;
+  const auto said = [](const Presence& presence, State state) {
+    controller_status_t status{};
+    status.instance = presence.instance();
+    status.started_ns = presence.started_ns();
+    status.state = static_cast<std::int32_t>(state);
+    return status;
+  };
+  for (const std::int64_t later : {0, 1}) {
+    const Presence a(10, 100), b(20, 100 + later);
+    for (int i = 0; i <= static_cast<int>(State::fault); ++i) {
+      for (int j = 0; j <= static_cast<int>(State::fault); ++j) {
+        const auto own = static_cast<State>(i), other = static_cast<State>(j);
+        const bool a_goes = a.gives_way(own, said(b, other)).has_value();
+        const bool b_goes = b.gives_way(other, said(a, own)).has_value();
+        EXPECT_NE(a_goes, b_goes) << i << " " << j;
+      }
+    }
+    EXPECT_FALSE(a.gives_way(State::idle, said(b, State::idle)));
+    EXPECT_TRUE(a.gives_way(State::idle, said(b, State::active)));
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::controller

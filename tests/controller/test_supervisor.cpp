@@ -1,0 +1,314 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/linear/smooth_step.hpp"
+#include "tests/controller/rig.hpp"
+
+// The state machine and the fault policy, on a clock of its own and with a frame that answers.
+namespace stillframe::controller {
+namespace {
+
+using Eigen::VectorXd;
+using toy::Rig;
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+// Quiet 0.35 s, arming 0.5 s, ramp 1 s, and a little.
+constexpr int to_active = 1900;
+
+TEST(SmoothStep, IsFlatAtBothEndsAndHasAnInverse) {
+  EXPECT_EQ(smooth_step(0), 0);
+  EXPECT_EQ(smooth_step(1), 1);
+  EXPECT_EQ(smooth_step(-1), 0);
+  EXPECT_EQ(smooth_step(2), 1);
+  // s = 10 h^3 near 0: velocity and acceleration are zero there.
+  EXPECT_NEAR(smooth_step(1e-4), 1e-11, 2e-15);
+  for (const double w : {0.0, 1e-9, 0.3, 0.5, 0.999, 1.0}) {
+    // To the rounding of s, whose terms reach 15.
+    EXPECT_NEAR(smooth_step(smooth_step_inverse(w)), w, 4e-15) << w;
+  }
+}
+
+TEST(Supervisor, ArmsRampsInAndIsolates) {
+  Rig rig;
+  EXPECT_EQ(rig.state(), State::idle);
+  ASSERT_TRUE(rig.reaches(State::arming, 400));
+  EXPECT_EQ(rig.force(), VectorXd::Zero(4));
+  ASSERT_TRUE(rig.reaches(State::ramp_in, 600));
+  const std::int64_t began = rig.k();
+  ASSERT_TRUE(rig.reaches(State::active, 1100));
+  EXPECT_NEAR(static_cast<double>(rig.k() - began), 1000, 2);  // ramp_in_s, one sample each way
+  rig.peak = 0;
+  rig.steps(4000);
+  EXPECT_EQ(rig.state(), State::active);
+  EXPECT_LT(rig.peak, 0.3 * toy::passive_peak(to_active + 4000));
+}
+
+TEST(Supervisor, StopRampsOutAndStartComesBack) {
+  Rig rig;
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  const double before = rig.force().norm();
+  EXPECT_GT(before, 0);
+  rig.loop().request(Request::stop);
+  rig.step();
+  EXPECT_EQ(rig.state(), State::ramp_out);
+  ASSERT_TRUE(rig.reaches(State::idle, 1100));
+  rig.steps(3);
+  EXPECT_EQ(rig.force(), VectorXd::Zero(4));
+  rig.steps(500);
+  EXPECT_EQ(rig.state(), State::idle);
+  rig.loop().request(Request::start);
+  EXPECT_TRUE(rig.reaches(State::active, to_active));
+  EXPECT_EQ(rig.loop().counters().n_faults, 0);
+  EXPECT_EQ(rig.loop().counters().n_rejoins, 0);
+}
+
+TEST(Supervisor, WaitsForARequestWhereThePolicySaysSo) {
+  Policy policy;
+  policy.start_at_once = false;
+  Rig rig(policy);
+  rig.steps(3000);
+  EXPECT_EQ(rig.state(), State::idle);
+  rig.loop().request(Request::start);
+  EXPECT_TRUE(rig.reaches(State::active, to_active));
+}
+
+TEST(Supervisor, PassiveCommandsZeroAndNeverStarts) {
+  Rig rig({}, false);
+  rig.steps(400);
+  rig.loop().request(Request::start);
+  rig.steps(2000);
+  EXPECT_EQ(rig.state(), State::idle);
+  EXPECT_TRUE(rig.sent_any);
+  EXPECT_EQ(rig.force(), VectorXd::Zero(4));
+}
+
+TEST(Supervisor, HoldsThenFadesThenLetsGoAndComesBack) {
+  Rig rig;
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  const VectorXd held = rig.force();
+  for (int i = 0; i < 10; ++i) {
+    rig.step(toy::nothing);
+    EXPECT_FALSE(rig.sent_any);
+    EXPECT_EQ(rig.state(), State::active);
+  }
+  rig.step(toy::nothing);
+  EXPECT_EQ(rig.state(), State::fading);
+  for (int i = 1; i < 999; ++i) {
+    // q falls by a thousandth each period, the first of the fade included; 1e-12: 1000 roundings.
+    EXPECT_LT((rig.force() - held * smooth_step(1 - i * 1e-3)).norm(), 1e-12 * held.norm()) << i;
+    rig.step(toy::nothing);
+    ASSERT_TRUE(rig.sent_any);
+  }
+  ASSERT_TRUE(rig.reaches(State::fault, 4, toy::nothing));
+  EXPECT_EQ(rig.fault(), Fault::silence);
+  EXPECT_FALSE(rig.latched());
+  rig.steps(3, toy::nothing);
+  EXPECT_EQ(rig.force(), VectorXd::Zero(4));
+  EXPECT_TRUE(rig.reaches(State::active, 2500));
+  EXPECT_EQ(rig.loop().counters().n_rejoins, 1);
+}
+
+TEST(Supervisor, ComesBackOutOfAShortFadeWithoutABump) {
+  Rig rig, undisturbed;
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  ASSERT_TRUE(undisturbed.reaches(State::active, to_active));
+  rig.steps(50, toy::nothing);
+  EXPECT_EQ(rig.state(), State::fading);
+  rig.largest_jump = undisturbed.largest_jump = 0;
+  rig.step();
+  undisturbed.steps(51);
+  EXPECT_EQ(rig.state(), State::ramp_in);
+  ASSERT_TRUE(rig.reaches(State::active, 1000));
+  EXPECT_EQ(rig.loop().counters().n_faults, 0);
+  // The force makes up for what the floor has done meanwhile, as in a ramp; a jump to zero or back
+  // would be its whole size.
+  EXPECT_LT(rig.largest_jump, 0.3 * rig.force().cwiseAbs().maxCoeff() + undisturbed.largest_jump);
+}
+
+TEST(Supervisor, OneBadSampleIsAMissedOne) {
+  for (const double bad : {not_a_number, 1e9}) {
+    Rig rig;
+    ASSERT_TRUE(rig.reaches(State::active, to_active));
+    rig.step([&](Measurement& m) {
+      m.sigma(2) = bad;
+      return true;
+    });
+    EXPECT_FALSE(rig.sent_any);
+    rig.step();
+    EXPECT_TRUE(rig.sent_any);
+    EXPECT_EQ(rig.state(), State::active);
+    EXPECT_EQ(rig.loop().counters().n_missing, 1);
+  }
+}
+
+TEST(Supervisor, BadSamplesThatStayAreALatchedFault) {
+  const std::vector<std::pair<double, Fault>> cases{{not_a_number, Fault::not_finite},
+                                                    {1e9, Fault::out_of_range}};
+  for (const auto& [bad, fault] : cases) {
+    Rig rig;
+    ASSERT_TRUE(rig.reaches(State::active, to_active));
+    const auto wire = [bad](Measurement& m) {
+      m.sigma(2) = bad;
+      return true;
+    };
+    ASSERT_TRUE(rig.reaches(State::fault, 1100, wire));
+    EXPECT_EQ(rig.fault(), fault);
+    EXPECT_TRUE(rig.latched());
+    // Good measurements do not mend it, nor does a start; a reset and a start do.
+    rig.steps(1500);
+    rig.loop().request(Request::start);
+    rig.steps(1500);
+    EXPECT_EQ(rig.state(), State::fault);
+    rig.loop().request(Request::reset);
+    rig.steps(2);
+    EXPECT_EQ(rig.state(), State::idle);
+    rig.steps(1000);
+    EXPECT_EQ(rig.state(), State::idle);
+    rig.loop().request(Request::start);
+    EXPECT_TRUE(rig.reaches(State::active, to_active));
+  }
+}
+
+TEST(Supervisor, AFrozenSensorIsALatchedFault) {
+  Rig rig;
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  double value = 0;
+  bool first = true;
+  const auto freeze = [&](Measurement& m) {
+    if (first) value = m.sigma(1);
+    first = false;
+    m.sigma(1) = value;
+    return true;
+  };
+  ASSERT_TRUE(rig.reaches(State::fault, 300, freeze));
+  EXPECT_EQ(rig.fault(), Fault::frozen);
+  EXPECT_TRUE(rig.latched());
+}
+
+TEST(Supervisor, HalfOfAllMeasurementsLostStaysActiveNineOfTenDoesNot) {
+  std::mt19937_64 random(3);
+  for (const double lost : {0.5, 0.9}) {
+    Rig rig;
+    ASSERT_TRUE(rig.reaches(State::active, to_active));
+    std::bernoulli_distribution loses(lost);
+    const auto wire = [&](Measurement&) { return !loses(random); };
+    rig.steps(8000, wire);
+    if (lost < 0.6) {
+      EXPECT_EQ(rig.loop().counters().n_faults, 0);
+    } else {
+      EXPECT_EQ(rig.fault(), Fault::losses);
+      EXPECT_FALSE(rig.latched());
+    }
+  }
+}
+
+TEST(Supervisor, AfterASleepOfItsOwnItListensFirst) {
+  Rig rig;
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  rig.steps(40, {}, false);
+  rig.step();
+  EXPECT_EQ(rig.state(), State::fault);
+  EXPECT_EQ(rig.fault(), Fault::suspended);
+  EXPECT_EQ(rig.loop().counters().n_late, 40);
+  for (int i = 0; i < 340; ++i) {
+    EXPECT_FALSE(rig.sent_any);
+    rig.step();
+  }
+  EXPECT_TRUE(rig.reaches(State::active, 4000));
+  EXPECT_EQ(rig.loop().counters().n_rejoins, 1);
+}
+
+TEST(Supervisor, TakesOverAForceThatIsThereSmoothly) {
+  Policy policy;
+  policy.start_at_once = false;
+  Rig rig(policy);
+  // Another controller has left 2 N on every leg.
+  const auto left = [](Measurement& m) {
+    m.applied.setConstant(2);
+    return true;
+  };
+  rig.steps(400, left);
+  EXPECT_EQ(rig.state(), State::idle);
+  EXPECT_GT(rig.force().minCoeff(), 1.9);
+  EXPECT_LT(rig.largest_jump, 2 + 1e-12);
+  rig.largest_jump = 0;
+  rig.steps(1100);
+  EXPECT_EQ(rig.force(), VectorXd::Zero(4));
+  // The steepest part of 2 s(q) in 1 s: 2 * 15/8 a second.
+  EXPECT_LT(rig.largest_jump, 2 * 15.0 / 8 * 1e-3 * 1.001);
+}
+
+TEST(Supervisor, RejoinsOnlySoOftenAMinute) {
+  Policy policy;
+  policy.rejoins_a_minute = 2;
+  policy.arming_s = 0.05;
+  policy.fade_s = policy.ramp_in_s = 0.05;
+  Rig rig(policy);
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(rig.reaches(State::fault, 200, toy::nothing)) << i;
+    ASSERT_TRUE(rig.reaches(State::active, to_active)) << i;
+  }
+  ASSERT_TRUE(rig.reaches(State::fault, 200, toy::nothing));
+  rig.steps(1000);
+  EXPECT_EQ(rig.state(), State::fault);
+  EXPECT_TRUE(rig.latched());
+}
+
+TEST(Supervisor, ALawThatOverflowsIsLetGo) {
+  Policy policy;
+  policy.sigma_limit_n = 1e308;
+  policy.offset_limit_n = 1e308;
+  Rig rig(policy);
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  rig.steps(3, [](Measurement& m) {
+    m.sigma.setConstant(9e307);
+    return true;
+  });
+  EXPECT_EQ(rig.state(), State::fault);
+  EXPECT_EQ(rig.fault(), Fault::law_not_finite);
+  EXPECT_TRUE(rig.force().allFinite());
+  EXPECT_TRUE(rig.latched());
+}
+
+TEST(Supervisor, MemoryIsAllThatCounts) {
+  Policy policy;
+  policy.rate_limit_n_per_s = 50;
+  std::mt19937_64 random(5);
+  std::bernoulli_distribution loses(0.4);
+  const Gains gains = toy::gains(5);
+  Supervisor one(law_from_gains(gains), policy, 1000, 3.0, true), other = one;
+  std::vector<double> memory(one.memory_size());
+  Command a, b;
+  a.force = b.force = VectorXd::Zero(4);
+  Measurement m;
+  m.sigma = m.applied = VectorXd::Zero(4);
+  std::normal_distribution<double> normal;
+  int changed = 0;
+  for (int k = 0; k < 8000; ++k) {
+    if (k % 97 == 0) {
+      // From here on the other has nothing but the memory of the first.
+      one.save(memory);
+      other = Supervisor(law_from_gains(gains), policy, 1000, 3.0, true);
+      other.restore(memory);
+    }
+    m.seq = k;
+    m.time_ns = k * 1'000'000LL;
+    m.sigma = m.sigma.unaryExpr([&](double x) { return 0.9 * x + 0.1 * normal(random); });
+    m.applied = a.force;
+    const bool silent = k > 5000 && k < 6300;
+    const bool have = !silent && !loses(random);
+    const Event event{.n_elapsed = 1, .measurement = have ? &m : nullptr};
+    const State before = one.state();
+    ASSERT_EQ(one.step(event, a), other.step(event, b)) << k;
+    ASSERT_EQ(a.force, b.force) << k;
+    ASSERT_EQ(a.seq, b.seq);
+    ASSERT_EQ(one.state(), other.state());
+    changed += before != one.state();
+  }
+  EXPECT_GT(changed, 6);  // arming, ramp, active, fading, fault and back again
+}
+
+}  // namespace
+}  // namespace stillframe::controller

@@ -1,0 +1,139 @@
+#include "tests/faults/judgement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/policy.hpp"
+#include "tests/faults/passive_frame.hpp"
+
+namespace stillframe::faults {
+
+using stillframe_msgs::controller_status_t;
+
+namespace {
+
+/// The statuses from the one before the fault to the one that ended it.
+std::vector<StatusAt> during(const Trace& trace, const Marks& marks) {
+  const auto from = trace.statuses.begin();
+  return {from + static_cast<std::ptrdiff_t>(marks.before.n_statuses) - 1,
+          from + static_cast<std::ptrdiff_t>(marks.end.n_statuses)};
+}
+
+std::string outcome(const std::vector<StatusAt>& statuses, const Marks& marks) {
+  const controller_status_t& first = statuses.front().status;
+  bool left = false, latched = false;
+  const controller_status_t* faulty = nullptr;
+  std::int64_t n_faults = first.n_faults;
+  for (const StatusAt& at : statuses) {
+    left |= at.status.state != controller_status_t::ACTIVE;
+    latched |= at.status.latched;
+    if (at.status.instance != first.instance) return "joined";
+    if (at.status.n_faults > n_faults) faulty = &at.status;
+    n_faults = at.status.n_faults;
+  }
+  if (faulty != nullptr) {
+    return std::string(to_text(static_cast<controller::Fault>(faulty->fault))) +
+           (latched ? ", latched" : "");
+  }
+  if (marks.before.run != marks.end.run) return "joined";
+  return left ? "resumed" : "active";
+}
+
+std::int64_t recovery(const std::vector<StatusAt>& statuses, const Marks& marks) {
+  const StatusAt* active_again = nullptr;
+  bool active = true;
+  for (const StatusAt& at : statuses) {
+    const bool now = at.status.state == controller_status_t::ACTIVE;
+    if (now && !active) active_again = &at;
+    active = now;
+  }
+  if (active_again == nullptr) return 0;
+  const bool other_run = active_again->run + 1 != marks.after.run;
+  const std::int64_t from = marks.reset ? marks.reset->sample : other_run ? 0 : marks.after.sample;
+  return std::max<std::int64_t>(0, active_again->sample - from);
+}
+
+/// Peak of the active frame over the passive one in the samples of the episode.
+void compare(const Trace& trace, const std::vector<Accelerations>& passive, const Marks& marks,
+             Episode& episode) {
+  Accelerations active{}, same{};
+  for (std::size_t run = marks.before.run - 1; run < marks.end.run; ++run) {
+    const std::int64_t begin = run + 1 == marks.before.run ? marks.before.sample : 0;
+    const std::int64_t end =
+        run + 1 == marks.end.run ? marks.end.sample : trace.runs[run].frame.size();
+    const Accelerations here = peak(trace.runs[run].frame, begin, end);
+    const Accelerations there = peak(passive, begin, end);
+    for (std::size_t i = 0; i < active.size(); ++i) {
+      active[i] = std::max(active[i], here[i]);
+      same[i] = std::max(same[i], there[i]);
+    }
+  }
+  const auto n = static_cast<std::int64_t>(passive.size());
+  episode.over_peak = largest_ratio(active, peak(passive, 0, n));
+  episode.over_same = largest_ratio(active, same);
+  episode.over_rms = largest_ratio(active, rms(passive));
+}
+
+/// By how many periods the latest sample from mark to mark came later than the most punctual one.
+double lateness(const RunTrace& run, std::int64_t begin, std::int64_t end, double rate_hz) {
+  double earliest = HUGE_VAL, latest = -HUGE_VAL;
+  for (std::size_t k = 0; k < run.arrival_ns.size(); ++k) {
+    if (run.arrival_ns[k] == 0) continue;
+    const double offset =
+        static_cast<double>(run.arrival_ns[k]) * 1e-9 * rate_hz - static_cast<double>(k);
+    earliest = std::min(earliest, offset);
+    const auto sample = static_cast<std::int64_t>(k);
+    if (sample >= begin && sample <= end) latest = std::max(latest, offset);
+  }
+  return latest - earliest;
+}
+
+bool is_disturbed(const Trace& trace, const std::vector<StatusAt>& statuses, const Marks& marks,
+                  double rate_hz) {
+  constexpr double few = 5;  // periods: half of what is held
+  const controller_status_t &first = statuses.front().status, &last = statuses.back().status;
+  if (static_cast<double>(last.n_late - first.n_late) > few) return true;
+  return lateness(trace.runs[marks.before.run - 1], marks.before.sample, marks.end.sample,
+                  rate_hz) > few;
+}
+
+void count(const std::vector<StatusAt>& statuses, const Kind& kind, const Marks& marks,
+           Episode& episode) {
+  const controller_status_t &first = statuses.front().status, &last = statuses.back().status;
+  const RelayCounts &before = marks.before.counts, &after = marks.end.counts;
+  switch (kind.counted) {
+    case Counted::nothing:
+      break;
+    case Counted::measurements_lost:
+      episode.n_inflicted = after.measurements.n_lost - before.measurements.n_lost;
+      episode.n_counted = last.n_lost - first.n_lost;
+      break;
+    case Counted::messages_bad:
+      episode.n_inflicted = after.n_corrupted - before.n_corrupted;
+      episode.n_counted = last.n_bad_messages - first.n_bad_messages;
+      break;
+    case Counted::duplicates:
+      episode.n_inflicted = after.n_corrupted - before.n_corrupted +
+                            after.measurements.n_duplicated - before.measurements.n_duplicated +
+                            after.measurements.n_reordered - before.measurements.n_reordered;
+      episode.n_counted = last.n_duplicate - first.n_duplicate;
+      break;
+  }
+}
+
+}  // namespace
+
+Episode judge(const Trace& trace, const std::vector<Accelerations>& passive, const Kind& kind,
+              const Marks& marks, double rate_hz) {
+  const std::vector<StatusAt> statuses = during(trace, marks);
+  Episode episode;
+  episode.seed = marks.seed;
+  episode.outcome = outcome(statuses, marks);
+  episode.recovery = recovery(statuses, marks);
+  episode.disturbed = !kind.stops_time && is_disturbed(trace, statuses, marks, rate_hz);
+  compare(trace, passive, marks, episode);
+  count(statuses, kind, marks, episode);
+  return episode;
+}
+
+}  // namespace stillframe::faults

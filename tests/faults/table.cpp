@@ -1,0 +1,109 @@
+#include "tests/faults/table.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+namespace stillframe::faults {
+
+namespace {
+
+bool is_allowed(const KindResult& result, const std::string& outcome) {
+  return std::find(result.allowed.begin(), result.allowed.end(), outcome) != result.allowed.end();
+}
+
+bool is_latched(const std::string& outcome) { return outcome.find("latched") != std::string::npos; }
+
+std::string shown(const char* format, double value) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
+std::string outcomes(const KindResult& result) {
+  std::map<std::string, int> times;
+  for (const Episode& episode : result.episodes) ++times[episode.outcome];
+  std::string text;
+  for (const auto& [outcome, n] : times) {
+    text += (text.empty() ? "" : "; ") + std::to_string(n) + " " + outcome;
+  }
+  return text;
+}
+
+template <class Member>
+double largest(const KindResult& result, Member member) {
+  double value = 0;
+  for (const Episode& episode : result.episodes) value = std::max(value, episode.*member);
+  return value;
+}
+
+std::string recoveries(const KindResult& result) {
+  if (result.episodes.empty()) return "";
+  std::vector<std::int64_t> all;
+  for (const Episode& episode : result.episodes) all.push_back(episode.recovery);
+  std::sort(all.begin(), all.end());
+  return std::to_string(all[all.size() / 2]) + ", " + std::to_string(all.back());
+}
+
+}  // namespace
+
+std::vector<std::string> failures(const KindResult& result) {
+  std::vector<std::string> all;
+  if (!result.trouble.empty()) return {result.name + ": " + result.trouble};
+  for (const Episode& episode : result.episodes) {
+    const std::string where = result.name + ", seed " + std::to_string(episode.seed) + ": ";
+    const bool allowed = is_allowed(result, episode.outcome);
+    if (!allowed && (!episode.disturbed || is_latched(episode.outcome))) {
+      all.push_back(where + "the outcome was '" + episode.outcome + "'");
+    }
+    // The frame is never driven harder than it would be without control; NaN fails as well.
+    if (!(episode.over_peak <= 1)) {
+      all.push_back(where + "peak active over passive " + shown("%.3f", episode.over_peak));
+    }
+    if (result.counts && !episode.disturbed && episode.n_inflicted != episode.n_counted) {
+      all.push_back(where + "the relay made " + std::to_string(episode.n_inflicted) +
+                    ", the controller counted " + std::to_string(episode.n_counted));
+    }
+  }
+  return all;
+}
+
+std::string markdown(const std::vector<KindResult>& results) {
+  std::string text =
+      "| fault | outcome of the episodes | active again after, samples: median, longest | peak "
+      "over passive peak | over passive peak in the same samples | over passive rms |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const KindResult& result : results) {
+    text += "| " + result.name + " | " + outcomes(result) + " | " + recoveries(result) + " | " +
+            shown("%.2f", largest(result, &Episode::over_peak)) + " | " +
+            shown("%.2f", largest(result, &Episode::over_same)) + " | " +
+            shown("%.2f", largest(result, &Episode::over_rms)) + " |\n";
+  }
+  return text;
+}
+
+nlohmann::json to_json(const std::vector<KindResult>& results) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const KindResult& result : results) {
+    nlohmann::json episodes = nlohmann::json::array();
+    for (const Episode& episode : result.episodes) {
+      episodes.push_back({{"seed", episode.seed},
+                          {"outcome", episode.outcome},
+                          {"recovery_samples", episode.recovery},
+                          {"over_peak", episode.over_peak},
+                          {"over_same_samples", episode.over_same},
+                          {"over_rms", episode.over_rms},
+                          {"disturbed", episode.disturbed},
+                          {"n_inflicted", episode.n_inflicted},
+                          {"n_counted", episode.n_counted}});
+    }
+    rows.push_back({{"name", result.name},
+                    {"allowed", result.allowed},
+                    {"exit_code", result.exit_code ? nlohmann::json(*result.exit_code) : nullptr},
+                    {"trouble", result.trouble},
+                    {"episodes", episodes}});
+  }
+  return rows;
+}
+
+}  // namespace stillframe::faults

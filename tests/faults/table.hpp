@@ -1,0 +1,21 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/faults/episodes.hpp"
+
+namespace stillframe::faults {
+
+/// What is wrong with a row, one line each; empty if it is as it should be. An episode that the
+/// machine disturbed is only asked to recover without a latched fault, and to keep its ratio.
+std::vector<std::string> failures(const KindResult& result);
+
+/// The rows as a table in Markdown, and as JSON: name, allowed, exit_code, trouble, and for every
+/// episode seed, outcome, recovery_samples, over_peak, over_same_samples, over_rms, disturbed,
+/// n_inflicted and n_counted.
+std::string markdown(const std::vector<KindResult>& results);
+nlohmann::json to_json(const std::vector<KindResult>& results);
+
+}  // namespace stillframe::faults

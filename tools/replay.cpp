@@ -1,0 +1,143 @@
+#include <iostream>
+#include <memory>
+
+#include "core/yaml/input_error.hpp"
+#include "report/table.hpp"
+#include "tools/json.hpp"
+#include "tools/replay_law.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+struct Options {
+  std::filesystem::path log;
+  std::optional<std::filesystem::path> gains, policy;
+  std::optional<std::int64_t> run_id;
+  bool json = false;
+};
+
+controller::Gains gains_of(const Options& options, const ReplayLog& log) {
+  if (options.gains) return controller::read_gains(*options.gains);
+  return controller::parse_gains(log.info.gains_text, options.log.string() + ": gains_text");
+}
+
+Json to_json(const ReplayLog& log, const ReplayResult& result) {
+  Json first = nullptr;
+  if (result.first) {
+    first = {{"channel", result.first->channel},  {"seq", result.first->seq},
+             {"period", result.first->period},    {"field", result.first->field},
+             {"leg", result.first->leg},          {"recorded", result.first->recorded},
+             {"computed", result.first->computed}};
+  }
+  return {{"run_id", log.info.run_id},
+          {"mode", log.info.mode},
+          {"n_commands", result.n_commands},
+          {"n_different", result.n_different},
+          {"n_periods", result.n_periods},
+          {"n_gaps", result.n_gaps},
+          {"n_not_computed", result.n_not_computed},
+          {"n_not_logged", result.n_not_logged},
+          {"n_other", result.n_other},
+          {"n_damaged", log.n_damaged},
+          {"first_difference", first}};
+}
+
+std::string first_in_words(const ReplayDifference& first, bool wall_clock) {
+  using report::cell;
+  std::string text =
+      "The first that differs: " + first.channel + ", seq " + std::to_string(first.seq);
+  if (wall_clock) text += ", period " + std::to_string(first.period);
+  if (!first.leg.empty()) text += ", " + first.leg;
+  return text + cell(": %s recorded %.17g, computed %.17g\n", first.field.c_str(), first.recorded,
+                     first.computed);
+}
+
+std::string to_text(const ReplayLog& log, const ReplayResult& result) {
+  using report::cell;
+  const auto count = [](std::int64_t n) { return static_cast<long long>(n); };
+  const bool wall_clock = log.info.mode == "wall_clock";
+  std::string text;
+  if (!result.first) {
+    text = cell("%lld commands the same, to the bit\n", count(result.n_commands));
+  } else {
+    text =
+        cell("%lld of %lld commands differ\n", count(result.n_different), count(result.n_commands));
+    text += first_in_words(*result.first, wall_clock);
+  }
+  if (wall_clock) {
+    text += cell(
+        "%lld periods compared, %lld gaps in the records, %lld records without a "
+        "checkpoint before them\n",
+        count(result.n_periods), count(result.n_gaps), count(result.n_not_computed));
+  }
+  if (result.n_not_logged > 0 && !log.commands.empty()) {
+    text += cell("%lld more have no command in the log\n", count(result.n_not_logged));
+  }
+  if (result.n_other > 0) {
+    text += cell("%lld commands of the log have no measurement or record in it\n",
+                 count(result.n_other));
+  }
+  if (log.n_damaged > 0) text += cell("%lld damaged messages\n", count(log.n_damaged));
+  return text;
+}
+
+int run(const Options& options) {
+  const ReplayLog log = read_replay_log(options.log, options.run_id);
+  const controller::Gains gains = gains_of(options, log);
+  const controller::Policy policy =
+      options.policy ? controller::read_policy(*options.policy) : controller::Policy{};
+  const bool wall_clock = log.info.mode == "wall_clock";
+  const ReplayResult result =
+      wall_clock ? replay_wall_clock(log, gains, policy) : replay_lock_step(log, gains);
+  if (result.n_commands == 0 && result.n_periods == 0) {
+    throw InputError(options.log.string() + ": nothing in this log can be computed again");
+  }
+  if (options.json) {
+    print(to_json(log, result));
+  } else {
+    std::cout << to_text(log, result);
+  }
+  if (!result.first) return exit_done;
+  if (wall_clock && !options.policy) {
+    std::cerr << "stillframe: note: compared with the default policy; if the controller had a "
+                 "--policy, replay needs the same\n";
+  }
+  return exit_failed;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "replay", "Compute the commands of a log again, and compare them to the bit");
+  verb->add_option("log", options->log, "LCM log of a run, or a flight record")
+      ->required()
+      ->type_name("LOG");
+  verb->add_option("--gains", options->gains, "Gains file (default: the gains in the log)")
+      ->type_name("FILE");
+  verb->add_option("--policy", options->policy,
+                   "Policy file that the controller of a wall-clock run had (default: none)")
+      ->type_name("FILE");
+  verb->add_option("--run-id", options->run_id, "Which run, if the log holds several")
+      ->type_name("ID");
+  verb->add_flag("--json", options->json, "Print the result as JSON");
+  verb->footer(
+      "A lock-step run is computed from its measurements. A wall-clock run is computed from the\n"
+      "controller's own records of every period (SF_LOOP) and of its memory (SF_CHECKPOINT), "
+      "which a\n"
+      "flight record holds as well; where records were lost it goes on at the next checkpoint.\n"
+      "Keys of --json: run_id, mode, n_commands (computed and compared), n_different, n_periods "
+      "(of a\n"
+      "wall-clock loop), n_gaps, n_not_computed (records after a gap), n_not_logged (computed, "
+      "but not\n"
+      "in SF_COMMAND), n_other (in SF_COMMAND, but of nothing in the log), n_damaged,\n"
+      "first_difference: null, or channel, seq, period, field, leg, recorded, computed.\n"
+      "Exit codes: 0 the same; 2 not readable; 4 different.\n"
+      "Example: stillframe replay runs/metrology_frame/active.lcm");
+  verb->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace stillframe::tools
