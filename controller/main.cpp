@@ -236,7 +236,9 @@ Policy policy_of(const Options& options) {
   return policy;
 }
 
-int serve(const Options& options, const Gains& gains, const Policy& policy) {
+/// no_ramp: why a wall-clock run would be refused, empty if it would not.
+int serve(const Options& options, const Gains& gains, const Policy& policy,
+          const std::string& no_ramp) {
   catch_stop_signals();
   LcmIo io(lcm_url(options.lcm_url));
   spdlog::info("waiting for a plant");
@@ -246,6 +248,10 @@ int serve(const Options& options, const Gains& gains, const Policy& policy) {
   spdlog::info("run {} of {}: {}, {} Hz, {} loop", info.run_id, info.scene_name, info.mode,
                info.sample_rate_hz, info.loop);
   if (info.mode != "wall_clock") return serve_lock_step(options, gains, io);
+  if (info.loop != "passive" && !no_ramp.empty()) {
+    io.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, no_ramp);
+    throw Refusal(no_ramp);
+  }
   const RealtimeReport realtime = prepare_process(policy);
   spdlog::info("real time: {}", realtime.text);
   if (policy.realtime == Policy::Realtime::enforce && !realtime.complete) {
@@ -265,7 +271,13 @@ int run(const Options& options) {
     return exit_done;
   }
   spdlog::info("{}: stable, spectral radius {:.9f}", options.gains.string(), radius);
-  return serve(options, gains, policy);
+  std::string no_ramp;
+  try {
+    require_stable_ramp(gains);
+  } catch (const Refusal& refusal) {
+    no_ramp = refusal.what();
+  }
+  return serve(options, gains, policy, no_ramp);
 }
 
 }  // namespace

@@ -49,16 +49,13 @@ struct Policy {
   double missing_part = 0.75;          ///< of the periods of about the last second
   double late_periods = 1;             ///< a measurement older than this is late
   double sigma_limit_n = 1e5;          ///< N, beyond it a measurement is out of range
-  std::int64_t frozen_samples = 50;    ///< successive equal values of a sensor
-  double frozen_force_n = 0.01;        ///< N, while its actuator has moved by more than this
+  std::int64_t frozen_samples = 50;    ///< so many without a sound one between are a fault, of:
+  double frozen_force_n = 0.01;        ///< N: a sensor that stays while its actuator moves by more
   std::int64_t rejoins_a_minute = 20;  ///< of passing faults; one more stays
 
   std::optional<double> rate_limit_n_per_s;          ///< N/s, of every leg
   std::optional<double> power_limit_w;               ///< W, of every leg
   std::optional<double> actuator_stiffness_n_per_m;  ///< N/m, with a power limit
-
-  std::int64_t amplifier_hold_periods = 10;  ///< the simulated amplifier, without a command
-  double amplifier_fade_s = 1;               ///< s
 
   Realtime realtime = Realtime::best_effort;
   std::int64_t priority = 49;       ///< SCHED_FIFO, 2 to 98

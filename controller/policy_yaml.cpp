@@ -108,12 +108,6 @@ void read_limits(const YamlReader& block, Policy& policy) {
   }
 }
 
-void read_amplifier(const YamlReader& block, Policy& policy) {
-  block.allow_only({"hold_periods", "fade_s"});
-  read(block, "hold_periods", WholeRange{0, most_held_periods}, policy.amplifier_hold_periods);
-  read(block, "fade_s", Range{shortest_ramp_s, longest_ramp_s}, policy.amplifier_fade_s);
-}
-
 void read_realtime(const YamlReader& block, Policy& policy) {
   block.allow_only({"mode", "priority", "cpu"});
   if (const auto value = block.find("mode")) {
@@ -127,8 +121,8 @@ void read_realtime(const YamlReader& block, Policy& policy) {
 }
 
 Policy read(const YamlReader& root) {
-  root.allow_only({"start", "arming", "ramp", "measurements", "rejoin", "limits", "amplifier",
-                   "realtime", "flight_record"});
+  root.allow_only(
+      {"start", "arming", "ramp", "measurements", "rejoin", "limits", "realtime", "flight_record"});
   Policy policy;
   if (const auto value = root.find("start")) {
     policy.start_at_once = value->one_of({"at_once", "on_request"}) == "at_once";
@@ -141,7 +135,6 @@ Policy read(const YamlReader& root) {
     read(*block, "a_minute", WholeRange{0, 1000}, policy.rejoins_a_minute);
   }
   if (const auto block = root.find("limits")) read_limits(*block, policy);
-  if (const auto block = root.find("amplifier")) read_amplifier(*block, policy);
   if (const auto block = root.find("realtime")) read_realtime(*block, policy);
   if (const auto block = root.find("flight_record")) {
     block->allow_only({"duration_s"});

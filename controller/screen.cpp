@@ -14,11 +14,9 @@ Screen::Screen(const Policy& policy, double sample_rate_hz, Index m, std::int64_
       late_after_(policy.late_periods / sample_rate_hz),
       sigma_limit_(policy.sigma_limit_n),
       frozen_force_(policy.frozen_force_n),
-      frozen_samples_(policy.frozen_samples),
       start_ns_(start_ns),
       value_(VectorXd::Constant(m, std::numeric_limits<double>::quiet_NaN())),
-      force_(VectorXd::Zero(m)),
-      n_equal_(Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>::Zero(m)) {}
+      force_(VectorXd::Zero(m)) {}
 
 bool Screen::is_new(const Measurement& measurement, std::int64_t now_ns) noexcept {
   if (measurement.seq <= last_seq_) return false;
@@ -45,19 +43,18 @@ Defect Screen::judge(const Measurement& measurement, std::int64_t now_ns) noexce
   return frozen ? Defect::frozen : Defect::none;
 }
 
-// The actuator pushes on its own force sensor: one that stays while the other moves is dead.
+// The actuator pushes on its own force sensor: one that stays while the other moves tells nothing,
+// and to the law, which takes the applied force out of it, it would be positive feedback. So not a
+// single such value may be answered.
 bool Screen::is_frozen(const Measurement& measurement) noexcept {
   bool frozen = false;
   for (Index i = 0; i < value_.size(); ++i) {
     if (measurement.sigma(i) != value_(i)) {
       value_(i) = measurement.sigma(i);
       force_(i) = measurement.applied(i);
-      n_equal_(i) = 0;
       continue;
     }
-    ++n_equal_(i);
-    frozen |= n_equal_(i) >= frozen_samples_ &&
-              std::abs(measurement.applied(i) - force_(i)) > frozen_force_;
+    frozen |= std::abs(measurement.applied(i) - force_(i)) > frozen_force_;
   }
   return frozen;
 }

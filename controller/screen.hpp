@@ -32,9 +32,8 @@ class Screen {
   bool is_frozen(const Measurement& measurement) noexcept;
 
   double sample_time_, late_after_, sigma_limit_, frozen_force_;
-  std::int64_t frozen_samples_, start_ns_, last_seq_ = -1;
-  Eigen::VectorXd value_, force_;                           ///< m, N
-  Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1> n_equal_;  ///< m
+  std::int64_t start_ns_, last_seq_ = -1;
+  Eigen::VectorXd value_, force_;  ///< m, N
 };
 
 }  // namespace stillframe::controller

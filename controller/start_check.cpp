@@ -112,6 +112,30 @@ double closed_loop_radius(const Gains& gains) {
   return spectral_radius(close_loop(plant, law_from_gains(gains)));
 }
 
+double ramp_radius(const Gains& gains) {
+  const SampledPlant plant = sample_and_hold(loop_plant(gains), gains.sampling());
+  const DiscreteLaw whole = law_from_gains(gains);
+  double largest = 0;
+  for (int i = 1; i < 20; ++i) {
+    DiscreteLaw law = whole;
+    law.C *= 0.05 * i;
+    law.D *= 0.05 * i;
+    largest = std::max(largest, spectral_radius(close_loop(plant, law)));
+  }
+  return largest;
+}
+
+double require_stable_ramp(const Gains& gains) {
+  const double radius = ramp_radius(gains);
+  if (radius < 1) return radius;
+  throw Refusal(
+      "the loop is stable, but not on the way there: with a part of its gain, as in a ramp, "
+      "its spectral radius is " +
+      shown_radius(radius) +
+      ", and below 1 is needed. A frame that does not stand by itself, or a design of "
+      "little margin, does so; see `stillframe design` for the margins");
+}
+
 std::vector<Remedy> find_remedies(const Gains& gains) {
   const std::vector<Change> changes = candidate_changes(gains);
   std::vector<Remedy> found;

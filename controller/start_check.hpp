@@ -23,6 +23,13 @@ struct Remedy {
 /// does; each is tried numerically. Set-up.
 std::vector<Remedy> find_remedies(const Gains& gains);
 
+/// The largest spectral radius of the loop while it is ramped in or out: with the law's force taken
+/// w times, w = 0.05, 0.10, ... 0.95. A frame that is not stable by itself has one above 1. Set-up.
+double ramp_radius(const Gains& gains);
+
+/// That radius if a wall-clock run may ramp. Set-up. Errors: Refusal if it is not below one.
+double require_stable_ramp(const Gains& gains);
+
 /// The spectral radius of gains that may be run. Set-up. Errors: Refusal if the loop is not stable,
 /// saying the radius, the reason and what mends it.
 double require_stable(const Gains& gains);

@@ -80,6 +80,8 @@ Fault fault_of(Defect defect) noexcept {
       return Fault::not_finite;
     case Defect::out_of_range:
       return Fault::out_of_range;
+    case Defect::frozen:
+      return Fault::frozen;
     default:
       return Fault::silence;
   }
@@ -126,7 +128,8 @@ Supervisor::Supervisor(DiscreteLaw law, const Policy& policy, double sample_rate
 template <class Archive>
 void Supervisor::visit(Archive& archive) {
   archive(state_), archive(fault_), archive(latched_), archive(wanted_), archive(met_);
-  archive(law_ran_), archive(missing_), archive(missing_part_), archive(last_defect_);
+  archive(law_ran_), archive(missing_), archive(n_frozen_), archive(missing_part_);
+  archive(last_defect_);
   archive(quiet_), archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
   archive(base_), archive(force_), archive(offset_);
   archive(seq_), archive(law_seq_), archive(time_ns_);
@@ -229,20 +232,20 @@ void Supervisor::count_missing(const Event& event) noexcept {
   rejoins_ = std::max(
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
   if (have) {
-    missing_ = 0;
+    missing_ = n_frozen_ = 0;
     last_defect_ = Defect::none;
-  } else {
-    missing_ += event.n_elapsed;
-    last_defect_ = event.defect;
+    return;
   }
+  missing_ += event.n_elapsed;
+  if (event.defect == Defect::frozen) ++n_frozen_;
+  // What is broken is not mended by what comes late or not at all: only by a sound measurement.
+  if (is_passing(fault_of(last_defect_))) last_defect_ = event.defect;
 }
 
 void Supervisor::watch(const Event& event) noexcept {
   if (engaged() || state_ == State::fading) {
     if (event.n_elapsed - 1 > policy_.hold_periods) return let_go(Fault::suspended, event);
-    if (event.defect == Defect::frozen && event.measurement == nullptr) {
-      return let_go(Fault::frozen, event);
-    }
+    if (n_frozen_ >= policy_.frozen_samples) return let_go(Fault::frozen, event);
     if (missing_part_ > policy_.missing_part) return let_go(Fault::losses, event);
   }
   if (engaged() && missing_ > policy_.hold_periods) {
@@ -310,7 +313,7 @@ void Supervisor::arm(const Event& event) noexcept {
   }
   if (event.measurement == nullptr) return;
   arming_.add(event.measurement->sigma);
-  if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0) return;
+  if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0 || quiet_ > 0) return;
   const Fault found = arming_.judge(offset_);
   if (found != Fault::none) return latch(found);
   law_.reset();

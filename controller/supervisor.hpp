@@ -87,8 +87,9 @@ class Supervisor {
   State state_ = State::idle;
   Fault fault_ = Fault::none;
   bool latched_ = false, wanted_ = false, met_ = false, law_ran_ = false, saturated_ = false;
-  std::int64_t missing_ = 0;  ///< periods since the last measurement
-  double missing_part_ = 0;   ///< mean over about a second
+  std::int64_t missing_ = 0;   ///< periods since the last measurement
+  std::int64_t n_frozen_ = 0;  ///< of them with a frozen sensor
+  double missing_part_ = 0;    ///< mean over about a second
   Defect last_defect_ = Defect::none;
   std::int64_t quiet_;          ///< periods in which nothing is sent
   double rejoins_ = 0;          ///< of the last minute

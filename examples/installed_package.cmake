@@ -1,4 +1,4 @@
-# Installs the build tree into a folder of its own, and configures and builds an example against it.
+# Installs the build tree into a folder of its own, and configures and builds the examples against it.
 set(prefix ${BUILD}/installed_package)
 file(REMOVE_RECURSE ${prefix})
 function(run)
@@ -8,7 +8,9 @@ function(run)
   endif()
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}/usr)
-run(${CMAKE_COMMAND} -S ${EXAMPLE} -B ${prefix}/build -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
-  -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${prefix}/usr)
-run(${CMAKE_COMMAND} --build ${prefix}/build)
-run(${prefix}/build/first ${prefix}/usr/share/stillframe/config/scenes/metrology_frame.yaml)
+foreach(example first hardware)
+  run(${CMAKE_COMMAND} -S ${EXAMPLES}/${example} -B ${prefix}/${example} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${prefix}/usr)
+  run(${CMAKE_COMMAND} --build ${prefix}/${example})
+endforeach()
+run(${prefix}/first/first ${prefix}/usr/share/stillframe/config/scenes/metrology_frame.yaml)

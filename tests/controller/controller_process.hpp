@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -28,19 +29,22 @@ class ControllerProcess : public testing::Test {
  protected:
   ControllerProcess() {
     static int n = 0;
-    gains_file = testing::TempDir() + "stillframe_gains_" + std::to_string(getpid()) + "_" +
-                 std::to_string(++n) + ".yaml";
+    folder = std::filesystem::path(testing::TempDir()) /
+             ("stillframe_controller_" + std::to_string(getpid()) + "_" + std::to_string(++n));
+    std::filesystem::create_directories(folder);
+    gains_file = folder / "gains.yaml";
   }
-  ~ControllerProcess() override { unlink(gains_file.c_str()); }
+  ~ControllerProcess() override { std::filesystem::remove_all(folder); }
 
   /// Writes the gains and gives the command line to run them.
   std::vector<std::string> command_line(const Gains& gains, std::vector<std::string> more = {}) {
     std::ofstream(gains_file) << to_yaml(gains);
-    std::vector<std::string> all{program, "--gains", gains_file};
+    std::vector<std::string> all{program, "--gains", gains_file, "--flight-folder", folder};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
 
+  std::filesystem::path folder;
   std::string gains_file;
 };
 

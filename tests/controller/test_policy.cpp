@@ -37,7 +37,6 @@ measurements: {hold_periods: 4, fade_s: 5, missing_part: 0.125, late_periods: 2.
   sigma_limit_n: 8, frozen_samples: 9, frozen_force_n: 11}
 rejoin: {a_minute: 12}
 limits: {rate_n_per_s: 13, power_w: 14, actuator_stiffness_n_per_m: 15}
-amplifier: {hold_periods: 16, fade_s: 17}
 realtime: {mode: enforce, priority: 18, cpu: 19}
 flight_record: {duration_s: 21}
 )");
@@ -58,8 +57,6 @@ flight_record: {duration_s: 21}
                       .rate_limit_n_per_s = 13,
                       .power_limit_w = 14,
                       .actuator_stiffness_n_per_m = 15,
-                      .amplifier_hold_periods = 16,
-                      .amplifier_fade_s = 17,
                       .realtime = Policy::Realtime::enforce,
                       .priority = 18,
                       .cpu = 19,
@@ -78,7 +75,7 @@ TEST(Policy, TheWordsOfTheChoices) {
 TEST(Policy, ErrorsSayWhereWhatAndWhatIsAllowed) {
   EXPECT_EQ(error_of("strat: at_once"),
             "policy.yaml:1:1: strat: unknown key (did you mean 'start'?); allowed: start, arming, "
-            "ramp, measurements, rejoin, limits, amplifier, realtime, flight_record");
+            "ramp, measurements, rejoin, limits, realtime, flight_record");
   EXPECT_EQ(error_of("ramp:\n  on_s: 1\n"),
             "policy.yaml:2:3: ramp.on_s: unknown key (did you mean 'in_s'?); allowed: in_s, out_s");
   EXPECT_EQ(error_of("start: soon"),

@@ -136,7 +136,7 @@ TEST(PolicyReference, HasATableForEveryBlockAndListsExactlyTheKeysOfTheReader) {
   for (const auto& [key, row] : all.at(top)) {
     EXPECT_EQ(all.contains(key), row.allowed == blocks) << key;
   }
-  EXPECT_EQ(all.size(), 9u);  // the file and its eight blocks
+  EXPECT_EQ(all.size(), 8u);  // the file and its seven blocks
   for (const auto& [table, rows] : all) {
     const std::string unknown = table == top ? "no_such_key: 1" : table + ": {no_such_key: 1}";
     std::set<std::string> documented;

@@ -205,5 +205,32 @@ TEST(Balance, KeepsTheEigenvaluesAndLowersTheNorm) {
   EXPECT_LT(balanced(A).norm(), 10 * symmetric.norm());
 }
 
+// With a part w of the law's force the loop of the toy is that of a plant simulated in time with
+// the law's matrices scaled.
+TEST(Ramp, RadiusIsTheLargestOnTheWay) {
+  const Gains gains = toy::gains(5);
+  double largest = 0;
+  for (int i = 1; i < 20; ++i) {
+    DiscreteLaw law = law_from_gains(gains);
+    law.C *= i / 20.0;
+    law.D *= i / 20.0;
+    toy::LoopSimulation loop(gains, law, 1);
+    largest = std::max(largest, radius_of(toy::step_matrix(loop)));
+  }
+  // Two ways to matrices whose poles crowd near 1, where rounding is magnified: seen 2e-11.
+  EXPECT_NEAR(ramp_radius(gains), largest, 1e-9);
+  EXPECT_LT(require_stable_ramp(gains), 1);
+}
+
+TEST(Ramp, AFrameThatDoesNotStandByItselfIsRefused) {
+  Gains gains = toy::gains(5);
+  const Eigen::Index m = gains.n_legs();
+  // Every mode grows by 10 1/s when left alone; the loop, with 2 zeta omega_d = 44 1/s, damps it.
+  gains.plant.A.bottomRightCorner(m, m).diagonal().array() += 20;
+  EXPECT_LT(require_stable(gains), 1);
+  EXPECT_GT(ramp_radius(gains), 1);
+  EXPECT_THROW(require_stable_ramp(gains), Refusal);
+}
+
 }  // namespace
 }  // namespace stillframe::controller

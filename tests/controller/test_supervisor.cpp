@@ -184,6 +184,22 @@ TEST(Supervisor, AFrozenSensorIsALatchedFault) {
   ASSERT_TRUE(rig.reaches(State::fault, 300, freeze));
   EXPECT_EQ(rig.fault(), Fault::frozen);
   EXPECT_TRUE(rig.latched());
+  rig.steps(3000, freeze);
+  // A frozen sensor is positive feedback to the law: had it been answered for the 50 samples until
+  // the fault, the frame would have been driven a hundred times as hard.
+  EXPECT_LT(rig.peak, toy::passive_peak(to_active + 3300));
+}
+
+TEST(Supervisor, WhatIsBrokenStaysBrokenWhenTheLastSampleIsOnlyMissing) {
+  Rig rig;
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  int n = 0;
+  ASSERT_TRUE(rig.reaches(State::fault, 1100, [&](Measurement& m) {
+    m.sigma(0) = not_a_number;
+    return ++n % 3 == 0;
+  }));
+  EXPECT_EQ(rig.fault(), Fault::not_finite);
+  EXPECT_TRUE(rig.latched());
 }
 
 TEST(Supervisor, HalfOfAllMeasurementsLostStaysActiveNineOfTenDoesNot) {

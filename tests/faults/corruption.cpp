@@ -1,9 +1,16 @@
 #include "tests/faults/corruption.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
 namespace stillframe::faults {
+
+namespace {
+
+constexpr std::int64_t ahead = 5000;  // samples
+
+}  // namespace
 
 void Corruptor::begin(Corruption corruption, std::int32_t leg) {
   corruption_ = corruption;
@@ -48,6 +55,13 @@ std::vector<Bytes> Corruptor::damage(const Bytes& bytes,
     case Corruption::other_run:
       ++measurement.run_id;
       ++measurement.seq;
+      for (double& value : measurement.sigma) value = 1e4;
+      return {encoded(measurement), bytes};
+    case Corruption::later:
+      // As of an earlier run of the same number that went on for longer: number and time agree.
+      measurement.time_ns +=
+          measurement.time_ns / std::max<std::int64_t>(measurement.seq, 1) * ahead;
+      measurement.seq += ahead;
       for (double& value : measurement.sigma) value = 1e4;
       return {encoded(measurement), bytes};
     case Corruption::replayed:

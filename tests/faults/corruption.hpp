@@ -17,6 +17,7 @@ enum class Corruption {
   truncated,     ///< the last bytes are missing
   frozen,        ///< sigma of one leg stays what it was
   other_run,     ///< beside each measurement comes one of another run, with forces of 1e4 N
+  later,         ///< beside each comes one as of 5000 samples later, with forces of 1e4 N
   replayed,      ///< beside each measurement comes the one of 1000 samples ago
 };
 

@@ -85,12 +85,8 @@ Marks play(Rig& rig, const Kind& kind, std::uint64_t seed) {
 }  // namespace
 
 KindResult run_kind(Workbench& bench, const Kind& kind, int number, const TableOptions& options) {
-  KindResult result{.name = kind.name,
-                    .allowed = kind.allowed,
-                    .counts = kind.counted != Counted::nothing,
-                    .episodes = {},
-                    .exit_code = {},
-                    .trouble = {}};
+  KindResult result{
+      .name = kind.name, .allowed = kind.allowed, .episodes = {}, .exit_code = {}, .trouble = {}};
   std::vector<Marks> all;
   Rig rig(
       bench,
@@ -105,15 +101,8 @@ KindResult run_kind(Workbench& bench, const Kind& kind, int number, const TableO
     result.trouble = error.what();
   }
   const Trace trace = rig.relay().look([](const Trace& seen) { return seen; });
-  std::int64_t longest = 0;
-  for (const RunTrace& run : trace.runs) {
-    longest = std::max(longest, static_cast<std::int64_t>(run.frame.size()));
-  }
-  const std::vector<Accelerations> passive = bench.passive(longest);
-  if (!options.samples.empty()) write_samples(options.samples, kind.name, trace, passive);
-  for (const Marks& marks : all) {
-    result.episodes.push_back(judge(trace, passive, kind, marks, bench.rate_hz()));
-  }
+  if (!options.samples.empty()) write_samples(options.samples, kind.name, trace, bench);
+  for (const Marks& marks : all) result.episodes.push_back(judge(bench, trace, kind, marks));
   return result;
 }
 

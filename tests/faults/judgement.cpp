@@ -53,25 +53,53 @@ std::int64_t recovery(const std::vector<StatusAt>& statuses, const Marks& marks)
   return std::max<std::int64_t>(0, active_again->sample - from);
 }
 
-/// Peak of the active frame over the passive one in the samples of the episode.
-void compare(const Trace& trace, const std::vector<Accelerations>& passive, const Marks& marks,
-             Episode& episode) {
-  Accelerations active{}, same{};
-  for (std::size_t run = marks.before.run - 1; run < marks.end.run; ++run) {
-    const std::int64_t begin = run + 1 == marks.before.run ? marks.before.sample : 0;
-    const std::int64_t end =
-        run + 1 == marks.end.run ? marks.end.sample : trace.runs[run].frame.size();
-    const Accelerations here = peak(trace.runs[run].frame, begin, end);
-    const Accelerations there = peak(passive, begin, end);
-    for (std::size_t i = 0; i < active.size(); ++i) {
-      active[i] = std::max(active[i], here[i]);
-      same[i] = std::max(same[i], there[i]);
-    }
+/// The peaks of an episode. It may reach from one plant process into the next.
+struct Peaks {
+  Accelerations active{}, passive{}, left{};  ///< left: to itself, with the force that it had
+  double model_error = 0;                     ///< of the frame that left is computed with
+};
+
+void raise(Accelerations& largest, const Accelerations& peak) {
+  for (std::size_t i = 0; i < largest.size(); ++i) largest[i] = std::max(largest[i], peak[i]);
+}
+
+/// Largest difference in samples [0, end) over the peak there.
+double difference(const std::vector<Accelerations>& a, const std::vector<Accelerations>& b,
+                  std::int64_t end) {
+  std::vector<Accelerations> error(a.begin(), a.begin() + end);
+  for (std::size_t k = 0; k < error.size(); ++k) {
+    for (std::size_t i = 0; i < error[k].size(); ++i) error[k][i] -= b[k][i];
   }
-  const auto n = static_cast<std::int64_t>(passive.size());
-  episode.over_peak = largest_ratio(active, peak(passive, 0, n));
-  episode.over_same = largest_ratio(active, same);
-  episode.over_rms = largest_ratio(active, rms(passive));
+  return largest_ratio(peak(error, 0, end), peak(a, 0, end));
+}
+
+Peaks peaks(Workbench& bench, const Trace& trace, const Marks& marks) {
+  Peaks result;
+  for (std::size_t run = marks.before.run - 1; run < marks.end.run; ++run) {
+    const RunTrace& seen = trace.runs[run];
+    const bool first = run + 1 == marks.before.run, last = run + 1 == marks.end.run;
+    const std::int64_t begin = first ? marks.before.sample : 0;
+    const auto end = last ? marks.end.sample : static_cast<std::int64_t>(seen.frame.size());
+    const auto left = bench.held_from(seen.applied, begin, end);
+    raise(result.active, peak(seen.frame, begin, end));
+    raise(result.passive, peak(bench.passive(end), begin, end));
+    raise(result.left, peak(left, begin, end));
+    if (first) result.model_error = difference(left, seen.frame, begin);
+  }
+  return result;
+}
+
+void compare(Workbench& bench, const Trace& trace, const Marks& marks, Episode& episode) {
+  const Peaks found = peaks(bench, trace, marks);
+  const Accelerations minute =
+      peak(bench.passive(Workbench::n_reference), 0, Workbench::n_reference);
+  Accelerations either = minute;
+  raise(either, found.left);
+  episode.over_passive = largest_ratio(found.active, either);
+  episode.over_minute = largest_ratio(found.active, minute);
+  episode.over_same = largest_ratio(found.active, found.passive);
+  episode.over_left = largest_ratio(found.active, found.left);
+  episode.model_error = found.model_error;
 }
 
 /// By how many periods the latest sample from mark to mark came later than the most punctual one.
@@ -101,37 +129,40 @@ void count(const std::vector<StatusAt>& statuses, const Kind& kind, const Marks&
            Episode& episode) {
   const controller_status_t &first = statuses.front().status, &last = statuses.back().status;
   const RelayCounts &before = marks.before.counts, &after = marks.end.counts;
+  const std::int64_t n_corrupted = after.n_corrupted - before.n_corrupted;
   switch (kind.counted) {
     case Counted::nothing:
-      break;
+      return;
     case Counted::measurements_lost:
       episode.n_inflicted = after.measurements.n_lost - before.measurements.n_lost;
       episode.n_counted = last.n_lost - first.n_lost;
-      break;
+      // For each that is lost there is a period without one, or a period that was skipped.
+      episode.n_at_most = last.n_missing - first.n_missing + last.n_late - first.n_late;
+      return;
     case Counted::messages_bad:
-      episode.n_inflicted = after.n_corrupted - before.n_corrupted;
+      episode.n_inflicted = n_corrupted;
       episode.n_counted = last.n_bad_messages - first.n_bad_messages;
       break;
     case Counted::duplicates:
-      episode.n_inflicted = after.n_corrupted - before.n_corrupted +
-                            after.measurements.n_duplicated - before.measurements.n_duplicated +
-                            after.measurements.n_reordered - before.measurements.n_reordered;
+      episode.n_inflicted = n_corrupted + after.measurements.n_duplicated -
+                            before.measurements.n_duplicated + after.measurements.n_reordered -
+                            before.measurements.n_reordered;
       episode.n_counted = last.n_duplicate - first.n_duplicate;
       break;
   }
+  episode.n_at_most = episode.n_inflicted;
 }
 
 }  // namespace
 
-Episode judge(const Trace& trace, const std::vector<Accelerations>& passive, const Kind& kind,
-              const Marks& marks, double rate_hz) {
+Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Marks& marks) {
   const std::vector<StatusAt> statuses = during(trace, marks);
   Episode episode;
   episode.seed = marks.seed;
   episode.outcome = outcome(statuses, marks);
   episode.recovery = recovery(statuses, marks);
-  episode.disturbed = !kind.stops_time && is_disturbed(trace, statuses, marks, rate_hz);
-  compare(trace, passive, marks, episode);
+  episode.disturbed = !kind.stops_time && is_disturbed(trace, statuses, marks, bench.rate_hz());
+  compare(bench, trace, marks, episode);
   count(statuses, kind, marks, episode);
   return episode;
 }

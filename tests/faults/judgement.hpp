@@ -25,7 +25,6 @@ struct Marks {
 };
 
 /// What an episode was, from all that the relay saw.
-Episode judge(const Trace& trace, const std::vector<Accelerations>& passive, const Kind& kind,
-              const Marks& marks, double rate_hz);
+Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Marks& marks);
 
 }  // namespace stillframe::faults

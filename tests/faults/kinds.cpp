@@ -99,8 +99,12 @@ void nothing_wrong(Stage& stage) { stage.rig.wait_samples(n_samples); }
 const std::vector<std::string> unmoved{"active"};
 const std::vector<std::string> ridden_out{"active", "resumed"};
 const std::vector<std::string> silent{"silence"};
+const std::vector<std::string> passing{"active", "resumed", "silence", "losses", "suspended"};
 
-void add_wires(std::vector<Kind>& kinds) {
+}  // namespace
+
+std::vector<Kind> wire_kinds() {
+  std::vector<Kind> kinds;
   using enum Counted;
   kinds.push_back({"no fault", unmoved, nothing_wrong, measurements_lost});
   // Ten losses in a row within 400 samples: once in 1e17 episodes at 1 %, in 3e7 at 10 %; at 50 %
@@ -115,9 +119,11 @@ void add_wires(std::vector<Kind>& kinds) {
   kinds.push_back({"jitter up to 5 periods", {"active", "resumed", "silence"}, jitter});
   kinds.push_back({"30 % twice", unmoved, both_ways({.duplication = 0.3}), duplicates});
   kinds.push_back({"30 % out of order", unmoved, both_ways({.reordering = 0.3}), duplicates});
+  return kinds;
 }
 
-void add_processes(std::vector<Kind>& kinds) {
+std::vector<Kind> process_kinds() {
+  std::vector<Kind> kinds;
   kinds.push_back({.name = "plant stopped 0.4 s",
                    .allowed = silent,
                    .inflict = stop_plant,
@@ -138,25 +144,25 @@ void add_processes(std::vector<Kind>& kinds) {
                    .stops_time = true});
   kinds.push_back({.name = "second controller", .allowed = unmoved, .inflict = second_controller});
   kinds.push_back({.name = "overload at the loop's priority",
-                   .allowed = {"active", "resumed", "silence", "losses", "suspended"},
+                   .allowed = passing,
                    .inflict = overload,
                    .alone = true});
-  kinds.push_back({.name = "processor hogs",
-                   .allowed = {"active", "resumed", "silence", "losses", "suspended"},
-                   .inflict = hogs,
-                   .alone = true});
+  kinds.push_back({.name = "processor hogs", .allowed = passing, .inflict = hogs, .alone = true});
   kinds.push_back({.name = "clock stepped by an hour",
                    .allowed = unmoved,
                    .inflict = nothing_wrong,
                    .controller_prefix = {"env", std::string("LD_PRELOAD=") + CLOCK_STEPS}});
+  return kinds;
 }
 
-void add_corruptions(std::vector<Kind>& kinds) {
+std::vector<Kind> corruption_kinds() {
+  std::vector<Kind> kinds;
   using enum Corruption;
   kinds.push_back({"wrong size", silent, corrupted(wrong_size), Counted::messages_bad});
   kinds.push_back({"truncated", silent, corrupted(truncated), Counted::messages_bad});
   kinds.push_back({"of another run, beside", unmoved, corrupted(other_run), Counted::messages_bad});
   kinds.push_back({"replayed, beside", unmoved, corrupted(replayed), Counted::duplicates});
+  kinds.push_back({"of a later sample, beside", unmoved, corrupted(later), Counted::duplicates});
   kinds.push_back({"not finite 0.4 s", silent, corrupted(not_finite)});
   kinds.push_back(
       {"not finite 1.3 s", {"not_finite, latched"}, corrupted(not_finite, n_samples_long)});
@@ -164,15 +170,14 @@ void add_corruptions(std::vector<Kind>& kinds) {
   kinds.push_back(
       {"out of range 1.3 s", {"out_of_range, latched"}, corrupted(out_of_range, n_samples_long)});
   kinds.push_back({"one sensor frozen", {"frozen, latched"}, corrupted(frozen)});
+  return kinds;
 }
 
-}  // namespace
-
 std::vector<Kind> all_kinds() {
-  std::vector<Kind> kinds;
-  add_wires(kinds);
-  add_corruptions(kinds);
-  add_processes(kinds);
+  std::vector<Kind> kinds = wire_kinds();
+  for (const auto& more : {corruption_kinds(), process_kinds()}) {
+    kinds.insert(kinds.end(), more.begin(), more.end());
+  }
   return kinds;
 }
 

@@ -41,6 +41,10 @@ struct Kind {
   std::vector<std::string> controller_prefix = {};
 };
 
+/// The rows: what happens on the wire, to the values of measurements, and to the processes.
+std::vector<Kind> wire_kinds();
+std::vector<Kind> corruption_kinds();
+std::vector<Kind> process_kinds();
 /// All rows, in the order of the table.
 std::vector<Kind> all_kinds();
 

@@ -23,7 +23,7 @@ void write(std::ostream& out, const Values& values) {
 }  // namespace
 
 void write_samples(const std::filesystem::path& folder, const std::string& name, const Trace& trace,
-                   const std::vector<Accelerations>& passive) {
+                   Workbench& bench) {
   const std::filesystem::path file = folder / (name + ".csv");
   std::ofstream out(file);
   write_header(out);
@@ -31,6 +31,7 @@ void write_samples(const std::filesystem::path& folder, const std::string& name,
   std::int32_t state = 0;
   for (std::size_t run = 0; run < trace.runs.size(); ++run) {
     const RunTrace& samples = trace.runs[run];
+    const auto passive = bench.passive(static_cast<std::int64_t>(samples.frame.size()));
     for (std::size_t k = 0; k < samples.frame.size(); ++k) {
       for (; next < trace.statuses.size(); ++next) {
         const StatusAt& at = trace.statuses[next];

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "tests/faults/trace.hpp"
+#include "tests/faults/workbench.hpp"
 
 namespace stillframe::faults {
 
@@ -12,6 +12,6 @@ namespace stillframe::faults {
 /// controller (controller_status_t), the active and the passive frame's accelerations, m/s^2, and
 /// the forces that were applied, N. Errors: std::runtime_error.
 void write_samples(const std::filesystem::path& folder, const std::string& name, const Trace& trace,
-                   const std::vector<Accelerations>& passive);
+                   Workbench& bench);
 
 }  // namespace stillframe::faults

@@ -56,28 +56,40 @@ std::vector<std::string> failures(const KindResult& result) {
     if (!allowed && (!episode.disturbed || is_latched(episode.outcome))) {
       all.push_back(where + "the outcome was '" + episode.outcome + "'");
     }
-    // The frame is never driven harder than it would be without control; NaN fails as well.
-    if (!(episode.over_peak <= 1)) {
-      all.push_back(where + "peak active over passive " + shown("%.3f", episode.over_peak));
+    // The frame is never driven harder than it would be without control; NaN fails as well. That
+    // it is let go of within a second, and not at once, moves it by up to 0.75 % of the floor's
+    // acceleration (docs/safety.md): the hundredth.
+    if (!(episode.over_passive <= 1.01)) {
+      all.push_back(where + "peak active over passive " + shown("%.3f", episode.over_passive));
     }
-    if (result.counts && !episode.disturbed && episode.n_inflicted != episode.n_counted) {
+    // The model is linear and exact, the plant's integrator errs by 1e-5 within a sample.
+    if (!(episode.model_error < 0.01)) {
+      all.push_back(where + "the frame left to itself is not that of the plant: " +
+                    shown("%.3g", episode.model_error));
+    }
+    if (episode.n_counted < episode.n_inflicted || episode.n_counted > episode.n_at_most) {
       all.push_back(where + "the relay made " + std::to_string(episode.n_inflicted) +
-                    ", the controller counted " + std::to_string(episode.n_counted));
+                    ", the controller counted " + std::to_string(episode.n_counted) + ", at most " +
+                    std::to_string(episode.n_at_most) + " are due to the machine");
     }
   }
+  // The controller's word for a plant that failed.
+  if (result.exit_code != 4) all.push_back(result.name + ": the controller did not end with 4");
   return all;
 }
 
 std::string markdown(const std::vector<KindResult>& results) {
   std::string text =
       "| fault | outcome of the episodes | active again after, samples: median, longest | peak "
-      "over passive peak | over passive peak in the same samples | over passive rms |\n"
-      "|---|---|---|---|---|---|\n";
+      "over passive | over always passive, a minute | the same, same samples | over left to "
+      "itself |\n|---|---|---|---|---|---|---|\n";
   for (const KindResult& result : results) {
-    text += "| " + result.name + " | " + outcomes(result) + " | " + recoveries(result) + " | " +
-            shown("%.2f", largest(result, &Episode::over_peak)) + " | " +
-            shown("%.2f", largest(result, &Episode::over_same)) + " | " +
-            shown("%.2f", largest(result, &Episode::over_rms)) + " |\n";
+    text += "| " + result.name + " | " + outcomes(result) + " | " + recoveries(result);
+    for (const auto member : {&Episode::over_passive, &Episode::over_minute, &Episode::over_same,
+                              &Episode::over_left}) {
+      text += " | " + shown("%.2f", largest(result, member));
+    }
+    text += " |\n";
   }
   return text;
 }
@@ -90,12 +102,15 @@ nlohmann::json to_json(const std::vector<KindResult>& results) {
       episodes.push_back({{"seed", episode.seed},
                           {"outcome", episode.outcome},
                           {"recovery_samples", episode.recovery},
-                          {"over_peak", episode.over_peak},
+                          {"over_passive", episode.over_passive},
+                          {"over_minute", episode.over_minute},
                           {"over_same_samples", episode.over_same},
-                          {"over_rms", episode.over_rms},
+                          {"over_left", episode.over_left},
+                          {"model_error", episode.model_error},
                           {"disturbed", episode.disturbed},
                           {"n_inflicted", episode.n_inflicted},
-                          {"n_counted", episode.n_counted}});
+                          {"n_counted", episode.n_counted},
+                          {"n_at_most", episode.n_at_most}});
     }
     rows.push_back({{"name", result.name},
                     {"allowed", result.allowed},

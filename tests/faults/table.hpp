@@ -13,8 +13,8 @@ namespace stillframe::faults {
 std::vector<std::string> failures(const KindResult& result);
 
 /// The rows as a table in Markdown, and as JSON: name, allowed, exit_code, trouble, and for every
-/// episode seed, outcome, recovery_samples, over_peak, over_same_samples, over_rms, disturbed,
-/// n_inflicted and n_counted.
+/// episode seed, outcome, recovery_samples, over_passive, over_minute, over_same_samples,
+/// over_left, model_error, disturbed, n_inflicted, n_counted and n_at_most.
 std::string markdown(const std::vector<KindResult>& results);
 nlohmann::json to_json(const std::vector<KindResult>& results);
 

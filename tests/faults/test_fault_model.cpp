@@ -138,6 +138,7 @@ stillframe_msgs::measurement_t measurement(std::int64_t seq) {
   stillframe_msgs::measurement_t message{};
   message.run_id = 5;
   message.seq = seq;
+  message.time_ns = seq * period_ns;
   message.n_legs = 2;
   message.sigma = {static_cast<double>(seq), -static_cast<double>(seq)};
   message.applied_force = {1, 2};
@@ -183,6 +184,12 @@ TEST(Corruptor, DamagesWhatItSays) {
   ASSERT_EQ(both.size(), 2u);
   EXPECT_EQ(both[0].run_id, 6);
   EXPECT_EQ(both[1].run_id, 5);
+  corruptor.begin(Corruption::later, 0);
+  const auto later = corrupted(corruptor, 8);
+  ASSERT_EQ(later.size(), 2u);
+  EXPECT_EQ(later[0].seq, 5008);
+  EXPECT_EQ(later[0].time_ns, 5008 * period_ns);
+  EXPECT_EQ(later[1].seq, 8);
 }
 
 TEST(Corruptor, ReplaysWhatWasThere) {

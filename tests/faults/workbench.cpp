@@ -82,4 +82,10 @@ std::vector<Accelerations> Workbench::passive(std::int64_t n) {
   return {all.begin(), all.begin() + n};
 }
 
+std::vector<Accelerations> Workbench::held_from(const std::vector<Forces>& applied,
+                                                std::int64_t from, std::int64_t n) {
+  const std::lock_guard lock(mutex_);
+  return passive_->held_from(applied, from, n);
+}
+
 }  // namespace stillframe::faults

@@ -28,8 +28,14 @@ class Workbench {
   std::filesystem::path gains() const { return folder_ / "gains.yaml"; }
   double rate_hz() const { return 1000; }
 
+  /// Length of the passive run whose peak everything is compared with: the same for every fault.
+  static constexpr std::int64_t n_reference = 60'000;
+
   /// The first n samples of the passive frame, from any thread.
   std::vector<Accelerations> passive(std::int64_t n);
+  /// As PassiveFrame::held_from, from any thread.
+  std::vector<Accelerations> held_from(const std::vector<Forces>& applied, std::int64_t from,
+                                       std::int64_t n);
 
  private:
   std::filesystem::path folder_;

@@ -72,9 +72,9 @@ class FakeController {
     if (request->run_id != 0 && request->run_id != status_.run_id) return;
     if (static_cast<int>(heard_.size()) <= deaf_to_) return;
     status_.nonce = request->nonce;
+    status_.answer = answer_;
     lcm_->publish(channels::status, &status_);  // as it takes it; what comes of it is said later
     if (answer_.empty()) status_.state = controller_status_t::RAMP_OUT;
-    status_.answer = answer_;
   }
 
   std::unique_ptr<lcm::LCM> lcm_;
@@ -129,7 +129,10 @@ TEST_F(Ctl, EachRequestIsSentByItsNumberUntilItIsTaken) {
       {"reset", control_request_t::RESET}};
   std::set<std::int64_t> nonces;
   for (const auto& [action, number] : requests) {
-    FakeController controller(some_status(7), "", 2);
+    controller_status_t before = some_status(7);
+    before.nonce = 5;  // of another asker
+    before.answer = "what another asker was told";
+    FakeController controller(before, "", 2);
     const auto status = json({"ctl", action, "--timeout", "60"});
     EXPECT_EQ(status.at("answer"), "");
     EXPECT_EQ(status.at("state"), "ramp_out");  // the state after it
@@ -176,8 +179,10 @@ TEST_F(Ctl, NobodyIsExitCode4) {
   FakeController controller(some_status(7), "", 1000000);
   expect_refused({"ctl", "stop", "--timeout", "1"}, 4,
                  "the controller of run 7 did not take the request within 1 s");
-  expect_refused({"ctl", "stop", "--run-id", "9", "--timeout", "1"}, 4,
-                 "no controller of run 9 heard within 1 s, only one of run 7");
+  for (const char* action : {"status", "stop"}) {
+    expect_refused({"ctl", action, "--run-id", "9", "--timeout", "1"}, 4,
+                   "no controller of run 9 heard within 1 s, only one of run 7");
+  }
 }
 
 TEST_F(Ctl, BadUsageIsExitCode2) {

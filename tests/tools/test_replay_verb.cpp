@@ -122,6 +122,7 @@ TEST_F(Replay, RepeatsCountOnce) {
     repeated.push_back(logged);
   }
   expect_same(repeated, 50);
+  EXPECT_EQ(result_of(repeated, 0).at("n_other"), 0);
 }
 
 TEST_F(Replay, APassiveRunIsZeroForce) { expect_same(lock_step_log(50, 7, "passive"), 50); }
