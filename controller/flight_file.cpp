@@ -43,7 +43,7 @@ class LogWriter {
 }  // namespace
 
 void write_flight_file(const std::filesystem::path& file, const stillframe_msgs::run_info_t& info,
-                       const FlightRecorder& recorder) {
+                       const FlightRecorder& recorder, const std::string& policy_text) {
   const std::filesystem::path part = file.string() + ".part";
   const auto records = recorder.records();
   const auto checkpoints = recorder.checkpoints();
@@ -57,7 +57,7 @@ void write_flight_file(const std::filesystem::path& file, const stillframe_msgs:
            ++checkpoint) {
         if ((*checkpoint)->period < records.front()->period) continue;
         log.write(channels::checkpoint, record->wake_up_ns,
-                  to_message(**checkpoint, info.run_id, 0));
+                  to_message(**checkpoint, info.run_id, 0, policy_text));
       }
       stillframe_msgs::loop_records_t message;
       message.run_id = info.run_id;

@@ -11,6 +11,6 @@ namespace stillframe::controller {
 /// and records in the order of their periods. The file appears whole or not at all. Set-up.
 /// Errors: InputError if it cannot be written.
 void write_flight_file(const std::filesystem::path& file, const stillframe_msgs::run_info_t& info,
-                       const FlightRecorder& recorder);
+                       const FlightRecorder& recorder, const std::string& policy_text);
 
 }  // namespace stillframe::controller

@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include "controller/gains.hpp"
@@ -169,6 +171,13 @@ void say_counters(const LoopCounters& counters) {
   }
 }
 
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
 /// Session after session, as long as the plant begins anew.
 class WallClock {
  public:
@@ -183,6 +192,7 @@ class WallClock {
                         .phase = options.phase,
                         .any_run = !options.run_id,
                         .flight_folder = options.flight_folder,
+                        .policy_text = options.policy ? text_of(*options.policy) : "",
                         .say = [](const std::string& text) { spdlog::info(text); },
                         .warn = [](const std::string& text) { spdlog::warn(text); }};
     if (keyboard_.is_there()) spdlog::info("keys: s start, x stop, r reset, Ctrl-C end");

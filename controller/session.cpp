@@ -48,7 +48,7 @@ Session::Session(LcmIo& io, const Gains& gains, const Policy& policy, const Pres
             Supervisor(law_from_gains(gains), policy, gains.sample_rate_hz, gains.force_limit_n,
                        io.run_info().loop != "passive"),
             policy, setting_of(gains, options.phase, start_ns)),
-      telemetry_(io, loop_, stream_, presence),
+      telemetry_(io, loop_, stream_, presence, options.policy_text),
       alive_ns_(monotonic_ns()) {}
 
 Outcome Session::run() {
@@ -190,7 +190,7 @@ void Session::write_flight() {
            ("flight-" + std::to_string(io_.run_info().run_id) + "-" + std::to_string(n) + ".lcm");
   }
   try {
-    write_flight_file(file, io_.run_info(), loop_.flight());
+    write_flight_file(file, io_.run_info(), loop_.flight(), options_.policy_text);
     options_.warn("flight record: " + file.string());
   } catch (const InputError& error) {
     options_.warn(error.what());

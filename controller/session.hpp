@@ -26,6 +26,7 @@ struct SessionOptions {
   double phase = 0.5;     ///< of the deadlines in a sample
   bool any_run = true;    ///< another run may take the place of one that is silent
   std::filesystem::path flight_folder;
+  std::string policy_text;  ///< of the policy file, empty without one
   std::function<void(const std::string&)> say, warn;
 };
 

@@ -50,8 +50,9 @@ loop_record_t to_message(const LoopRecord& record) {
 }
 
 loop_checkpoint_t to_message(const LoopCheckpoint& checkpoint, std::int64_t run_id,
-                             std::int64_t instance) {
+                             std::int64_t instance, const std::string& policy_text) {
   loop_checkpoint_t message;
+  message.policy_text = policy_text;
   message.run_id = run_id;
   message.instance = instance;
   message.period = checkpoint.period;
@@ -83,13 +84,15 @@ LoopRecord from_message(const loop_record_t& message) {
   return record;
 }
 
-Telemetry::Telemetry(LcmIo& io, Loop& loop, const LcmStream& stream, const Presence& presence)
-    : io_(io), loop_(loop), stream_(stream), presence_(presence) {}
+Telemetry::Telemetry(LcmIo& io, Loop& loop, const LcmStream& stream, const Presence& presence,
+                     const std::string& policy_text)
+    : io_(io), loop_(loop), stream_(stream), presence_(presence), policy_text_(policy_text) {}
 
 void Telemetry::publish_records() {
   const std::int64_t run_id = io_.run_info().run_id;
   while (const LoopCheckpoint* checkpoint = loop_.checkpoints().oldest()) {
-    io_.publish(channels::checkpoint, to_message(*checkpoint, run_id, presence_.instance()));
+    io_.publish(channels::checkpoint,
+                to_message(*checkpoint, run_id, presence_.instance(), policy_text_));
     loop_.checkpoints().pop();
   }
   loop_records_t message;

@@ -14,7 +14,8 @@ namespace stillframe::controller {
 /// The messages of records and checkpoints. Set-up.
 stillframe_msgs::loop_record_t to_message(const LoopRecord& record);
 stillframe_msgs::loop_checkpoint_t to_message(const LoopCheckpoint& checkpoint, std::int64_t run_id,
-                                              std::int64_t instance);
+                                              std::int64_t instance,
+                                              const std::string& policy_text);
 /// The way back, for replay; the vectors get their sizes from the message.
 LoopRecord from_message(const stillframe_msgs::loop_record_t& message);
 
@@ -27,8 +28,9 @@ struct LastRequest {
 /// Tells the bus what the loop does, from a thread that may be slow. Set-up.
 class Telemetry {
  public:
-  /// All outlive the telemetry.
-  Telemetry(LcmIo& io, Loop& loop, const LcmStream& stream, const Presence& presence);
+  /// All outlive the telemetry. policy_text: of the policy file, for replay.
+  Telemetry(LcmIo& io, Loop& loop, const LcmStream& stream, const Presence& presence,
+            const std::string& policy_text);
 
   /// Publishes the records and checkpoints that wait, in their order.
   void publish_records();
@@ -39,6 +41,7 @@ class Telemetry {
   Loop& loop_;
   const LcmStream& stream_;
   const Presence& presence_;
+  const std::string& policy_text_;
 };
 
 }  // namespace stillframe::controller

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "msgs/channels.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -21,7 +22,10 @@ void copy(const Eigen::VectorXd& from, std::int32_t& count, std::vector<double>&
 }  // namespace
 
 PlantLink::PlantLink(const std::string& url, run_info_t info)
-    : lcm_(open_lcm(url)), info_(std::move(info)), commands_(info_.n_legs) {
+    : lcm_(open_lcm(url)),
+      info_(std::move(info)),
+      last_allowed_(info_.mode == "wall_clock" ? -1 : std::numeric_limits<std::int64_t>::max()),
+      commands_(info_.n_legs) {
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
   // so.
   lcm_->subscribe(channels::command, &PlantLink::on_command, this)->setQueueCapacity(4096);

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <lcm/lcm-cpp.hpp>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,7 +54,7 @@ class PlantLink {
   std::int64_t command_seq() const { return commands_.seq(); }
   const Eigen::VectorXd& command_force() const { return commands_.force(); }
   /// Refuses commands of samples after k, which are yet to come by the clock: they belong to
-  /// another run of the same number.
+  /// another run of the same number. A wall-clock run begins with refusing all.
   void refuse_after(std::int64_t k) { last_allowed_ = k; }
   /// How many commands were heard that were new.
   std::int64_t n_commands() const { return n_commands_; }
@@ -79,7 +78,7 @@ class PlantLink {
   std::vector<std::uint8_t> measurement_bytes_;
   bool controller_ready_ = false;
   std::string controller_failure_;
-  std::int64_t last_allowed_ = std::numeric_limits<std::int64_t>::max();
+  std::int64_t last_allowed_;
   std::int64_t n_commands_ = 0, n_malformed_ = 0, n_duplicate_ = 0;
   CommandTrack commands_;
 };

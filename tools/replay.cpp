@@ -23,6 +23,18 @@ controller::Gains gains_of(const Options& options, const ReplayLog& log) {
   return controller::parse_gains(log.info.gains_text, options.log.string() + ": gains_text");
 }
 
+controller::Policy policy_of(const Options& options, const ReplayLog& log) {
+  if (options.policy) return controller::read_policy(*options.policy);
+  for (const LoopSession& session : log.sessions) {
+    if (session.checkpoints.empty()) continue;
+    const std::string& text = session.checkpoints.begin()->second.policy_text;
+    if (!text.empty()) {
+      return controller::parse_policy(text, options.log.string() + ": policy_text");
+    }
+  }
+  return {};
+}
+
 Json to_json(const ReplayLog& log, const ReplayResult& result) {
   Json first = nullptr;
   if (result.first) {
@@ -86,8 +98,7 @@ std::string to_text(const ReplayLog& log, const ReplayResult& result) {
 int run(const Options& options) {
   const ReplayLog log = read_replay_log(options.log, options.run_id);
   const controller::Gains gains = gains_of(options, log);
-  const controller::Policy policy =
-      options.policy ? controller::read_policy(*options.policy) : controller::Policy{};
+  const controller::Policy policy = policy_of(options, log);
   const bool wall_clock = log.info.mode == "wall_clock";
   const ReplayResult result =
       wall_clock ? replay_wall_clock(log, gains, policy) : replay_lock_step(log, gains);
@@ -99,12 +110,7 @@ int run(const Options& options) {
   } else {
     std::cout << to_text(log, result);
   }
-  if (!result.first) return exit_done;
-  if (wall_clock && !options.policy) {
-    std::cerr << "stillframe: note: compared with the default policy; if the controller had a "
-                 "--policy, replay needs the same\n";
-  }
-  return exit_failed;
+  return result.first ? exit_failed : exit_done;
 }
 
 }  // namespace
@@ -119,7 +125,7 @@ void add_replay(CLI::App& app, int& exit_code) {
   verb->add_option("--gains", options->gains, "Gains file (default: the gains in the log)")
       ->type_name("FILE");
   verb->add_option("--policy", options->policy,
-                   "Policy file that the controller of a wall-clock run had (default: none)")
+                   "Policy file of a wall-clock run (default: the policy in the log)")
       ->type_name("FILE");
   verb->add_option("--run-id", options->run_id, "Which run, if the log holds several")
       ->type_name("ID");

@@ -18,7 +18,8 @@ namespace stillframe::controller::toy {
 class Rig {
  public:
   explicit Rig(const Policy& policy = {}, bool active = true, const Gains& gains = toy::gains(5))
-      : gains_(gains),
+      : period_ns(std::llround(1e9 / gains.sample_rate_hz)),
+        gains_(gains),
         io_(gains.n_legs()),
         supervisor_(law_from_gains(gains), policy, gains.sample_rate_hz, gains.force_limit_n,
                     active),
@@ -48,7 +49,7 @@ class Rig {
     if (!wire || wire(sent)) io_.put(sent);
     sent_any = false;
     ++unheard_;
-    if (awake) loop_.period(k_ * period_ns + period_ns / 2 + 20'000);
+    if (awake) loop_.period(k_ * period_ns + period_ns / 2 + period_ns / 50);
     while (io_.take(command_)) {
       sent_any = true;
       unheard_ = 0;
@@ -90,7 +91,7 @@ class Rig {
   const Supervisor& supervisor() const { return supervisor_; }
   std::int64_t k() const { return k_; }
 
-  static constexpr std::int64_t period_ns = 1'000'000;
+  const std::int64_t period_ns;
   double damping = 1 - 1.8e-3;  ///< of the velocity, a sample: about 2 % at 13.9 Hz
   double peak = 0;              ///< of sigma, and so of the frame's acceleration
   double largest_jump = 0;      ///< of the force between two commands

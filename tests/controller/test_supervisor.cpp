@@ -36,13 +36,37 @@ TEST(Supervisor, ArmsRampsInAndIsolates) {
   EXPECT_EQ(rig.force(), VectorXd::Zero(4));
   ASSERT_TRUE(rig.reaches(State::ramp_in, 600));
   const std::int64_t began = rig.k();
+  rig.steps(20);
+  const double at_first = rig.force().norm();  // w = s(0.02) = 8e-5
   ASSERT_TRUE(rig.reaches(State::active, 1100));
   EXPECT_NEAR(static_cast<double>(rig.k() - began), 1000, 2);  // ramp_in_s, one sample each way
+  EXPECT_LT(at_first, 1e-3 * rig.force().norm());
   rig.peak = 0;
   rig.steps(4000);
   EXPECT_EQ(rig.state(), State::active);
   EXPECT_LT(rig.peak, 0.3 * toy::passive_peak(to_active + 4000));
 }
+
+// From 100 Hz to 20 kHz, in the same seconds.
+class SupervisorRates : public testing::TestWithParam<double> {};
+
+TEST_P(SupervisorRates, ArmsRampsHoldsFadesAndComesBack) {
+  // At 100 Hz the modes of the toy need a target that the delay leaves stable.
+  const Gains gains = toy::gains(GetParam() < 500 ? 13 : 5, GetParam());
+  Rig rig({}, true, gains);
+  const auto samples = [&](double seconds) { return static_cast<int>(seconds * GetParam()) + 2; };
+  ASSERT_TRUE(rig.reaches(State::active, samples(1.5)));
+  rig.steps(10, toy::nothing);
+  EXPECT_EQ(rig.state(), State::active);
+  rig.step(toy::nothing);
+  EXPECT_EQ(rig.state(), State::fading);
+  EXPECT_TRUE(rig.reaches(State::fault, samples(1), toy::nothing));
+  EXPECT_TRUE(rig.reaches(State::active, samples(1.6)));
+  EXPECT_EQ(rig.loop().counters().n_late, 0);
+  EXPECT_EQ(rig.loop().counters().n_lost, rig.loop().counters().n_missing);
+}
+
+INSTANTIATE_TEST_SUITE_P(Hz, SupervisorRates, testing::Values(100, 1000, 5000, 20'000));
 
 TEST(Supervisor, StopRampsOutAndStartComesBack) {
   Rig rig;
@@ -255,6 +279,16 @@ TEST(Supervisor, TakesOverAForceThatIsThereSmoothly) {
   EXPECT_LT(rig.largest_jump, 2 * 15.0 / 8 * 1e-3 * 1.001);
 }
 
+TEST(Supervisor, TakesOverAForceThatItMeetsOnlyLate) {
+  Rig rig;
+  rig.steps(500, toy::nothing);
+  rig.step([](Measurement& m) {
+    m.applied.setConstant(2);
+    return true;
+  });
+  EXPECT_GT(rig.force().minCoeff(), 1.9);
+}
+
 TEST(Supervisor, RejoinsOnlySoOftenAMinute) {
   Policy policy;
   policy.rejoins_a_minute = 2;
@@ -286,6 +320,11 @@ TEST(Supervisor, ALawThatOverflowsIsLetGo) {
   EXPECT_EQ(rig.fault(), Fault::law_not_finite);
   EXPECT_TRUE(rig.force().allFinite());
   EXPECT_TRUE(rig.latched());
+  rig.steps(1100);
+  rig.loop().request(Request::reset);
+  rig.step();
+  rig.loop().request(Request::start);
+  EXPECT_TRUE(rig.reaches(State::active, to_active));
 }
 
 TEST(Supervisor, MemoryIsAllThatCounts) {
@@ -311,7 +350,8 @@ TEST(Supervisor, MemoryIsAllThatCounts) {
     }
     m.seq = k;
     m.time_ns = k * 1'000'000LL;
-    m.sigma = m.sigma.unaryExpr([&](double x) { return 0.9 * x + 0.1 * normal(random); });
+    // About an offset of 3 N, which arming takes out.
+    m.sigma = m.sigma.unaryExpr([&](double x) { return 0.9 * x + 0.3 + 0.01 * normal(random); });
     m.applied = a.force;
     const bool silent = k > 5000 && k < 6300;
     const bool have = !silent && !loses(random);

@@ -52,7 +52,8 @@ struct TableOptions {
 /// Runs one plant and controller through a fault once for each seed. number: which ports it takes.
 KindResult run_kind(Workbench& bench, const Kind& kind, int number, const TableOptions& options);
 
-/// Runs kinds side by side, at most three at once, and those that want to be alone by themselves.
+/// Runs kinds side by side, at most three at once; those that want to be alone, and those that came
+/// to no end beside others, by themselves.
 std::vector<KindResult> run_kinds(Workbench& bench, const std::vector<Kind>& kinds,
                                   const TableOptions& options);
 

@@ -116,11 +116,12 @@ double lateness(const RunTrace& run, std::int64_t begin, std::int64_t end, doubl
   return latest - earliest;
 }
 
-bool is_disturbed(const Trace& trace, const std::vector<StatusAt>& statuses, const Marks& marks,
-                  double rate_hz) {
-  constexpr double few = 5;  // periods: half of what is held
-  const controller_status_t &first = statuses.front().status, &last = statuses.back().status;
-  if (static_cast<double>(last.n_late - first.n_late) > few) return true;
+bool is_disturbed(Workbench& bench, const Trace& trace, const Marks& marks) {
+  constexpr double few = 3;  // periods: with what a fault does itself still less than is held
+  const double rate_hz = bench.rate_hz();
+  if (bench.bystander().worst_s(marks.before.time_ns, marks.end.time_ns) * rate_hz > few) {
+    return true;
+  }
   return lateness(trace.runs[marks.before.run - 1], marks.before.sample, marks.end.sample,
                   rate_hz) > few;
 }
@@ -161,7 +162,7 @@ Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Mark
   episode.seed = marks.seed;
   episode.outcome = outcome(statuses, marks);
   episode.recovery = recovery(statuses, marks);
-  episode.disturbed = !kind.stops_time && is_disturbed(trace, statuses, marks, bench.rate_hz());
+  episode.disturbed = !kind.stops_time && is_disturbed(bench, trace, marks);
   compare(bench, trace, marks, episode);
   count(statuses, kind, marks, episode);
   return episode;

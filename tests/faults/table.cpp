@@ -22,12 +22,16 @@ std::string shown(const char* format, double value) {
 
 std::string outcomes(const KindResult& result) {
   std::map<std::string, int> times;
-  for (const Episode& episode : result.episodes) ++times[episode.outcome];
+  int disturbed = 0;
+  for (const Episode& episode : result.episodes) {
+    ++times[episode.outcome];
+    disturbed += episode.disturbed ? 1 : 0;
+  }
   std::string text;
   for (const auto& [outcome, n] : times) {
     text += (text.empty() ? "" : "; ") + std::to_string(n) + " " + outcome;
   }
-  return text;
+  return text + (disturbed > 0 ? " (" + std::to_string(disturbed) + " disturbed)" : "");
 }
 
 template <class Member>

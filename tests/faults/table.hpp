@@ -12,7 +12,8 @@ namespace stillframe::faults {
 /// machine disturbed is only asked to recover without a latched fault, and to keep its ratio.
 std::vector<std::string> failures(const KindResult& result);
 
-/// The rows as a table in Markdown, and as JSON: name, allowed, exit_code, trouble, and for every
+/// The rows as a table in Markdown ("disturbed": the machine itself was late meanwhile), and as
+/// JSON: name, allowed, exit_code, trouble, and for every
 /// episode seed, outcome, recovery_samples, over_passive, over_minute, over_same_samples,
 /// over_left, model_error, disturbed, n_inflicted, n_counted and n_at_most.
 std::string markdown(const std::vector<KindResult>& results);

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <vector>
 
+#include "tests/faults/bystander.hpp"
 #include "tests/faults/passive_frame.hpp"
 
 namespace stillframe::faults {
@@ -28,6 +29,9 @@ class Workbench {
   std::filesystem::path gains() const { return folder_ / "gains.yaml"; }
   double rate_hz() const { return 1000; }
 
+  /// The witness of what the machine does.
+  Bystander& bystander() { return bystander_; }
+
   /// Length of the passive run whose peak everything is compared with: the same for every fault.
   static constexpr std::int64_t n_reference = 60'000;
 
@@ -39,6 +43,7 @@ class Workbench {
 
  private:
   std::filesystem::path folder_;
+  Bystander bystander_;
   std::mutex mutex_;
   std::unique_ptr<PassiveFrame> passive_;
 };

@@ -164,6 +164,7 @@ class LoggedRig {
     return log_;
   }
 
+  std::string policy_text;  ///< as the controller has it in its checkpoints
   std::int64_t n_periods = 0, n_commands = 0;
   static constexpr std::int64_t run_id = 7;
 
@@ -171,7 +172,7 @@ class LoggedRig {
   void note() {
     auto& loop = rig_.loop();
     while (const auto* checkpoint = loop.checkpoints().oldest()) {
-      add(log_, channels::checkpoint, to_message(*checkpoint, run_id, instance_));
+      add(log_, channels::checkpoint, to_message(*checkpoint, run_id, instance_, policy_text));
       loop.checkpoints().pop();
     }
     while (const auto* record = loop.records().oldest()) {
