@@ -1,8 +1,11 @@
+#include <pthread.h>
+#include <sched.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -46,6 +49,7 @@ struct Options {
   std::optional<double> duration_s;
   double timeout_s = 10, amplifier_fade_s = 1;
   std::int64_t amplifier_hold_samples = 10;
+  std::optional<int> priority;
   bool progress = false;
 };
 
@@ -88,6 +92,10 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
       ->type_name("S");
+  app.add_option("--priority", options.priority,
+                 "Wall-clock: SCHED_FIFO at this priority, if the system allows it: a plant stands "
+                 "for a machine, which is never late")
+      ->check(CLI::Range(1, 98));
   app.add_option("--pace-by-log", options.pace_by_log,
                  "Lock-step: wait whenever the lcm-logger (--flush-interval=1) that writes this "
                  "log falls behind, so "
@@ -95,6 +103,14 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::ExistingFile);
   app.add_flag("--progress", options.progress,
                "Print 'progress SAMPLE SAMPLES' lines to standard output");
+}
+
+// Before LCM starts its reading thread, which inherits it.
+void request_fifo(int priority) {
+  const sched_param parameters{.sched_priority = priority};
+  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters)) {
+    spdlog::info("no SCHED_FIFO ({}): the plant may be late", std::strerror(error));
+  }
 }
 
 std::string read_text(const std::filesystem::path& path) {
@@ -149,6 +165,7 @@ int run(const Options& options) {
                                             static_cast<Index>(scene.inputs.size()));
   Plant plant(scene, model, floor::make_floor_source(spec));
   const std::int64_t n = run_length(scene, spec, plant.floor_samples(), options.duration_s);
+  if (options.priority && options.mode == "wall_clock") request_fifo(*options.priority);
   PlantLink link(lcm_url(options.lcm_url), make_info(options, scene, *floor, n));
 
   if (options.pace_by_log) link.pace_by(*options.pace_by_log);

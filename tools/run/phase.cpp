@@ -123,6 +123,8 @@ class Phase {
     const auto add = [&](const char* option, const std::string& value) {
       command.insert(command.end(), {option, value});
     };
+    // Below the controller, and above whatever else the machine does.
+    if (options_.realtime.value_or("") != "off") add("--priority", "40");
     if (options_.floor) add("--floor", options_.floor->string());
     if (options_.controller) add("--controller", options_.controller->string());
     if (options_.duration_s) {
