@@ -149,6 +149,7 @@ void Loop::count(std::int64_t now_ns) noexcept {
   counters_.latched.store(supervisor_.latched(), relaxed);
   counters_.driving.store(supervisor_.driving(), relaxed);
   if (record_.request != Request::none) add(counters_.n_requests, 1);
+  if (record_.state == State::active) add(counters_.n_active, 1);
   counters_.state.store(record_.state, std::memory_order_release);
   if (--since_page_faults_ <= 0) {
     since_page_faults_ = page_faults_every_;

@@ -20,6 +20,7 @@ struct LoopCounters {
   std::atomic<std::int64_t> n_answered{0};   ///< measurements that a command answered
   std::atomic<std::int64_t> n_lost{0};       ///< measurements before the newest that none answered
   std::atomic<std::int64_t> n_duplicate{0};  ///< heard again, overtaken, or of another time
+  std::atomic<std::int64_t> n_active{0};     ///< periods with the whole gain
   std::atomic<std::int64_t> n_missing{0};    ///< periods without a measurement to answer
   std::atomic<std::int64_t> n_listened{0};   ///< measurements met while it must not command
   std::atomic<std::int64_t> n_requests{0};   ///< taken

@@ -208,6 +208,7 @@ class WallClock {
       session.add_to(counters_, times_);
       say_counters(session.counters());
       if (outcome == Outcome::refused) throw Refusal(session.reason());
+      never_active_ = session.never_active();
       latched_ = session.latched() ? session.fault() : Fault::none;
       if (outcome != Outcome::began_anew) return close(outcome);
       spdlog::info("the plant begins anew");
@@ -220,7 +221,8 @@ class WallClock {
   int close(Outcome outcome) {
     const int code = close_run(outcome, io_, counters_, options_.timeout_s);
     if (options_.timing) write_timing_file(*options_.timing, counters_, times_);
-    if (latched_ == Fault::none) return code;
+    if (!never_active_.empty()) spdlog::error(never_active_);
+    if (latched_ == Fault::none) return never_active_.empty() ? code : exit_failed;
     spdlog::error("the run ended with a latched fault: {}", to_text(latched_));
     return exit_failed;
   }
@@ -235,6 +237,7 @@ class WallClock {
   Counters counters_;
   LoopTimes times_;
   Fault latched_ = Fault::none;
+  std::string never_active_;
 };
 
 Policy policy_of(const Options& options) {

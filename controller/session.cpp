@@ -44,6 +44,7 @@ Session::Session(LcmIo& io, const Gains& gains, const Policy& policy, const Pres
       options_(options),
       stream_(options.lcm_url, io.run_info(), policy),
       start_ns_(start_ns),
+      sample_rate_hz_(gains.sample_rate_hz),
       loop_(stream_,
             Supervisor(law_from_gains(gains), policy, gains.sample_rate_hz, gains.force_limit_n,
                        io.run_info().loop != "passive"),
@@ -218,6 +219,16 @@ std::optional<Outcome> Session::broken_off() {
   const std::int64_t heard_ns = std::max(alive_ns_, io_.last_heard_ns());
   if (static_cast<double>(now - heard_ns) > options_.timeout_s * ns_per_s) return Outcome::silent;
   return std::nullopt;
+}
+
+std::string Session::never_active() const {
+  const LoopCounters& now = loop_.counters();
+  const double lasted_s = static_cast<double>(now.n_periods + now.n_late) / sample_rate_hz_;
+  const bool wanted = policy_.start_at_once && io_.run_info().loop != "passive";
+  if (!wanted || now.n_active > 0) return "";
+  if (lasted_s < 2 * (policy_.arming_s + policy_.ramp_in_s) + 1) return "";
+  return "the loop was never active: of " + std::to_string(now.n_periods) + " periods " +
+         std::to_string(now.n_missing) + " had no sound measurement that was on time";
 }
 
 void Session::add_to(Counters& all, LoopTimes& times) const {

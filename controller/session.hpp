@@ -46,6 +46,8 @@ class Session {
   const std::string& reason() const { return reason_; }  ///< why the session was refused
   bool latched() const { return loop_.counters().latched; }
   Fault fault() const { return loop_.counters().fault; }
+  /// Why a run that should have been isolated never was; empty if it was, or was too short for it.
+  std::string never_active() const;
   /// Adds what was counted and measured to what was before. After run.
   void add_to(Counters& counters, LoopTimes& times) const;
   const LoopCounters& counters() const { return loop_.counters(); }
@@ -66,6 +68,7 @@ class Session {
   const SessionOptions& options_;
   LcmStream stream_;
   std::int64_t start_ns_;
+  double sample_rate_hz_;
   Loop loop_;
   Telemetry telemetry_;
   struct Asked {

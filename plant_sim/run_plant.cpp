@@ -185,7 +185,10 @@ PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions
     if (link.n_commands() != n_heard) heard_ns = now;
     n_heard = link.n_commands();
     if (static_cast<double>(now - heard_ns) > options.timeout_s * 1e9) {
-      return run.fail("no command for " + std::to_string(options.timeout_s) + " s");
+      return run.fail("no command for " + std::to_string(options.timeout_s) +
+                      " s; the plant itself " + "was late by a period or more in " +
+                      std::to_string(run.timing().n_late) + " of " + std::to_string(k) +
+                      " samples");
     }
     // For a controller that comes, or comes back, while the run goes on.
     if (now - announced_ns > announce_every_ns) {

@@ -144,6 +144,25 @@ TEST_F(ControllerProcess, WallClockLetsGoSmoothlyBeforeItIsInterrupted) {
   EXPECT_LT(steepest, largest);
 }
 
+TEST_F(ControllerProcess, WallClockThatWasNeverActiveIsExitCode4) {
+  const Gains gains = toy::gains(5, 1000, 1);
+  toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", 100'000));
+  Listener listener(plant);
+  ChildProcess controller(command_line(gains));
+  ASSERT_EQ(plant.announce(), run_state_t::READY);
+  const std::int64_t start = monotonic_ns();
+  plant.publish_state(run_state_t::RUNNING, start);
+  // Every measurement is five periods old when it comes.
+  for (std::int64_t k = 0; listener.records.empty() || listener.records.back().period < 4500; ++k) {
+    publish_at(plant, k, start + (k + 5) * 1'000'000);
+    while (plant.take(0)) {
+    }
+  }
+  plant.publish_state(run_state_t::ENDED);
+  EXPECT_EQ(controller.wait(), 4);
+  EXPECT_TRUE(contains(controller.err(), "the loop was never active")) << controller.err();
+}
+
 TEST_F(ControllerProcess, WallClockSkipsWhatItSleptThrough) {
   constexpr std::int64_t n_slept = 60, period_ns = 1'000'000;
   const Gains gains = toy::gains(5, 1000, 1);

@@ -16,16 +16,24 @@ constexpr std::int64_t period_ns = 1'000'000, remembered_ns = 3'000'000;
 
 }  // namespace
 
-Bystander::Bystander() : thread_([this] { run(); }) {}
+Bystander::Bystander() {
+  for (unsigned cpu = 0; cpu < std::max(1U, std::thread::hardware_concurrency()); ++cpu) {
+    threads_.emplace_back([this, cpu] { run(cpu); });
+  }
+}
 
 Bystander::~Bystander() {
   stop_ = true;
-  thread_.join();
+  for (auto& thread : threads_) thread.join();
 }
 
-void Bystander::run() {
+void Bystander::run(unsigned cpu) {
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(cpu, &one);
+  pthread_setaffinity_np(pthread_self(), sizeof one, &one);  // best effort, as the priority
   const sched_param parameters{.sched_priority = priority};
-  pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);  // best effort
+  pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
   std::int64_t due_ns = monotonic_ns();
   while (!stop_) {
     due_ns += period_ns;

@@ -31,10 +31,16 @@ void FaultModel::pass(Bytes message, std::int64_t now_ns, std::vector<Departure>
     out.push_back({leave_ns, message});
   }
   out.push_back({leave_ns, std::move(message)});
-  release(leave_ns, out);
+  let_go(leave_ns, out);
 }
 
 void FaultModel::release(std::int64_t now_ns, std::vector<Departure>& out) {
+  // Nothing has overtaken it yet.
+  counts_.n_reordered -= static_cast<std::int64_t>(held_back_.size());
+  let_go(now_ns, out);
+}
+
+void FaultModel::let_go(std::int64_t now_ns, std::vector<Departure>& out) {
   for (auto& message : held_back_) out.push_back({now_ns, std::move(message)});
   held_back_.clear();
 }

@@ -40,12 +40,13 @@ class FaultModel {
 
   /// Takes a message that came at now_ns; appends what leaves, in no order of time.
   void pass(Bytes message, std::int64_t now_ns, std::vector<Departure>& out);
-  /// Gives out what is held back.
+  /// The end: gives out what is held back.
   void release(std::int64_t now_ns, std::vector<Departure>& out);
 
   const WireCounts& counts() const { return counts_; }
 
  private:
+  void let_go(std::int64_t now_ns, std::vector<Departure>& out);
   /// Even in [0, 1), the same with every standard library.
   double random() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
 

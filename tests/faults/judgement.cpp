@@ -19,22 +19,24 @@ std::vector<StatusAt> during(const Trace& trace, const Marks& marks) {
           from + static_cast<std::ptrdiff_t>(marks.end.n_statuses)};
 }
 
+std::string text_of(std::int32_t fault) {
+  return std::string(to_text(static_cast<controller::Fault>(fault)));
+}
+
 std::string outcome(const std::vector<StatusAt>& statuses, const Marks& marks) {
   const controller_status_t& first = statuses.front().status;
-  bool left = false, latched = false;
-  const controller_status_t* faulty = nullptr;
+  bool left = false;
+  const controller_status_t *faulty = nullptr, *stuck = nullptr;
   std::int64_t n_faults = first.n_faults;
   for (const StatusAt& at : statuses) {
     left |= at.status.state != controller_status_t::ACTIVE;
-    latched |= at.status.latched;
+    if (at.status.latched && stuck == nullptr) stuck = &at.status;
     if (at.status.instance != first.instance) return "joined";
     if (at.status.n_faults > n_faults) faulty = &at.status;
     n_faults = at.status.n_faults;
   }
-  if (faulty != nullptr) {
-    return std::string(to_text(static_cast<controller::Fault>(faulty->fault))) +
-           (latched ? ", latched" : "");
-  }
+  if (stuck != nullptr) return text_of(stuck->fault) + ", latched";
+  if (faulty != nullptr) return text_of(faulty->fault);
   if (marks.before.run != marks.end.run) return "joined";
   return left ? "resumed" : "active";
 }
@@ -116,12 +118,16 @@ double lateness(const RunTrace& run, std::int64_t begin, std::int64_t end, doubl
   return latest - earliest;
 }
 
-bool is_disturbed(Workbench& bench, const Trace& trace, const Marks& marks) {
+bool is_disturbed(Workbench& bench, const Trace& trace, const std::vector<StatusAt>& statuses,
+                  const Marks& marks) {
   constexpr double few = 3;  // periods: with what a fault does itself still less than is held
   const double rate_hz = bench.rate_hz();
   if (bench.bystander().worst_s(marks.before.time_ns, marks.end.time_ns) * rate_hz > few) {
     return true;
   }
+  // The kernel did not wake the loop in time.
+  const controller_status_t &first = statuses.front().status, &last = statuses.back().status;
+  if (static_cast<double>(last.n_late - first.n_late) > few) return true;
   return lateness(trace.runs[marks.before.run - 1], marks.before.sample, marks.end.sample,
                   rate_hz) > few;
 }
@@ -162,7 +168,7 @@ Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Mark
   episode.seed = marks.seed;
   episode.outcome = outcome(statuses, marks);
   episode.recovery = recovery(statuses, marks);
-  episode.disturbed = !kind.stops_time && is_disturbed(bench, trace, marks);
+  episode.disturbed = !kind.stops_time && is_disturbed(bench, trace, statuses, marks);
   compare(bench, trace, marks, episode);
   count(statuses, kind, marks, episode);
   return episode;

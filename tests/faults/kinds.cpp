@@ -35,6 +35,11 @@ std::function<void(Stage&)> corrupted(Corruption corruption, std::int64_t n = n_
   };
 }
 
+/// One way only: the controller hears the frame, and the frame does not hear the controller.
+std::function<void(Stage&)> commands_lost(std::int64_t n) {
+  return on_the_wire({.measurements = {}, .commands = {.loss = 1}}, n);
+}
+
 void delay(Stage& stage) {
   const Disturbance late{.delay_periods = stage.between(1, 5)};
   on_the_wire({.measurements = late, .commands = late})(stage);
@@ -114,6 +119,8 @@ std::vector<Kind> wire_kinds() {
   kinds.push_back({"loss 50 %", ridden_out, both_ways({.loss = 0.5}), measurements_lost});
   kinds.push_back({"bursts of 20 lost", ridden_out, both_ways({.burst = 0.01, .burst_length = 20}),
                    measurements_lost});
+  kinds.push_back({"all commands lost 0.4 s", passing, commands_lost(n_samples)});
+  kinds.push_back({"all commands lost 1.3 s", passing, commands_lost(n_samples_long)});
   kinds.push_back({"delay 1 to 5 periods", silent, delay});
   // Up to half a period is in time, so some get through at any jitter.
   kinds.push_back({"jitter up to 5 periods", {"active", "resumed", "silence"}, jitter});
