@@ -28,6 +28,7 @@ Mark mark(Rig& rig) {
                 .sample = trace.sample(),
                 .time_ns = monotonic_ns(),
                 .n_statuses = trace.statuses.size(),
+                .n_periods = trace.periods.size(),
                 .counts = counts};
   });
 }

@@ -26,8 +26,9 @@ struct Episode {
   double over_left = 0;    ///< one that was left to itself when the fault began
   /// By how much the frame behind over_left differs from what the relay saw before the fault.
   double model_error = 0;
-  /// The machine itself was late by more than hold a fault: the outcome says nothing.
+  /// The machine itself was late by more than a few periods: the outcome says nothing.
   bool disturbed = false;
+  std::string lateness;  ///< of the machine in words
   /// What the relay did to measurements, what the controller counted of it (Kind::counted), and
   /// the most that it may have counted: a busy machine makes it miss more than the relay took.
   std::int64_t n_inflicted = 0, n_counted = 0, n_at_most = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "controller/policy.hpp"
 #include "tests/faults/passive_frame.hpp"
@@ -118,18 +119,38 @@ double lateness(const RunTrace& run, std::int64_t begin, std::int64_t end, doubl
   return latest - earliest;
 }
 
-bool is_disturbed(Workbench& bench, const Trace& trace, const std::vector<StatusAt>& statuses,
-                  const Marks& marks) {
-  constexpr double few = 3;  // periods: with what a fault does itself still less than is held
+/// What the machine did meanwhile, in periods.
+struct Machine {
+  double bystander = 0;  ///< latest wake-up of a thread that only wakes up
+  double samples = 0;    ///< latest sample at the relay
+  double wake_up = 0;    ///< latest wake-up of the loop
+  double transit = 0;    ///< longest way of a measurement from the relay to the controller
+
+  double worst() const { return std::max({bystander, samples, wake_up, transit}); }
+};
+
+Machine machine(Workbench& bench, const Trace& trace, const Kind& kind, const Marks& marks) {
   const double rate_hz = bench.rate_hz();
-  if (bench.bystander().worst_s(marks.before.time_ns, marks.end.time_ns) * rate_hz > few) {
-    return true;
+  const auto periods = [&](std::int64_t ns) { return static_cast<double>(ns) * 1e-9 * rate_hz; };
+  Machine found;
+  found.bystander = bench.bystander().worst_s(marks.before.time_ns, marks.end.time_ns) * rate_hz;
+  found.samples =
+      lateness(trace.runs[marks.before.run - 1], marks.before.sample, marks.end.sample, rate_hz);
+  for (std::size_t i = marks.before.n_periods; i < marks.end.n_periods; ++i) {
+    found.wake_up = std::max(found.wake_up, periods(trace.periods[i].wake_up_ns));
+    // Where the relay holds messages back, that is the fault.
+    if (kind.delays) continue;
+    found.transit = std::max(found.transit, periods(trace.periods[i].transit_ns));
   }
-  // The kernel did not wake the loop in time.
-  const controller_status_t &first = statuses.front().status, &last = statuses.back().status;
-  if (static_cast<double>(last.n_late - first.n_late) > few) return true;
-  return lateness(trace.runs[marks.before.run - 1], marks.before.sample, marks.end.sample,
-                  rate_hz) > few;
+  return found;
+}
+
+std::string in_words(const Machine& machine) {
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "late by periods: bystander %.1f, samples %.1f, loop %.1f, way to it %.1f",
+                machine.bystander, machine.samples, machine.wake_up, machine.transit);
+  return text;
 }
 
 void count(const std::vector<StatusAt>& statuses, const Kind& kind, const Marks& marks,
@@ -168,7 +189,11 @@ Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Mark
   episode.seed = marks.seed;
   episode.outcome = outcome(statuses, marks);
   episode.recovery = recovery(statuses, marks);
-  episode.disturbed = !kind.stops_time && is_disturbed(bench, trace, statuses, marks);
+  // With what a fault does itself still less than is held.
+  constexpr double few = 3;
+  const Machine found = machine(bench, trace, kind, marks);
+  episode.lateness = in_words(found);
+  episode.disturbed = !kind.stops_time && found.worst() > few;
   compare(bench, trace, marks, episode);
   count(statuses, kind, marks, episode);
   return episode;

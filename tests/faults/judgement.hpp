@@ -12,7 +12,7 @@ struct Mark {
   std::size_t run = 0;  ///< plant processes so far
   std::int64_t sample = 0;
   std::int64_t time_ns = 0;  ///< CLOCK_MONOTONIC
-  std::size_t n_statuses = 0;
+  std::size_t n_statuses = 0, n_periods = 0;
   RelayCounts counts;
 };
 

@@ -121,9 +121,13 @@ std::vector<Kind> wire_kinds() {
                    measurements_lost});
   kinds.push_back({"all commands lost 0.4 s", passing, commands_lost(n_samples)});
   kinds.push_back({"all commands lost 1.3 s", passing, commands_lost(n_samples_long)});
-  kinds.push_back({"delay 1 to 5 periods", silent, delay});
+  kinds.push_back(
+      {.name = "delay 1 to 5 periods", .allowed = silent, .inflict = delay, .delays = true});
   // Up to half a period is in time, so some get through at any jitter.
-  kinds.push_back({"jitter up to 5 periods", {"active", "resumed", "silence"}, jitter});
+  kinds.push_back({.name = "jitter up to 5 periods",
+                   .allowed = {"active", "resumed", "silence"},
+                   .inflict = jitter,
+                   .delays = true});
   kinds.push_back({"30 % twice", unmoved, both_ways({.duplication = 0.3}), duplicates});
   kinds.push_back({"30 % out of order", unmoved, both_ways({.reordering = 0.3}), duplicates});
   return kinds;

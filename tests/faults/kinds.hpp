@@ -37,6 +37,7 @@ struct Kind {
   Counted counted = Counted::nothing;
   bool plant_restarts = false, controller_restarts = false;
   bool stops_time = false;  ///< samples are late because that is the fault
+  bool delays = false;      ///< the relay holds measurements back
   bool alone = false;       ///< it would disturb others beside it
   std::vector<std::string> controller_prefix = {};
 };

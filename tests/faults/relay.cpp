@@ -12,6 +12,7 @@
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
+#include "stillframe_msgs/loop_records_t.hpp"
 #include "stillframe_msgs/run_state_t.hpp"
 
 namespace stillframe::faults {
@@ -110,6 +111,7 @@ void Relay::subscribe() {
   }
   controller_->subscribe(channels::command, &Relay::on_command, this)->setQueueCapacity(capacity);
   controller_->subscribe(channels::status, &Relay::on_status, this);
+  controller_->subscribe(channels::loop, &Relay::on_records, this)->setQueueCapacity(capacity);
   controller_->subscribe(channels::run_state, &Relay::from_controller, this);
 }
 
@@ -179,6 +181,23 @@ void Relay::on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
     trace_.statuses.push_back(std::move(at));
   }
   changed_.notify_all();
+}
+
+void Relay::on_records(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  loop_records_t records;
+  if (!decode(*buffer, records)) return;
+  const std::lock_guard lock(mutex_);
+  if (trace_.runs.empty()) return;
+  const std::vector<std::int64_t>& arrivals = trace_.runs.back().arrival_ns;
+  for (const loop_record_t& record : records.records) {
+    PeriodAt at{.run = trace_.runs.size() - 1, .sample = trace_.sample(), .defect = record.defect};
+    at.wake_up_ns = record.wake_up_ns - record.deadline_ns;
+    const auto k = static_cast<std::size_t>(record.seq);
+    if (record.defect == 0 && k < arrivals.size() && arrivals[k] > 0) {
+      at.transit_ns = record.received_ns - arrivals[k];
+    }
+    trace_.periods.push_back(at);
+  }
 }
 
 void Relay::write_down(const measurement_t& measurement, std::int64_t now_ns) {

@@ -69,6 +69,7 @@ class Relay {
   void on_measurement(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_records(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void write_down(const stillframe_msgs::measurement_t& measurement, std::int64_t now_ns);
   void begin_or_end(std::int64_t now_ns);
 

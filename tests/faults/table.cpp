@@ -58,7 +58,7 @@ std::vector<std::string> failures(const KindResult& result) {
     const std::string where = result.name + ", seed " + std::to_string(episode.seed) + ": ";
     const bool allowed = is_allowed(result, episode.outcome);
     if (!allowed && (!episode.disturbed || is_latched(episode.outcome))) {
-      all.push_back(where + "the outcome was '" + episode.outcome + "'");
+      all.push_back(where + "the outcome was '" + episode.outcome + "'; " + episode.lateness);
     }
     // The frame is never driven harder than it would be without control; NaN fails as well. That
     // it is let go of within a second, and not at once, moves it by up to 0.75 % of the floor's

@@ -28,10 +28,20 @@ struct StatusAt {
   stillframe_msgs::controller_status_t status;
 };
 
+/// What delayed the controller in one period, from its own record.
+struct PeriodAt {
+  std::size_t run = 0;
+  std::int64_t sample = 0;       ///< the newest when the record came
+  std::int64_t defect = 0;       ///< as in controller/policy.hpp
+  std::int64_t wake_up_ns = 0;   ///< past the deadline
+  std::int64_t transit_ns = -1;  ///< of its measurement, from the relay to its receipt; -1: none
+};
+
 /// All that a relay saw.
 struct Trace {
   std::vector<RunTrace> runs;
   std::vector<StatusAt> statuses;
+  std::vector<PeriodAt> periods;
 
   /// Number of the newest sample, -1 before the first.
   std::int64_t sample() const {
