@@ -175,6 +175,10 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   if (engaged()) {
     if (send) run_law(event);
   } else {
+    // The amplifiers may have let go by themselves meanwhile: go on from what they report.
+    if (event.measurement != nullptr && gap_ > policy_.hold_periods && q_ > 0) {
+      fade_from(event.measurement->applied);
+    }
     const double before = q_;
     q_ = std::max(0.0, q_ - static_cast<double>(event.n_elapsed) * sample_time_ / policy_.fade_s);
     force_ = base_ * smooth_step(q_);
@@ -231,6 +235,7 @@ void Supervisor::count_missing(const Event& event) noexcept {
   missing_part_ += std::min(1.0, n * sample_time_) * (share - missing_part_);
   rejoins_ = std::max(
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
+  gap_ = have ? missing_ : 0;
   if (have) {
     missing_ = n_frozen_ = 0;
     last_defect_ = Defect::none;

@@ -89,6 +89,7 @@ class Supervisor {
   bool latched_ = false, wanted_ = false, met_ = false, law_ran_ = false, saturated_ = false;
   std::int64_t missing_ = 0;   ///< periods since the last measurement
   std::int64_t n_frozen_ = 0;  ///< of them with a frozen sensor
+  std::int64_t gap_ = 0;       ///< of them before the measurement of this very period
   double missing_part_ = 0;    ///< mean over about a second
   Defect last_defect_ = Defect::none;
   std::int64_t quiet_;          ///< periods in which nothing is sent

@@ -162,8 +162,8 @@ PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions&
 PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions& options) {
   Run run(plant, link, options);
   const double period_ns = 1e9 / link.info().sample_rate_hz;
-  Amplifier amplifier(link.info().n_legs, options.amplifier_hold_samples, options.amplifier_fade_s,
-                      1 / link.info().sample_rate_hz);
+  const Amplifier amplifier(options.amplifier_hold_samples, options.amplifier_fade_s,
+                            1 / link.info().sample_rate_hz);
   // Both processes get time to settle before the first deadline.
   const std::int64_t start = monotonic_ns() + 100 * ns_per_ms;
   run.begin(start);
@@ -197,7 +197,7 @@ PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions
     }
     run.measure(k);
     // What came in time stands for the command of the sample before.
-    run.queue().push(amplifier.drive(link.command_force(), n_missing));
+    run.queue().push(amplifier.part(n_missing) * link.command_force());
     const std::string reason = run.advance();
     if (!reason.empty()) return run.fail(reason);
   }

@@ -279,6 +279,21 @@ TEST(Supervisor, TakesOverAForceThatIsThereSmoothly) {
   EXPECT_LT(rig.largest_jump, 2 * 15.0 / 8 * 1e-3 * 1.001);
 }
 
+TEST(Supervisor, GoesOnFromWhatTheAmplifiersReportAfterAGap) {
+  Rig rig;
+  ASSERT_TRUE(rig.reaches(State::active, to_active));
+  rig.steps(400, toy::nothing);
+  EXPECT_EQ(rig.state(), State::fading);
+  // Commands were lost as well: the amplifiers are further than the controller knows.
+  VectorXd applied;
+  rig.step([&](Measurement& m) {
+    m.applied *= 0.25;
+    applied = m.applied;
+    return true;
+  });
+  EXPECT_LT((rig.force() - applied).norm(), 1e-6 * applied.norm());
+}
+
 TEST(Supervisor, TakesOverAForceThatItMeetsOnlyLate) {
   Rig rig;
   rig.steps(500, toy::nothing);
