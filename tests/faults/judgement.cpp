@@ -1,6 +1,7 @@
 #include "tests/faults/judgement.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -123,33 +124,48 @@ double lateness(const RunTrace& run, std::int64_t begin, std::int64_t end, doubl
 struct Machine {
   double bystander = 0;  ///< latest wake-up of a thread that only wakes up
   double samples = 0;    ///< latest sample at the relay
-  double wake_up = 0;    ///< latest wake-up of the loop
+  double wake_up = 0;    ///< latest wake-up of the loop, or all that it skipped
+  double n_late = 0;     ///< measurements that came too late without the relay's doing
   double transit = 0;    ///< longest way of a measurement from the relay to the controller
 
-  double worst() const { return std::max({bystander, samples, wake_up, transit}); }
+  double worst() const { return std::max({bystander, samples, wake_up, n_late, transit}); }
 };
 
-Machine machine(Workbench& bench, const Trace& trace, const Kind& kind, const Marks& marks) {
+constexpr auto late = static_cast<std::int64_t>(controller::Defect::late);
+
+Machine machine(Workbench& bench, const Trace& trace, const std::vector<StatusAt>& statuses,
+                const Kind& kind, const Marks& marks) {
   const double rate_hz = bench.rate_hz();
   const auto periods = [&](std::int64_t ns) { return static_cast<double>(ns) * 1e-9 * rate_hz; };
   Machine found;
   found.bystander = bench.bystander().worst_s(marks.before.time_ns, marks.end.time_ns) * rate_hz;
   found.samples =
       lateness(trace.runs[marks.before.run - 1], marks.before.sample, marks.end.sample, rate_hz);
+  // Records may be dropped, this is always counted.
+  found.wake_up =
+      static_cast<double>(statuses.back().status.n_late - statuses.front().status.n_late);
   for (std::size_t i = marks.before.n_periods; i < marks.end.n_periods; ++i) {
     found.wake_up = std::max(found.wake_up, periods(trace.periods[i].wake_up_ns));
     // Where the relay holds messages back, that is the fault.
     if (kind.delays) continue;
+    found.n_late += trace.periods[i].defect == late ? 1 : 0;
     found.transit = std::max(found.transit, periods(trace.periods[i].transit_ns));
   }
   return found;
 }
 
-std::string in_words(const Machine& machine) {
-  char text[160];
+std::string in_words(const Machine& machine, const Trace& trace, const Marks& marks) {
+  std::array<int, 6> defects{};
+  for (std::size_t i = marks.before.n_periods; i < marks.end.n_periods; ++i) {
+    ++defects.at(static_cast<std::size_t>(trace.periods[i].defect));
+  }
+  char text[320];
   std::snprintf(text, sizeof text,
-                "late by periods: bystander %.1f, samples %.1f, loop %.1f, way to it %.1f",
-                machine.bystander, machine.samples, machine.wake_up, machine.transit);
+                "late by periods: bystander %.1f, samples %.1f, loop %.1f, way to it %.1f; of its "
+                "periods %d had a measurement, %d none, %d a late one, %d not finite, %d out of "
+                "range, %d frozen",
+                machine.bystander, machine.samples, machine.wake_up, machine.transit, defects[0],
+                defects[1], defects[2], defects[3], defects[4], defects[5]);
   return text;
 }
 
@@ -191,8 +207,8 @@ Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Mark
   episode.recovery = recovery(statuses, marks);
   // With what a fault does itself still less than is held.
   constexpr double few = 3;
-  const Machine found = machine(bench, trace, kind, marks);
-  episode.lateness = in_words(found);
+  const Machine found = machine(bench, trace, statuses, kind, marks);
+  episode.lateness = in_words(found, trace, marks);
   episode.disturbed = !kind.stops_time && found.worst() > few;
   compare(bench, trace, marks, episode);
   count(statuses, kind, marks, episode);

@@ -71,7 +71,10 @@ std::vector<std::string> failures(const KindResult& result) {
       all.push_back(where + "the frame left to itself is not that of the plant: " +
                     shown("%.3g", episode.model_error));
     }
-    if (episode.n_counted < episode.n_inflicted || episode.n_counted > episode.n_at_most) {
+    // A loop that wakes up late within its period may find two measurements in it, once or twice
+    // without a period that was missing.
+    const bool too_many = !episode.disturbed && episode.n_counted > episode.n_at_most + 2;
+    if (episode.n_counted < episode.n_inflicted || too_many) {
       all.push_back(where + "the relay made " + std::to_string(episode.n_inflicted) +
                     ", the controller counted " + std::to_string(episode.n_counted) + ", at most " +
                     std::to_string(episode.n_at_most) + " are due to the machine");
