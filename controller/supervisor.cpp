@@ -175,10 +175,7 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   if (engaged()) {
     if (send) run_law(event);
   } else {
-    // The amplifiers may have let go by themselves meanwhile: go on from what they report.
-    if (event.measurement != nullptr && gap_ > policy_.hold_periods && q_ > 0) {
-      fade_from(event.measurement->applied);
-    }
+    if (event.measurement != nullptr && gap_ > policy_.hold_periods) meet(*event.measurement);
     const double before = q_;
     q_ = std::max(0.0, q_ - static_cast<double>(event.n_elapsed) * sample_time_ / policy_.fade_s);
     force_ = base_ * smooth_step(q_);
@@ -266,6 +263,16 @@ void Supervisor::watch(const Event& event) noexcept {
 void Supervisor::fade_from(const VectorXd& force) noexcept {
   base_ = force;
   q_ = force.isZero(0) ? 0 : 1;
+}
+
+// After a gap the amplifiers may have let go by themselves: then go on from what they report. Where
+// they have followed, but for the few samples that a report is old, the fade goes on as it is: with
+// one begun anew after every gap it would never end.
+void Supervisor::meet(const Measurement& measurement) noexcept {
+  constexpr double followed = 0.02;  // of the force at the beginning; 2 ms of a fade are 0.4 %
+  if ((measurement.applied - force_).norm() > followed * base_.norm()) {
+    fade_from(measurement.applied);
+  }
 }
 
 // A fade that goes on already is not begun anew: it would never end.

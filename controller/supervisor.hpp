@@ -72,6 +72,7 @@ class Supervisor {
   void let_go(Fault fault, const Event& event) noexcept;
   void fade_from(const Eigen::VectorXd& force) noexcept;
   void latch(Fault fault) noexcept;
+  void meet(const Measurement& measurement) noexcept;
   void come_back(const Event& event) noexcept;
   void arm(const Event& event) noexcept;
   void run_law(const Event& event) noexcept;

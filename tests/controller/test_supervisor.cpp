@@ -239,6 +239,8 @@ TEST(Supervisor, HalfOfAllMeasurementsLostStaysActiveNineOfTenDoesNot) {
     } else {
       EXPECT_EQ(rig.fault(), Fault::losses);
       EXPECT_FALSE(rig.latched());
+      // Gaps of more than hold_periods, again and again, do not keep the fade from its end.
+      EXPECT_EQ(rig.force(), VectorXd::Zero(4));
     }
   }
 }
