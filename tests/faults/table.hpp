@@ -9,7 +9,7 @@
 namespace stillframe::faults {
 
 /// What is wrong with a row, one line each; empty if it is as it should be. An episode that the
-/// machine disturbed is only asked to recover without a latched fault, and to keep its ratio.
+/// machine disturbed is only asked to recover without a latched fault, and to keep twice its ratio.
 std::vector<std::string> failures(const KindResult& result);
 
 /// The rows as a table in Markdown ("disturbed": the machine itself was late meanwhile), and as
