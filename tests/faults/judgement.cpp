@@ -209,7 +209,8 @@ Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Mark
   constexpr double few = 3;
   const Machine found = machine(bench, trace, statuses, kind, marks);
   episode.lateness = in_words(found, trace, marks);
-  episode.disturbed = !kind.stops_time && found.worst() > few;
+  // Where samples and loop are late because that is the fault, the bystander alone is a witness.
+  episode.disturbed = (kind.stops_time ? found.bystander : found.worst()) > few;
   compare(bench, trace, marks, episode);
   count(statuses, kind, marks, episode);
   return episode;

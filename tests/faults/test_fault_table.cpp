@@ -8,15 +8,32 @@
 namespace stillframe::faults {
 namespace {
 
-/// Runs rows of the table and states what is wrong.
-void expect_rows(const std::vector<Kind>& kinds) {
-  Workbench bench;
-  const auto results = run_kinds(bench, kinds, {.seeds = {1, 2, 3}, .policy = {}, .samples = {}});
-  std::cout << markdown(results);
+/// What is wrong with rows of the table.
+std::vector<std::string> trouble_with(const std::vector<KindResult>& results) {
+  std::vector<std::string> all;
   for (const KindResult& result : results) {
-    for (const std::string& failure : failures(result)) ADD_FAILURE() << failure;
+    for (const std::string& failure : failures(result)) all.push_back(failure);
     // So that a row cannot pass by having had no episodes.
     EXPECT_EQ(result.episodes.size(), 3u) << result.name;
+  }
+  return all;
+}
+
+/// Runs rows of the table and states what is wrong. A row that went wrong beside others gets a
+/// second chance by itself: a machine that takes the processor away for longer than the policy
+/// holds looks like a fault, and does so twice in a row far more seldom than a defect.
+void expect_rows(const std::vector<Kind>& kinds) {
+  Workbench bench;
+  const TableOptions options{.seeds = {1, 2, 3}, .policy = {}, .samples = {}};
+  const auto results = run_kinds(bench, kinds, options);
+  std::cout << markdown(results);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const auto first = trouble_with({results[i]});
+    if (first.empty()) continue;
+    for (const std::string& failure : first) std::cout << "once more: " << failure << "\n";
+    for (const std::string& failure : trouble_with({run_kind(bench, kinds[i], 0, options)})) {
+      ADD_FAILURE() << failure;
+    }
   }
 }
 
