@@ -16,7 +16,7 @@ struct ConditionFactors::Sparse {
 ConditionFactors::ConditionFactors(Index n, Index columns) : n_(n) {
   if (dense()) {
     J_ = Eigen::MatrixXd::Zero(n, n);
-    lu_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
+    if (!small()) lu_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
     permuted_ = RowMatrix::Zero(n, std::max<Index>(columns, 1));
   } else {
     sparse_ = std::make_unique<Sparse>();
@@ -31,6 +31,7 @@ ConditionFactors& ConditionFactors::operator=(const ConditionFactors& other) {
   if (this == &other) return *this;
   n_ = other.n_;
   J_ = other.J_;
+  small_ = other.small_;
   lu_ = other.lu_;
   permuted_ = other.permuted_;
   sparse_.reset();
@@ -60,6 +61,7 @@ void ConditionFactors::add(Index row, Index column, double value) noexcept {
 
 void ConditionFactors::factorise() noexcept {
   if (n_ == 0) return;
+  if (small()) return small_.factorise(J_);
   if (dense()) {
     lu_.compute(J_);
     return;
@@ -87,6 +89,7 @@ void ConditionFactors::solve_dense(Matrix& b) noexcept {
 
 void ConditionFactors::solve(Eigen::VectorXd& b) noexcept {
   if (b.size() == 0) return;
+  if (small()) return small_.solve(b.data(), 1);
   if (dense()) return solve_dense(b);
   if (!sparse_->sound) {
     b.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -98,6 +101,7 @@ void ConditionFactors::solve(Eigen::VectorXd& b) noexcept {
 
 void ConditionFactors::solve(RowMatrix& b) noexcept {
   if (b.size() == 0) return;
+  if (small()) return small_.solve(b.data(), b.cols());
   if (dense()) {
     if (b.cols() <= permuted_.cols()) return solve_dense(b);
     b = lu_.solve(b).eval();
@@ -112,15 +116,19 @@ void ConditionFactors::solve(RowMatrix& b) noexcept {
   b = solution;
 }
 
+Eigen::PartialPivLU<Eigen::MatrixXd> ConditionFactors::library_factors() const {
+  return small() ? Eigen::PartialPivLU<Eigen::MatrixXd>(J_) : lu_;
+}
+
 void ConditionFactors::solve_transposed(Eigen::VectorXd& b) const {
   if (b.size() == 0) return;
-  b = dense() ? Eigen::VectorXd(lu_.transpose().solve(b))
+  b = dense() ? Eigen::VectorXd(library_factors().transpose().solve(b))
               : Eigen::VectorXd(sparse_->lu.transpose().solve(b));
 }
 
 double ConditionFactors::reciprocal_condition() const {
   if (n_ == 0) return 1;
-  if (dense()) return lu_.rcond();
+  if (dense()) return library_factors().rcond();
   if (!sparse_->sound) return 0;
   // Power iteration on J^-1 J^-T: the start is no eigenvector of anything regular.
   Eigen::VectorXd b(n_);

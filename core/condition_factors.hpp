@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/model/local.hpp"
+#include "core/small_factors.hpp"
 
 namespace stillframe {
 
@@ -41,10 +42,14 @@ class ConditionFactors {
  private:
   template <class Matrix>
   void solve_dense(Matrix& b) noexcept;
+  bool small() const { return n_ <= SmallFactors::most; }
   bool dense() const { return n_ <= largest_dense; }
+  /// The dense factors of a library, of what small_ has factors of its own.
+  Eigen::PartialPivLU<Eigen::MatrixXd> library_factors() const;
 
   Index n_;
   Eigen::MatrixXd J_;
+  SmallFactors small_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
   RowMatrix permuted_;
   struct Sparse;

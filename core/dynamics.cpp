@@ -114,6 +114,7 @@ bool generalised_forces(const Model& model, Data& data, const MotionState& state
   velocities(model, data, state);
   stress_resultants(model, data, state, sigma_a);
   data.f = data.load_factor * model.load;
+  if (data.external != nullptr) data.f += *data.external;
   add_turning_loads(model, data, data.f);
   subtract_inertia_forces(model, data, data.x_dot, data.x_ddot_0, data.load_factor * model.gravity,
                           data.f);

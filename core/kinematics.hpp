@@ -37,6 +37,8 @@ struct Data {
 
   // Dynamics (core/dynamics.hpp).
   double load_factor = 1;                  ///< of loads, gravity and preloads, for load stepping
+  /// Nodal forces besides those of the model (n_x, N), of whoever moves it; null: none.
+  const Eigen::VectorXd* external = nullptr;
   Eigen::MatrixXd M_dd;                    ///< n_d x n_d
   Eigen::VectorXd sigma, f, f_dd, x_ddot;  ///< n_e, n_x, n_d, n_x
   Eigen::VectorXd sigma_balanced;          ///< n_e, those that balance all nodal forces

@@ -1,23 +1,87 @@
 #include "plant_sim/floor_motion.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "core/extended/double_double.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
 namespace {
 
-Eigen::MatrixXd translation_map(const Model& model) {
-  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(model.n_r, 3);
-  for (Index node = 0; node < static_cast<Index>(model.nodes.size()); ++node) {
-    for (int axis = 0; axis < 3; ++axis) {
-      map.col(axis) +=
-          model.translation_row(node, Eigen::Vector3d::Unit(axis)).tail(model.n_r).transpose();
+using floor::FloorChannels;
+
+/// A floor that turns takes the rotations of the nodes that stand on it with it; a fixed rotation
+/// would stay behind.
+void require_rotations(const floor::FloorSource& source, const Scene& scene, const Model& model) {
+  const auto turns = [&](Index axis) { return source.moves(3 + axis); };
+  if (!turns(0) && !turns(1) && !turns(2)) return;
+  if (model.planar && (turns(0) || turns(1))) {
+    throw InputError(scene.file +
+                     ": the floor turns about x or y, but in a planar scene nothing does; allowed "
+                     "are x, y and rz");
+  }
+  for (const ModelNode& node : model.nodes) {
+    const auto prescribed = [&](Index column) {
+      return column >= model.n_x - model.n_rx && column < model.n_x;
+    };
+    const auto& columns = node.translation.column;
+    if (node.has_rotation() && node.rotation.column[0] >= model.n_x &&
+        std::any_of(columns.begin(), columns.end(), prescribed)) {
+      throw InputError(scene.file + ": the floor turns and moves node '" + node.name +
+                       "', whose rotation is fixed; " +
+                       (model.planar ? "prescribe its rotation instead"
+                                     : "the rotation of a spatial node cannot follow the floor, "
+                                       "only nodes without rotation can"));
     }
+  }
+}
+
+/// n_r x channels.
+Eigen::MatrixXd map_of(const floor::FloorSource& source, const Scene& scene, const Model& model,
+                       const Eigen::MatrixXd& inputs) {
+  if (source.meaning() == FloorChannels::inputs) return inputs.transpose();
+  const Eigen::MatrixXd rigid = rigid_floor_map(model);
+  if (source.meaning() == FloorChannels::translations) return rigid.leftCols(3);
+  require_rotations(source, scene, model);
+  if (source.meaning() == FloorChannels::rigid) return rigid;
+  Eigen::MatrixXd map(model.n_r, 6 + inputs.rows());
+  map << rigid, inputs.transpose();
+  return map;
+}
+
+/// value + rest += more, all that fits into two doubles.
+void add(double& value, double& rest, DoubleDouble more) noexcept {
+  const DoubleDouble sum = DoubleDouble(value, rest) + more;
+  value = sum.high;
+  rest = sum.low;
+}
+
+}  // namespace
+
+Eigen::MatrixXd rigid_floor_map(const Model& model) {
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(model.n_r, 6);
+  const Index first = model.n_x - model.n_rx;
+  const auto prescribed = [&](Index column) { return column >= first && column < model.n_x; };
+  for (const ModelNode& node : model.nodes) {
+    for (Index i = 0; i < 3; ++i) {
+      const Index column = node.translation.column[static_cast<size_t>(i)];
+      if (!prescribed(column)) continue;
+      const Eigen::Vector3d direction = node.translation.basis.col(i);
+      map.row(column - first) << direction.transpose(), node.position.cross(direction).transpose();
+    }
+    const Index angle = node.rotation.column[0];
+    if (model.planar && node.has_rotation() && prescribed(angle)) map(angle - first, 5) = 1.0;
   }
   return map;
 }
 
-}  // namespace
+std::vector<std::string> floor_input_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneSignal& input : scene.inputs) names.push_back(input.name);
+  return names;
+}
 
 FloorMotion::FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene& scene,
                          const Model& model)
@@ -26,7 +90,9 @@ FloorMotion::FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene
       channels_(Eigen::VectorXd::Zero(source_->channels())),
       q_r_(Eigen::VectorXd::Zero(model.n_r)),
       q_r_dot_(Eigen::VectorXd::Zero(model.n_r)),
-      q_r_ddot_(Eigen::VectorXd::Zero(model.n_r)) {
+      q_r_ddot_(Eigen::VectorXd::Zero(model.n_r)),
+      q_r_rest_(Eigen::VectorXd::Zero(model.n_r)),
+      q_r_dot_rest_(Eigen::VectorXd::Zero(model.n_r)) {
   if (model.n_r == 0) {
     throw InputError(scene.file + ": the floor has nothing to move: no node is under 'prescribed'");
   }
@@ -36,8 +102,7 @@ FloorMotion::FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene
         model.prescribed_pattern(model.node_index(input.node), input.direction, input.place)
             .transpose();
   }
-  map_ = source_->meaning() == floor::FloorChannels::translations ? translation_map(model)
-                                                                  : inputs_.transpose();
+  map_ = map_of(*source_, scene, model, inputs_);
 }
 
 void FloorMotion::take(std::int64_t k) noexcept {
@@ -51,8 +116,13 @@ void FloorMotion::at(double t, Eigen::VectorXd& q_r, Eigen::VectorXd& q_r_dot) c
 }
 
 void FloorMotion::finish(double duration) noexcept {
-  q_r_ += duration * (q_r_dot_ + 0.5 * duration * q_r_ddot_);
-  q_r_dot_ += duration * q_r_ddot_;
+  for (Index i = 0; i < q_r_.size(); ++i) {
+    const DoubleDouble gain = DoubleDouble::product(duration, q_r_ddot_(i));
+    const DoubleDouble mean =
+        DoubleDouble(q_r_dot_(i), q_r_dot_rest_(i)) + DoubleDouble(0.5 * gain.high, 0.5 * gain.low);
+    add(q_r_(i), q_r_rest_(i), DoubleDouble(duration) * mean);
+    add(q_r_dot_(i), q_r_dot_rest_(i), gain);
+  }
 }
 
 void FloorMotion::along_inputs(Eigen::VectorXd& acceleration) const noexcept {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/model/model.hpp"
@@ -10,13 +11,28 @@
 
 namespace stillframe {
 
+/// How the prescribed coordinates follow a rigid floor: n_r x 6, for translations x, y, z (m) and
+/// small rotations rx, ry, rz (rad) about lines through the origin.
+///   u = t + theta x r, r the node in the scene as written; each coordinate takes its own part of
+///   u, a prescribed angle of a planar scene rz, a prescribed deformation nothing
+/// This is linear in the rotation: what it leaves out, theta x (theta x r) / 2 in the position and
+/// the centripetal theta' x (theta' x r) in the acceleration, is less than what it keeps by the
+/// floor's angle in rad (1e-6 of it at a microradian). Set-up.
+Eigen::MatrixXd rigid_floor_map(const Model& model);
+
+/// The names of a scene's inputs, as floor blocks call them.
+std::vector<std::string> floor_input_names(const Scene& scene);
+
 /// A floor source on the prescribed coordinates of a model: q''^r held over each sample, and its
-/// exact integrals q'^r and q^r carried along from sample to sample. Set-up: construction; the rest
-/// is hot.
+/// exact integrals q'^r and q^r carried along from sample to sample. They are carried in
+/// double-double, so that their rounding does not grow however long it goes on; what is left is
+/// what the source itself integrates to. Set-up: construction; the rest is hot.
 class FloorMotion {
  public:
-  /// A source of translations moves every prescribed coordinate; a source of inputs moves the
-  /// scene's inputs. Errors: InputError if the model has no prescribed coordinates to move.
+  /// A source of translations or of a rigid floor moves every prescribed coordinate; a source of
+  /// inputs moves the scene's inputs. Errors: InputError if the model has no prescribed coordinates
+  /// to move, or if the floor turns and a node on it cannot: a node whose rotation is fixed, or a
+  /// planar scene that is to turn out of its plane.
   FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene& scene, const Model& model);
 
   /// Takes sample k: writes the held acceleration q''^r.
@@ -36,6 +52,7 @@ class FloorMotion {
   Eigen::MatrixXd map_;     ///< n_r x channels
   Eigen::MatrixXd inputs_;  ///< n_inputs x n_r
   Eigen::VectorXd channels_, q_r_, q_r_dot_, q_r_ddot_;
+  Eigen::VectorXd q_r_rest_, q_r_dot_rest_;  ///< what q_r_ and q_r_dot_ are too short for
 };
 
 }  // namespace stillframe

@@ -7,7 +7,8 @@
 namespace stillframe {
 
 /// The low-pass of all force sensors, s' = omega_s (sigma - s) with sigma = sigma_a + sigma_e, in
-/// two parts: s_a, the answer to the actuators, jumps in them included, in closed form; and
+/// two parts: s_a, the answer to the actuators, jumps in them included, in closed form, or where
+/// they slew or lag with hysteresis by quadrature to the last digits; and
 /// s_e' = omega_s (sigma_e - s_e), the answer to the elastic stress, which the integrator of the
 /// motion takes along. Set-up: construction. The rest is hot: noexcept, no allocation.
 class ForceSensors {
@@ -24,6 +25,9 @@ class ForceSensors {
   const Eigen::VectorXd& actuator_part() const noexcept { return s_a_; }
 
  private:
+  /// The answer to sigma_a - settled of a leg at the end of a duration (s).
+  double unsettled(Eigen::Index leg, double duration, const Actuators& actuators) const noexcept;
+
   double rate_;
   Eigen::VectorXd s_a_;
 };

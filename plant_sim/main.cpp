@@ -18,6 +18,7 @@
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/floor/floor_block.hpp"
+#include "plant_sim/run_description.hpp"
 #include "plant_sim/run_length.hpp"
 #include "plant_sim/run_plant.hpp"
 
@@ -121,32 +122,6 @@ std::string read_text(const std::filesystem::path& path) {
   return text.str();
 }
 
-stillframe_msgs::run_info_t make_info(const Options& options, const Scene& scene,
-                                      const Block& floor, std::int64_t n_samples) {
-  stillframe_msgs::run_info_t info;
-  info.run_id = options.run_id;
-  info.format_version = 1;
-  info.program_version = STILLFRAME_VERSION;
-  info.scene_name = scene.title;
-  info.scene_hash = scene.hash;
-  info.scene_text = scene.text;
-  info.floor_text = floor.text;
-  info.gains_text = read_text(options.gains);
-  info.mode = options.mode;
-  info.loop = options.loop;
-  info.sample_rate_hz = scene.controller->sample_rate_hz;
-  info.delay_samples = scene.controller->delay_samples;
-  info.n_samples = n_samples;
-  for (const auto& signal : scene.inputs) info.floor_names.push_back(signal.name);
-  for (const auto& leg : scene.controller->legs) info.leg_names.push_back(leg);
-  for (const auto& signal : scene.outputs) info.frame_names.push_back(signal.name);
-  for (const auto& signal : scene.monitors) info.frame_names.push_back(signal.name);
-  info.n_floor = static_cast<std::int32_t>(info.floor_names.size());
-  info.n_legs = static_cast<std::int32_t>(info.leg_names.size());
-  info.n_frame = static_cast<std::int32_t>(info.frame_names.size());
-  return info;
-}
-
 int run(const Options& options) {
   const Scene scene = read_scene(options.scene, options.controller);
   require_loop_signals(scene);
@@ -160,13 +135,20 @@ int run(const Options& options) {
                      ", allowed in wall-clock mode is 1 or more: the command of a sample is "
                      "known at the next");
   }
-  const Model model = make_model(scene);
   const auto spec = floor::read_floor_block(floor->reader, scene.controller->sample_rate_hz,
-                                            static_cast<Index>(scene.inputs.size()));
-  Plant plant(scene, model, floor::make_floor_source(spec));
+                                            floor_input_names(scene));
+  Plant plant(scene, floor::make_floor_source(spec));
   const std::int64_t n = run_length(scene, spec, plant.floor_samples(), options.duration_s);
+  spdlog::info("method {}: {}", method_name(plant.choice().method), plant.choice().reason);
   if (options.priority && options.mode == "wall_clock") request_fifo(*options.priority);
-  PlantLink link(lcm_url(options.lcm_url), make_info(options, scene, *floor, n));
+  PlantLink link(lcm_url(options.lcm_url),
+                 describe_run(scene, {.run_id = options.run_id,
+                                      .n_samples = n,
+                                      .program_version = STILLFRAME_VERSION,
+                                      .floor_text = floor->text,
+                                      .gains_text = read_text(options.gains),
+                                      .mode = options.mode,
+                                      .loop = options.loop}));
 
   if (options.pace_by_log) link.pace_by(*options.pace_by_log);
 
@@ -186,6 +168,10 @@ int run(const Options& options) {
   if (outcome.reason.empty()) {
     outcome = options.mode == "wall_clock" ? run_wall_clock(plant, link, run_options)
                                            : run_lock_step(plant, link, run_options);
+  }
+  if (plant.n_out_of_range() > 0) {
+    spdlog::warn("{} readings of force sensors were out of range, and cut off there",
+                 plant.n_out_of_range());
   }
   if (outcome.ended) return exit_done;
   spdlog::error("the run did not end as it should: {}", outcome.reason);

@@ -1,10 +1,9 @@
 #include "plant_sim/plant.hpp"
 
-#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/control_loop.hpp"
-#include "core/equilibrium.hpp"
 
 namespace stillframe {
 
@@ -21,161 +20,120 @@ std::vector<Index> rows_of(const std::vector<std::string>& legs, const Model& mo
   return rows;
 }
 
-/// Of the stiffest of these deformations (N/m), 1 if none resists.
-double largest_stiffness(const std::vector<Index>& rows, const Model& model) {
-  double largest = 0;
-  for (const Index row : rows) {
-    const auto [element, i] = model.owner_of_row(row);
-    const LocalStiffness& S = model.elements[element].S;
-    if (S.size() > 0) largest = std::max(largest, S(i, i));
-  }
-  return largest > 0 ? largest : 1;
+Drive make_drive(const Scene& scene, const Model& model,
+                 std::unique_ptr<floor::FloorSource> floor) {
+  const auto n_legs = static_cast<Index>(scene.controller->legs.size());
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  return {FloorMotion(std::move(floor), scene, model),
+          Actuators(n_legs, scene.controller->force_limit_n.value_or(unlimited), scene.instruments),
+          Disturbances(scene, model, 1 / scene.controller->sample_rate_hz),
+          rows_of(scene.controller->legs, model)};
 }
 
-std::string reason_of(Integrator::Status status, const std::string& where) {
-  switch (status) {
-    case Integrator::Status::ok:
-      return "";
-    case Integrator::Status::right_hand_side_failed:
-      return where +
-             ": the equations of motion cannot be evaluated there (a position that the elements "
-             "cannot "
-             "reach, or a mass matrix that became singular)";
-    case Integrator::Status::too_many_steps:
-      return where + ": the integrator needs more than 100000 steps within one sample";
-    case Integrator::Status::failed:
-      return where + ": the integrator cannot go on";
-  }
-  return where;
+/// Of the two parts of a sample between which the command changes.
+std::vector<double> durations(const SceneController& controller) {
+  const double T = 1 / controller.sample_rate_hz;
+  const double fraction = controller.delay_samples - std::floor(controller.delay_samples);
+  if (fraction == 0) return {T};
+  return {fraction * T, (1 - fraction) * T};
 }
 
 }  // namespace
 
-Plant::Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::FloorSource> floor)
-    : model_(model),
-      floor_(std::move(floor), checked(scene), model),
-      sample_time_(1.0 / scene.controller->sample_rate_hz),
-      data_(model),
-      state_(model),
-      leg_rows_(rows_of(scene.controller->legs, model)),
-      actuators_(static_cast<Index>(leg_rows_.size()),
-                 scene.controller->force_limit_n.value_or(std::numeric_limits<double>::infinity()),
-                 scene.instruments),
-      sensors_(static_cast<Index>(leg_rows_.size()), scene.instruments.sensor_filter_hz),
-      stiffness_(largest_stiffness(leg_rows_, model)),
-      integrator_(
-          model.n_d,
-          [this](double t, const Eigen::Ref<const Eigen::VectorXd>& y,
-                 Eigen::Ref<Eigen::VectorXd> dy_dt) { return right_hand_side(t, y, dy_dt); },
-          scene.simulation.relative_tolerance, n_filtered()),
-      x_dot_before_(Eigen::VectorXd::Zero(model.n_x)),
-      x_dot_change_(Eigen::VectorXd::Zero(model.n_x)),
-      y_(Eigen::VectorXd::Zero(2 * model.n_d + n_filtered())),
-      y_rate_(y_),
-      sigma_a_(Eigen::VectorXd::Zero(model.n_e)),
-      q_d_ddot_(Eigen::VectorXd::Zero(model.n_d)) {
-  const Equilibrium rest = solve_equilibrium(model);
-  q_0_ = rest.motion.state.q_d;
-  data_.x = rest.motion.x;
-  accelerations(model, data_, rest.motion.state, sigma_a_, q_d_ddot_);
-  // Preloads balance up to rounding only. Errors of that size can be met by no step, so they set
-  // the least acceleration that counts.
-  least_scale_ = 100 * q_d_ddot_.lpNorm<Eigen::Infinity>() / scene.simulation.relative_tolerance;
-  sigma_0_ = data_.sigma;
-  q_d_ddot_.setZero();
-  const auto n_outputs = static_cast<Index>(scene.outputs.size());
-  const auto n_frame = n_outputs + static_cast<Index>(scene.monitors.size());
-  frame_rows_.resize(n_frame, model.n_x);
-  for (Index i = 0; i < n_frame; ++i) {
-    const SceneSignal& signal = i < n_outputs ? scene.outputs[static_cast<size_t>(i)]
-                                              : scene.monitors[static_cast<size_t>(i - n_outputs)];
-    frame_rows_.row(i) = model.translation_row(model.node_index(signal.node), signal.direction);
+Plant::Plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor)
+    : sample_time_(1.0 / checked(scene).controller->sample_rate_hz),
+      merged_(merge_rigid_bodies(scene)),
+      model_(make_model(merged_.scene)),
+      drive_(make_drive(merged_.scene, model_, std::move(floor))),
+      sensors_(n_legs(), scene.instruments.sensor_filter_hz),
+      choice_(choose_method(merged_.scene, model_, drive_)),
+      motion_(make_motion(merged_, model_, choice_.method, drive_, durations(*scene.controller))) {
+  if (scene.instruments.force_sensors) {
+    force_noise_.emplace(n_legs(), *scene.instruments.force_sensors, sample_time_,
+                         scene.instruments.sensor_filter_hz);
   }
-  reading_ = {Eigen::VectorXd::Zero(static_cast<Index>(scene.inputs.size())),
-              Eigen::VectorXd::Zero(n_legs()), Eigen::VectorXd::Zero(n_legs()),
-              Eigen::VectorXd::Zero(n_frame)};
-}
-
-bool Plant::motion(double t, const Eigen::Ref<const Eigen::VectorXd>& y,
-                   Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept {
-  const Index n_d = model_.n_d;
-  state_.q_d = q_0_ + y.head(n_d);
-  state_.q_d_dot = y.segment(n_d, n_d);
-  floor_.at(t, state_.q_r, state_.q_r_dot);
-  state_.q_r_ddot = floor_.q_r_ddot();
-  if (accelerations(model_, data_, state_, sigma_a_, q_d_ddot_) != DynamicsStatus::ok) return false;
-  dy_dt.head(n_d) = state_.q_d_dot;
-  dy_dt.segment(n_d, n_d) = q_d_ddot_;
-  for (Index i = 0; i < n_filtered(); ++i) {
-    const Index row = leg_rows_[static_cast<size_t>(i)];
-    const double elastic = data_.sigma(row) - sigma_a_(row) - sigma_0_(row);
-    dy_dt(2 * n_d + i) = sensors_.rate() * (elastic / stiffness_ - y(2 * n_d + i));
+  if (scene.instruments.floor_sensors) {
+    floor_noise_.emplace(static_cast<Index>(scene.inputs.size()), *scene.instruments.floor_sensors,
+                         sample_time_);
   }
-  return true;
-}
-
-bool Plant::right_hand_side(double t, const Eigen::Ref<const Eigen::VectorXd>& y,
-                            Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept {
-  for (Index i = 0; actuators_.lags() && i < n_legs(); ++i) {
-    sigma_a_(leg_rows_[static_cast<size_t>(i)]) = actuators_.acting(i, t);
-  }
-  return motion(t, y, dy_dt);
+  const auto n_frame = static_cast<Index>(scene.outputs.size() + scene.monitors.size());
+  velocity_before_ = velocity_ = Eigen::VectorXd::Zero(n_frame);
+  stress_ = Eigen::VectorXd::Zero(n_legs());
+  reading_ = {Eigen::VectorXd::Zero(static_cast<Index>(scene.inputs.size())), stress_, stress_,
+              velocity_};
 }
 
 const Reading& Plant::read() noexcept {
-  // data_ holds the end of the last sample; before the first sample it holds the scene as written,
-  // at rest. Directions are fixed in space, so a mean acceleration along one is the change of
-  // velocity along it.
-  x_dot_change_ = data_.x_dot - x_dot_before_;
-  reading_.frame_acceleration.noalias() = frame_rows_ * x_dot_change_;
-  reading_.frame_acceleration /= sample_time_;
-  floor_.along_inputs(reading_.floor_acceleration);
-  reading_.applied_force = actuators_.report();
-  if (sensors_.filter()) {
-    reading_.sigma = sensors_.actuator_part() + stiffness_ * y_.tail(n_legs());
-  } else if (k_ > 0) {
-    for (Index i = 0; i < n_legs(); ++i) {
-      const Index row = leg_rows_[static_cast<size_t>(i)];
-      reading_.sigma(i) = data_.sigma(row) - sigma_0_(row);
-    }
-  }
+  // Directions are fixed in space, so a mean acceleration along one is the change of velocity along
+  // it.
+  reading_.frame_acceleration = (velocity_ - velocity_before_) / sample_time_;
+  drive_.floor().along_inputs(reading_.floor_acceleration);
+  reading_.applied_force = drive_.actuators().report();
+  reading_.sigma.setZero();
+  if (k_ > 0) true_stresses(reading_.sigma);
+  if (force_noise_) n_out_of_range_ += force_noise_->apply(reading_.sigma);
+  if (floor_noise_) floor_noise_->apply(k_, reading_.floor_acceleration);
   return reading_;
 }
 
-Integrator::Status Plant::hold(const Eigen::Ref<const Eigen::VectorXd>& command,
-                               double duration) noexcept {
-  actuators_.command(command);
-  for (Index i = 0; i < n_legs(); ++i) {
-    sigma_a_(leg_rows_[static_cast<size_t>(i)]) = actuators_.settled(i);
+void Plant::true_stresses(Eigen::VectorXd& sigma) noexcept {
+  if (sensors_.filter()) {
+    motion_->filtered_stresses(stress_);
+    sigma = sensors_.actuator_part() + stress_;
+    return;
   }
-  // The accelerations at the end of what was before scale the error of this part; after rest they
-  // are zero, and those under the whole command do.
-  if (q_d_ddot_.isZero(0) && !motion(0.0, y_, y_rate_)) {
-    return Integrator::Status::right_hand_side_failed;
+  motion_->elastic_stresses(stress_);
+  for (Index i = 0; i < n_legs(); ++i) sigma(i) = stress_(i) + drive_.actuators().acting(i, 0);
+}
+
+Motion::Status Plant::hold(const Eigen::Ref<const Eigen::VectorXd>& command,
+                           double duration) noexcept {
+  drive_.actuators().command(command);
+  auto status = Motion::Status::ok;
+  double left = duration;
+  while (left > 0 && status == Motion::Status::ok) {
+    // Where slewing ends the force has a kink, which no method should step over.
+    const double part = drive_.actuators().smooth_for(left);
+    status = motion_->advance(drive_, part);
+    if (status != Motion::Status::ok) break;
+    drive_.floor().finish(part);
+    sensors_.finish(part, drive_.actuators());
+    drive_.actuators().finish(part);
+    left = part < left ? left - part : 0;
   }
-  const double scale = std::max(q_d_ddot_.lpNorm<Eigen::Infinity>(), least_scale_);
-  const auto status = integrator_.advance(y_, duration, scale);
-  if (status != Integrator::Status::ok) return status;
-  if (!right_hand_side(duration, y_, y_rate_)) return Integrator::Status::right_hand_side_failed;
-  floor_.finish(duration);
-  sensors_.finish(duration, actuators_);
-  actuators_.finish(duration);
   return status;
 }
 
 std::string Plant::advance(const Eigen::Ref<const Eigen::VectorXd>& before,
                            const Eigen::Ref<const Eigen::VectorXd>& after, double fraction) {
-  x_dot_before_ = data_.x_dot;
-  floor_.take(k_);
-  auto status = Integrator::Status::ok;
+  velocity_before_ = velocity_;
+  drive_.take(k_);
+  auto status = Motion::Status::ok;
   if (fraction > 0) status = hold(before, fraction * sample_time_);
-  if (status == Integrator::Status::ok) status = hold(after, (1 - fraction) * sample_time_);
-  if (status != Integrator::Status::ok) {
-    return reason_of(status, "plant at t = " + std::to_string(time()) + " s");
-  }
-  actuators_.sample();
+  if (status == Motion::Status::ok) status = hold(after, (1 - fraction) * sample_time_);
+  if (status != Motion::Status::ok) return reason_of(status);
+  motion_->velocities(velocity_);
+  drive_.actuators().sample();
+  if (force_noise_) force_noise_->next();
   ++k_;
   return "";
+}
+
+std::string Plant::reason_of(Motion::Status status) const {
+  std::string reason = "plant at t = " + std::to_string(time()) + " s, " + motion_->where() + ": ";
+  switch (status) {
+    case Motion::Status::ok:
+      return "";
+    case Motion::Status::equations_failed:
+      return reason +
+             "the equations of motion cannot be evaluated there (a position that the elements "
+             "cannot reach, or a mass matrix that became singular)";
+    case Motion::Status::too_many_steps:
+      return reason + "the integrator needs more than 100000 steps within one sample";
+    case Motion::Status::failed:
+      return reason + "the integrator cannot go on";
+  }
+  return reason;
 }
 
 }  // namespace stillframe

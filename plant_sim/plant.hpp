@@ -1,15 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
-#include "core/dynamics.hpp"
-#include "core/scene/scene.hpp"
-#include "plant_sim/actuators.hpp"
-#include "plant_sim/floor_motion.hpp"
+#include "core/scene/rigid_bodies.hpp"
 #include "plant_sim/force_sensors.hpp"
-#include "plant_sim/integrator.hpp"
+#include "plant_sim/motion/make_motion.hpp"
+#include "plant_sim/sensor_errors.hpp"
 
 namespace stillframe {
 
@@ -21,13 +20,16 @@ struct Reading {
   Eigen::VectorXd frame_acceleration;  ///< m/s^2, mean over the last sample: outputs, then monitors
 };
 
-/// The nonlinear frame and floor with the scene's instruments and the commands to the legs held.
+/// The frame and floor of a scene with its instruments and the commands to the legs held, moved by
+/// the method that the scene asks for. Rigid bodies are one node each (merge_rigid_bodies).
 /// Set-up: construction. read() and advance() do not allocate while the motion can go on.
 class Plant {
  public:
-  /// scene and model must outlive the plant. Errors: InputError as require_loop_signals and
-  /// FloorMotion; Refusal if the scene has no equilibrium, in which it starts.
-  Plant(const Scene& scene, const Model& model, std::unique_ptr<floor::FloorSource> floor);
+  /// Errors: InputError as require_loop_signals, FloorMotion and choose_method; Refusal if the
+  /// scene has no equilibrium, in which it starts.
+  Plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor);
+  Plant(const Plant&) = delete;
+  Plant& operator=(const Plant&) = delete;
 
   /// The instruments at the present instant.
   const Reading& read() noexcept;
@@ -42,44 +44,33 @@ class Plant {
 
   double time() const { return static_cast<double>(k_) * sample_time_; }
   std::int64_t sample() const { return k_; }
-  std::int64_t floor_samples() const { return floor_.n_samples(); }
-  const MotionState& state() const { return state_; }
-  const Data& data() const { return data_; }
-  long evaluations() const { return integrator_.evaluations(); }
+  std::int64_t floor_samples() const { return drive_.floor().n_samples(); }
+  long evaluations() const { return motion_->evaluations(); }
+  const MotionChoice& choice() const { return choice_; }
+  /// Readings of force sensors that were out of their range, and cut off there.
+  std::int64_t n_out_of_range() const { return n_out_of_range_; }
 
  private:
-  Index n_legs() const noexcept { return static_cast<Index>(leg_rows_.size()); }
-  Index n_filtered() const noexcept { return sensors_.filter() ? n_legs() : 0; }
-  /// Writes dy/dt at a time t (s) into the present part of the sample, with the forces there.
-  bool right_hand_side(double t, const Eigen::Ref<const Eigen::VectorXd>& y,
-                       Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept;
-  /// The same with the forces in sigma_a_.
-  bool motion(double t, const Eigen::Ref<const Eigen::VectorXd>& y,
-              Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept;
+  Index n_legs() const noexcept { return static_cast<Index>(drive_.legs().size()); }
+  /// sigma of the legs (N) without what the sensors make of it.
+  void true_stresses(Eigen::VectorXd& sigma) noexcept;
   /// Goes on for a duration (s) under a command.
-  Integrator::Status hold(const Eigen::Ref<const Eigen::VectorXd>& command,
-                          double duration) noexcept;
+  Motion::Status hold(const Eigen::Ref<const Eigen::VectorXd>& command, double duration) noexcept;
+  std::string reason_of(Motion::Status status) const;
 
-  const Model& model_;
-  FloorMotion floor_;
   double sample_time_;
-  Data data_;
-  MotionState state_;
-  std::vector<Index> leg_rows_;
-  Actuators actuators_;
+  MergedScene merged_;
+  Model model_;
+  Drive drive_;
   ForceSensors sensors_;
-  double stiffness_;  ///< N/m, of the stiffest leg: what stresses in y_ are divided by
-  Integrator integrator_;
-  Eigen::MatrixXd frame_rows_;     ///< n_frame x n_x
-  Eigen::VectorXd x_dot_before_;   ///< n_x, at the start of the last sample
-  Eigen::VectorXd x_dot_change_;   ///< n_x, since then
-  Eigen::VectorXd q_0_, sigma_0_;  ///< n_d, n_e, of the equilibrium, from which y counts
-  /// y_: 2 n_d, or 2 n_d + m with a sensor filter: q^d - q_0, q'^d, s_e / stiffness_.
-  Eigen::VectorXd y_, y_rate_, sigma_a_, q_d_ddot_;
-  double least_scale_ =
-      0;  ///< m/s^2, of what is left of the equilibrium's forces, over the tolerance
+  std::optional<ForceSensorNoise> force_noise_;
+  std::optional<FloorSensorNoise> floor_noise_;
+  MotionChoice choice_;
+  std::unique_ptr<Motion> motion_;
+  Eigen::VectorXd velocity_before_, velocity_;  ///< of the frame's points, one sample apart
+  Eigen::VectorXd stress_;
   Reading reading_;
-  std::int64_t k_ = 0;
+  std::int64_t k_ = 0, n_out_of_range_ = 0;
 };
 
 }  // namespace stillframe

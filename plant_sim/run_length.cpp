@@ -11,7 +11,7 @@ std::int64_t run_length(const Scene& scene, const floor::FloorSpec& spec,
                         std::int64_t floor_samples, std::optional<double> duration_s) {
   // A multisine, noise or a still floor states its own length; a recording is as long as somebody
   // recorded.
-  const bool recorded = std::holds_alternative<floor::RecordingSpec>(spec.kind);
+  const bool recorded = spec.recorded();
   if (!duration_s && recorded && scene.simulation.duration_s > 0) {
     duration_s = scene.simulation.duration_s;
   }

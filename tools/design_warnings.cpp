@@ -182,6 +182,18 @@ void warn_of_rates(const LoopDesign& design, const DesignAnalysis& analysis,
 
 }  // namespace
 
+std::string left_out_of_analysis(const Instruments& instruments) {
+  std::string what;
+  const auto add = [&what](bool there, const char* name) {
+    if (there) what += (what.empty() ? "" : ", ") + std::string(name);
+  };
+  add(instruments.hysteresis.has_value(), "hysteresis");
+  add(std::isfinite(instruments.force_rate_limit), "force_rate_limit_n_per_s");
+  add(instruments.force_sensors.has_value(), "force_sensors");
+  if (what.empty()) return "";
+  return "the plant simulator alone has these instruments, the analysis leaves them out: " + what;
+}
+
 std::vector<std::string> design_warnings(const LoopDesign& design, const DesignAnalysis& analysis) {
   std::vector<std::string> out;
   warn_of_stability(design, analysis, out);
@@ -191,6 +203,8 @@ std::vector<std::string> design_warnings(const LoopDesign& design, const DesignA
   warn_of_margins(analysis, out);
   warn_of_amplification(design, out);
   warn_of_rates(design, analysis, out);
+  const std::string left_out = left_out_of_analysis(design.scene.instruments);
+  if (!left_out.empty()) out.push_back(left_out);
   return out;
 }
 

@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
     add_robustness(app, exit_code);
     add_merge(app, exit_code);
     add_run(app, exit_code);
+    add_batch(app, exit_code);
     add_ctl(app, exit_code);
     add_replay(app, exit_code);
     require_known_verb(app, argc, argv);

@@ -14,6 +14,7 @@
 #include "tools/loop_design.hpp"
 #include "tools/run/judge.hpp"
 #include "tools/run/phase.hpp"
+#include "tools/run/single_process.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -59,11 +60,11 @@ floor::FloorSpec check_input(const Options& options, const LoopDesign& design,
     throw InputError(design.scene.file + ": the key 'floor' is missing, and no --floor is given");
   }
   floor_text = block->text;
-  const auto spec =
-      floor::read_floor_block(block->reader, design.gains.sample_rate_hz, design.loop.n_w);
-  const Plant plant(design.scene, design.model, floor::make_floor_source(spec));
+  const auto spec = floor::read_floor_block(block->reader, design.gains.sample_rate_hz,
+                                            floor_input_names(design.scene));
+  const Plant plant(design.scene, floor::make_floor_source(spec));
   run_length(design.scene, spec, plant.floor_samples(), options.duration_s);
-  open_lcm(lcm_url(options.lcm_url));
+  if (options.mode != "single_process") open_lcm(lcm_url(options.lcm_url));
   return spec;
 }
 
@@ -105,7 +106,9 @@ int run(const Options& options) {
   for (const char* loop : {"passive", "active"}) {
     if (options.loop != "both" && options.loop != loop) continue;
     phase.loop = loop;
-    const PhaseResult result = run_phase(phase, directory);
+    const PhaseResult result = options.mode == "single_process"
+                                   ? run_in_process(design, spec, floor_text, phase, directory)
+                                   : run_phase(phase, directory);
     if (result.exit_code != exit_done) return fail(directory, result);
     if (!options.json) std::cout << loop << ": " << result.controller_line << "\n";
     (loop == std::string("passive") ? logs.passive : logs.active) =
@@ -148,8 +151,9 @@ void add_run(CLI::App& app, int& exit_code) {
       ->type_name("DIR");
   verb->add_option("--mode", options->mode,
                    "lock_step: one command a measurement, as fast as the machine goes; "
+                   "single_process: the same to the bit in this process, without LCM; "
                    "wall_clock: at the sample rate by the clock")
-      ->check(CLI::IsMember({"lock_step", "wall_clock"}))
+      ->check(CLI::IsMember({"lock_step", "single_process", "wall_clock"}))
       ->capture_default_str();
   verb->add_option("--loop", options->loop,
                    "passive: zero force; active; or both, one after the other")

@@ -11,6 +11,7 @@
 #include "core/yaml/input_error.hpp"
 #include "report/plots.hpp"
 #include "report/table.hpp"
+#include "tools/design_warnings.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/operating_point.hpp"
@@ -163,6 +164,10 @@ int run(const Options& options) {
     return design ? with_controller(*design, frequencies)
                   : without_controller(system, frequencies, patience);
   };
+  if (design) {
+    const std::string left_out = left_out_of_analysis(design->scene.instruments);
+    if (!left_out.empty()) std::cerr << "stillframe: note: " << left_out << "\n";
+  }
   if (design && options.to_hz > design->gains.sample_rate_hz / 2) {
     std::cerr << "stillframe: note: above half the sample rate the sampled loop repeats itself\n";
   }

@@ -17,6 +17,7 @@ void add_design(CLI::App& app, int& exit_code);
 void add_robustness(CLI::App& app, int& exit_code);
 void add_merge(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
+void add_batch(CLI::App& app, int& exit_code);
 void add_ctl(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
 

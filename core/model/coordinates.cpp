@@ -29,8 +29,9 @@ void ModelBuilder::share_translations() {
 void ModelBuilder::plan_rotations() {
   const Index size = scene_.planar ? 1 : 4;
   for (const SceneElement& element : scene_.elements) {
-    if (element.kind == SceneElement::Kind::truss) continue;
-    plan(element.node_p).rotation_size = plan(element.node_q).rotation_size = size;
+    const bool truss = element.kind == SceneElement::Kind::truss;
+    if (!truss || !element.arm_p.isZero(0)) plan(element.node_p).rotation_size = size;
+    if (!truss || !element.arm_q.isZero(0)) plan(element.node_q).rotation_size = size;
   }
   for (const SceneMass& mass : scene_.masses) {
     if (mass.has_inertia) plan(mass.node).rotation_size = size;

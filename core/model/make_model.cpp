@@ -1,6 +1,7 @@
 // The elements, dofs, inertias and loads of a model, and the whole.
 #include <algorithm>
 
+#include "core/elements/arm_truss.hpp"
 #include "core/elements/beam.hpp"
 #include "core/elements/hinge.hpp"
 #include "core/elements/norm_condition.hpp"
@@ -33,6 +34,9 @@ std::unique_ptr<const Element> make_element(const SceneElement& element, Index p
                                             const Eigen::Vector3d& l_0, bool planar) {
   switch (element.kind) {
     case Kind::truss:
+      if (!element.arm_p.isZero(0) || !element.arm_q.isZero(0)) {
+        return std::make_unique<ArmTruss>(p, q, l_0, element.arm_p, element.arm_q);
+      }
       return std::make_unique<Truss>(p, q, l_0);
     case Kind::hinge:
       if (planar) return std::make_unique<PlanarHinge>(p, q);
@@ -101,8 +105,8 @@ void ModelBuilder::place_elements() {
 
 void ModelBuilder::place_element(const SceneElement& element) {
   const Index p = node_index_.at(element.node_p), q = node_index_.at(element.node_q);
-  const Eigen::Vector3d l_0 =
-      model_.nodes[static_cast<size_t>(q)].position - model_.nodes[static_cast<size_t>(p)].position;
+  const Eigen::Vector3d l_0 = model_.nodes[static_cast<size_t>(q)].position + element.arm_q -
+                              model_.nodes[static_cast<size_t>(p)].position - element.arm_p;
   add_element(element.name, make_element(element, p, q, l_0, scene_.planar));
   ModelElement& item = model_.elements.back();
   const Index n_e = item.element->n_deformations();

@@ -8,6 +8,7 @@
 
 #include "core/linear/instruments.hpp"
 #include "core/linear/realisation.hpp"
+#include "core/scene/disturbances.hpp"
 
 // A scene as a person wrote it, checked key by key; names are not resolved yet. `place` is
 // "file:line:column".
@@ -46,6 +47,8 @@ struct SceneElement {
   std::string name, place;
   Kind kind = Kind::truss;
   std::string node_p, node_q;
+  /// From its nodes to its ends, m, fixed to the nodes (merge_rigid_bodies): of trusses in space.
+  Eigen::Vector3d arm_p = Eigen::Vector3d::Zero(), arm_q = Eigen::Vector3d::Zero();
   /// Number of deformations n_e: truss 1; beam and rigid_beam 6, planar 3; hinge 3, planar 1.
   Eigen::Index n_deformations = 1;
   std::vector<bool> zero;     ///< n_e, deformations that are held zero
@@ -156,9 +159,28 @@ struct SceneUncertainty {
   double delay_samples = 0;      ///< of all commands
 };
 
+/// How a plant moves: its formulation and its method. automatic: chosen by the scene.
+enum class PlantMethod {
+  automatic,
+  linear,       ///< small motion, stepped exactly
+  exponential,  ///< the exact linear answer and the nonlinear rest, in minimal coordinates
+  // Methods of SUNDIALS in minimal coordinates.
+  dormand_prince,
+  fehlberg,
+  runge_kutta,
+  implicit_runge_kutta,
+  adams,
+  bdf,
+  nodal,  ///< in nodal coordinates with constraints, by collocation
+  ida,    ///< the same by SUNDIALS' IDA
+};
+
 struct SceneSimulation {
+  std::string place;
   double duration_s = 0;  ///< 0: as long as the floor lasts
   double relative_tolerance = 1e-5;
+  PlantMethod method = PlantMethod::automatic;
+  int steps_per_sample = 4;  ///< of runge_kutta
 };
 
 enum class OperatingPoint { equilibrium, as_written };
@@ -180,6 +202,7 @@ struct Scene {
   std::vector<SceneComparison> comparisons;
   std::optional<SceneController> controller;
   Instruments instruments;
+  std::vector<SceneDisturbance> disturbances;
   std::optional<SceneUncertainty> uncertainty;
   SceneSimulation simulation;
 };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "core/scene/controller_block.hpp"
@@ -31,9 +32,24 @@ Block read_block(const YamlReader& value) {
   return {YamlReader::from_file(path), file_text(path)};
 }
 
+const std::map<std::string, PlantMethod, std::less<>> plant_methods{
+    {"auto", PlantMethod::automatic},
+    {"linear", PlantMethod::linear},
+    {"exponential", PlantMethod::exponential},
+    {"dormand_prince", PlantMethod::dormand_prince},
+    {"fehlberg", PlantMethod::fehlberg},
+    {"runge_kutta", PlantMethod::runge_kutta},
+    {"implicit_runge_kutta", PlantMethod::implicit_runge_kutta},
+    {"adams", PlantMethod::adams},
+    {"bdf", PlantMethod::bdf},
+    {"nodal", PlantMethod::nodal},
+    {"ida", PlantMethod::ida},
+};
+
 SceneSimulation read_simulation(const YamlReader& block) {
-  block.allow_only({"duration_s", "relative_tolerance"});
+  block.allow_only({"duration_s", "relative_tolerance", "method", "steps_per_sample"});
   SceneSimulation simulation;
+  simulation.place = block.place();
   if (const auto value = block.find("duration_s")) simulation.duration_s = value->positive();
   if (const auto value = block.find("relative_tolerance")) {
     simulation.relative_tolerance = value->positive();
@@ -41,15 +57,30 @@ SceneSimulation read_simulation(const YamlReader& block) {
       value->fail("found " + value->text() + ", allowed is 1e-14 to 1e-2");
     }
   }
+  if (const auto value = block.find("method")) {
+    simulation.method = plant_methods.at(
+        value->one_of({"auto", "linear", "exponential", "dormand_prince", "fehlberg", "runge_kutta",
+                       "implicit_runge_kutta", "adams", "bdf", "nodal", "ida"}));
+  }
+  if (const auto value = block.find("steps_per_sample")) {
+    if (simulation.method != PlantMethod::runge_kutta) {
+      value->fail("only 'method: runge_kutta' has a number of steps");
+    }
+    simulation.steps_per_sample = static_cast<int>(value->integer(1));
+    if (simulation.steps_per_sample > 10000) {
+      value->fail("found " + value->text() + ", allowed is 1 to 10000");
+    }
+  }
   return simulation;
 }
 
 Scene read_scene_map(const YamlReader& root, const std::string& text,
                      const std::optional<std::filesystem::path>& controller_file) {
-  root.allow_only({"title",      "planar",      "gravity",     "operating_point", "nodes",
-                   "masses",     "elements",    "supports",    "prescribed",      "dofs",
-                   "loads",      "inputs",      "outputs",     "monitors",        "compare",
-                   "controller", "instruments", "uncertainty", "floor",           "simulation"});
+  root.allow_only({"title",       "planar",      "gravity",     "operating_point", "nodes",
+                   "masses",      "elements",    "supports",    "prescribed",      "dofs",
+                   "loads",       "inputs",      "outputs",     "monitors",        "compare",
+                   "controller",  "instruments", "uncertainty", "floor",           "simulation",
+                   "disturbances"});
   Scene scene;
   scene.text = text;
   scene.hash = text_hash(text);
@@ -67,7 +98,11 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
     // Gains belong to the controller block as much as to the frame.
     scene.hash = text_hash(text + controller->text);
   }
-  if (const auto block = root.find("instruments")) scene.instruments = read_instruments(*block);
+  if (const auto block = root.find("instruments")) {
+    const int n_legs = scene.controller ? static_cast<int>(scene.controller->legs.size()) : -1;
+    scene.instruments = read_scene_instruments(*block, n_legs);
+  }
+  scene.disturbances = read_disturbances(root, scene);
   if (const auto block = root.find("uncertainty")) scene.uncertainty = read_uncertainty(*block);
   if (const auto block = root.find("simulation")) scene.simulation = read_simulation(*block);
   return scene;

@@ -4,52 +4,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "plant_sim/floor/block_values.hpp"
+#include "plant_sim/floor/motion_blocks.hpp"
+
 namespace stillframe::floor {
 
 namespace {
 
-// 0.8 GB: more than any sensible run needs, and less than what brings a machine down.
-constexpr double most_values = 1e8;
-
-template <typename T>
-T value_or(const YamlReader& block, const std::string& key, T otherwise,
-           T (YamlReader::*read)() const) {
-  const auto value = block.find(key);
-  return value ? ((*value).*read)() : otherwise;
-}
-
-std::string text_of(double value) {
-  std::string text = std::to_string(value);
-  while (text.ends_with('0')) text.pop_back();
-  if (text.ends_with('.')) text.pop_back();
-  return text;
-}
-
-double read_high_pass(const YamlReader& block, double sample_rate_hz) {
-  const auto value = block.find("high_pass_hz");
-  const double corner = value ? value->positive() : 0.5;
-  if (!(corner < 0.5 * sample_rate_hz)) {
-    const std::string message = "found " + text_of(corner) + ", allowed is a number below " +
-                                text_of(0.5 * sample_rate_hz) + ", half the control rate";
-    value ? value->fail(message) : block.fail("high_pass_hz (default): " + message);
-  }
-  return corner;
-}
-
-std::int64_t read_duration(const YamlReader& block, double sample_rate_hz, Eigen::Index channels) {
-  const YamlReader value = block.require("duration_s");
-  const double samples = std::round(value.positive() * sample_rate_hz);
-  const double most = std::floor(most_values / static_cast<double>(channels));
-  if (samples < 1.0 || samples > most) {
-    value.fail("found " + text_of(value.number()) + ", allowed is from " +
-               text_of(1.0 / sample_rate_hz) + " (one sample) to " +
-               text_of(most / sample_rate_hz));
-  }
-  return static_cast<std::int64_t>(samples);
-}
-
 RecordingSpec read_recording_block(const YamlReader& block, double sample_rate_hz) {
-  block.allow_only({"file", "scale", "start_s", "high_pass_hz", "axes"});
+  block.allow_only({"file", "scale", "start_s", "high_pass_hz", "axes", "about"});
   RecordingSpec spec{.block = block, .file = block.require("file").text(), .axes = {}};
   if (spec.file.is_relative()) spec.file = (block.folder() / spec.file).lexically_normal();
   spec.scale = value_or(block, "scale", 1.0, &YamlReader::positive);
@@ -57,16 +20,22 @@ RecordingSpec read_recording_block(const YamlReader& block, double sample_rate_h
   spec.high_pass_hz = read_high_pass(block, sample_rate_hz);
   const YamlReader axes = block.require("axes");
   for (const auto& [column, value] : axes.entries()) {
-    const Eigen::Index axis = value.one_of({"x", "y", "z"})[0] - 'x';
+    const Eigen::Index axis = read_axis(value);
     for (const auto& other : spec.axes) {
       if (other.axis == axis) {
         value.fail("found '" + value.text() + "', which column " + other.column +
                    " already moves; allowed is one column for each axis");
       }
+      if ((other.axis >= 3) != (axis >= 3)) {
+        value.fail("found '" + value.text() +
+                   "' beside translations or rotations: a file is in m/s^2 or in rad/s^2; a sum "
+                   "of two recordings has both");
+      }
     }
     spec.axes.push_back({column, axis});
   }
   if (spec.axes.empty()) axes.fail("found nothing, allowed is a map as in {ax: x, ay: y, az: z}");
+  spec.about = read_about(block, spec.turns());
   return spec;
 }
 
@@ -144,29 +113,65 @@ StillSpec read_still_block(const YamlReader& block, double sample_rate_hz, Eigen
   return StillSpec{read_duration(block, sample_rate_hz, inputs)};
 }
 
-}  // namespace
-
-FloorSpec read_floor_block(const YamlReader& block, double sample_rate_hz, Eigen::Index inputs) {
-  if (!(sample_rate_hz > 0.0) || !std::isfinite(sample_rate_hz) || inputs < 1) {
-    throw std::invalid_argument(
-        "read_floor_block: expected a sample rate above 0 and at least one input");
-  }
-  block.allow_only({"recording", "multisine", "white", "still"});
+/// The one kind of a block and its value.
+std::pair<std::string, YamlReader> read_kind(const YamlReader& block) {
+  block.allow_only(
+      {"recording", "multisine", "white", "noise", "step", "impact", "sine_sweep", "still", "sum"});
   const auto kinds = block.entries();
   if (kinds.size() != 1) {
     block.fail("found " + std::to_string(kinds.size()) +
-               " kinds of floor, allowed is exactly one of recording, multisine, white, still");
+               " kinds of floor, allowed is exactly one of recording, multisine, white, noise, "
+               "step, impact, sine_sweep, still, sum");
   }
-  const auto& [kind, value] = kinds.front();
-  FloorSpec spec{.sample_rate_hz = sample_rate_hz, .inputs = inputs, .kind = StillSpec{}};
+  return kinds.front();
+}
+
+SumSpec read_sum_block(const YamlReader& blocks, double sample_rate_hz, const FloorInputs& inputs) {
+  SumSpec spec;
+  for (const YamlReader& block : blocks.items()) {
+    if (read_kind(block).first == "sum") block.fail("a sum within a sum is not allowed");
+    spec.parts.push_back(read_floor_block(block, sample_rate_hz, inputs));
+    spec.blocks.push_back(block);
+    auto& kind = spec.parts.back().kind;
+    if (auto* recording = std::get_if<RecordingSpec>(&kind)) recording->ring_out = true;
+    if (auto* white = std::get_if<WhiteSpec>(&kind)) white->ring_out = true;
+  }
+  if (spec.parts.empty()) blocks.fail("found nothing, allowed is one floor or more");
+  return spec;
+}
+
+}  // namespace
+
+bool FloorSpec::recorded() const {
+  if (const auto* sum = std::get_if<SumSpec>(&kind)) {
+    return std::any_of(sum->parts.begin(), sum->parts.end(),
+                       [](const FloorSpec& part) { return part.recorded(); });
+  }
+  return std::holds_alternative<RecordingSpec>(kind);
+}
+
+FloorSpec read_floor_block(const YamlReader& block, double sample_rate_hz,
+                           const FloorInputs& inputs) {
+  if (!(sample_rate_hz > 0.0) || !std::isfinite(sample_rate_hz) || inputs.number < 1) {
+    throw std::invalid_argument(
+        "read_floor_block: expected a sample rate above 0 and at least one input");
+  }
+  const auto [kind, value] = read_kind(block);
+  FloorSpec spec{.sample_rate_hz = sample_rate_hz, .inputs = inputs.number, .kind = StillSpec{}};
   if (kind == "recording") {
     spec.kind = read_recording_block(value, sample_rate_hz);
   } else if (kind == "multisine") {
-    spec.kind = read_multisine_block(value, sample_rate_hz, inputs);
+    spec.kind = read_multisine_block(value, sample_rate_hz, inputs.number);
   } else if (kind == "white") {
-    spec.kind = read_white_block(value, sample_rate_hz, inputs);
+    spec.kind = read_white_block(value, sample_rate_hz, inputs.number);
+  } else if (kind == "noise") {
+    spec.kind = read_noise_block(value, sample_rate_hz, inputs.number);
+  } else if (kind == "still") {
+    spec.kind = read_still_block(value, sample_rate_hz, inputs.number);
+  } else if (kind == "sum") {
+    spec.kind = read_sum_block(value, sample_rate_hz, inputs);
   } else {
-    spec.kind = read_still_block(value, sample_rate_hz, inputs);
+    spec.kind = read_course_block(kind, value, sample_rate_hz, inputs);
   }
   return spec;
 }

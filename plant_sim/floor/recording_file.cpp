@@ -89,9 +89,10 @@ std::string quoted(std::string_view text) {
 
 /// What the comment lines say.
 struct Statements {
-  std::optional<double> fs_hz, n;
+  std::string wanted_units;
+  std::optional<double> fs_hz = std::nullopt, n = std::nullopt;
   bool units = false;
-  std::string columns;
+  std::string columns = "";
 };
 
 void read_number(const Lines& lines, const Cell& word, std::string_view value,
@@ -113,8 +114,9 @@ void read_comment(const Lines& lines, Statements& said) {
     } else if (key == "n") {
       read_number(lines, word, value, said.n, true, "n=ROWS, a whole number above 0");
     } else if (key == "units") {
-      if (value != "m/s^2") {
-        lines.fail(word.column, "units: found " + quoted(value) + ", allowed is m/s^2");
+      if (value != said.wanted_units) {
+        lines.fail(word.column,
+                   "units: found " + quoted(value) + ", allowed is " + said.wanted_units);
       }
       said.units = true;
     } else if (key == "columns") {
@@ -133,7 +135,7 @@ std::vector<std::string> read_head(Lines& lines, Statements& said) {
   };
   require(said.fs_hz.has_value(), "fs_hz=RATE (samples per second)");
   require(said.n.has_value(), "n=ROWS (number of samples)");
-  require(said.units, "units=m/s^2");
+  require(said.units, "units=" + said.wanted_units);
   std::vector<std::string> names;
   for (const Cell& cell : split(lines.line(), ',')) {
     if (cell.text.empty() || to_finite(cell.text)) {
@@ -192,9 +194,9 @@ void read_row(const Lines& lines, const std::vector<std::string>& names, double 
 
 }  // namespace
 
-RecordingFile read_recording(const std::filesystem::path& path) {
+RecordingFile read_recording(const std::filesystem::path& path, const std::string& units) {
   Lines lines(path);
-  Statements said;
+  Statements said{.wanted_units = units};
   const std::vector<std::string> names = read_head(lines, said);
 
   RecordingFile result;

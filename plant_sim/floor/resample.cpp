@@ -1,5 +1,6 @@
 #include "plant_sim/floor/resample.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -13,13 +14,6 @@ namespace stillframe::floor {
 namespace {
 
 using Complex = std::complex<double>;
-
-bool has_only_small_factors(std::int64_t n) {
-  for (const std::int64_t factor : {2, 3, 5}) {
-    while (n % factor == 0) n /= factor;
-  }
-  return n == 1;
-}
 
 /// Copies the lines of `in` that lie below both Nyquist rates; a line at the Nyquist rate of `in`
 /// stands for both signs of its frequency and is halved between them, so that the old samples stay
@@ -38,6 +32,18 @@ void transfer_spectrum(const std::vector<Complex>& in, std::vector<Complex>& out
 }
 
 }  // namespace
+
+std::int64_t next_quick_length(std::int64_t n) {
+  const auto is_quick = [](std::int64_t value) {
+    for (const std::int64_t factor : {2, 3, 5}) {
+      while (value % factor == 0) value /= factor;
+    }
+    return value == 1;
+  };
+  n = std::max<std::int64_t>(n, 1);
+  while (!is_quick(n)) ++n;
+  return n;
+}
 
 std::optional<Ratio> rational_ratio(double rate_in, double rate_out, std::int64_t limit) {
   const double target = rate_out / rate_in;
@@ -75,8 +81,7 @@ void taper_ends(Eigen::MatrixXd& x, Eigen::Index n_taper) {
 Eigen::MatrixXd resample(const Eigen::MatrixXd& x, const Ratio& ratio) {
   if (x.cols() == 0) throw std::invalid_argument("resample: expected samples, got none");
   if (ratio.up == ratio.down) return x;
-  std::int64_t blocks = (x.cols() + ratio.down - 1) / ratio.down;
-  while (!has_only_small_factors(blocks)) ++blocks;
+  const std::int64_t blocks = next_quick_length((x.cols() + ratio.down - 1) / ratio.down);
   const auto n_in = static_cast<std::size_t>(blocks * ratio.down);
   const auto n_out = static_cast<std::size_t>(blocks * ratio.up);
   const kissfft<double> forward(n_in, false), backward(n_out, true);

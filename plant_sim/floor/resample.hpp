@@ -11,6 +11,9 @@ struct Ratio {
   std::int64_t up, down;
 };
 
+/// The next whole number from n up that has no prime factor above 5: quick to transform.
+std::int64_t next_quick_length(std::int64_t n);
+
 /// rate_out / rate_in as a ratio of whole numbers up to `limit`, equal to 1e-12; nothing if there
 /// is none.
 std::optional<Ratio> rational_ratio(double rate_in, double rate_out, std::int64_t limit = 10000);

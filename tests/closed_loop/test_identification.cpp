@@ -53,6 +53,42 @@ TEST_F(ClosedLoop, TwoLockStepRunsCarryTheSameBits) {
   EXPECT_EQ(difference.n_commands, 4001);
 }
 
+TEST_F(ClosedLoop, OneProcessCarriesTheBitsOfTwo) {
+  // The default scene, and one with gravity, noise, a blow on the frame, a lag and a delay in
+  // parts.
+  std::ifstream original(config("scenes/frame_under_gravity.yaml"));
+  std::string scene(std::istreambuf_iterator<char>(original), {});
+  scene += R"(
+instruments: {actuator_lag_hz: 800, force_sensors: {noise_n_per_sqrt_hz: 1e-3}}
+disturbances: [{name: blow, node: lens, along: x, force: {impact: {peak: 3, width_s: 0.01, at_s: 0.2}}}]
+)";
+  std::filesystem::create_directories(folder_ / "config/scenes");
+  for (const char* part : {"controllers", "floors"}) {
+    std::filesystem::copy(config(part), folder_ / "config" / part,
+                          std::filesystem::copy_options::recursive);
+  }
+  const auto rich = folder_ / "config/scenes/rich.yaml";
+  std::ofstream(rich) << scene;
+  int number = 0;
+  for (const auto& file : {config("scenes/metrology_frame.yaml"), rich}) {
+    ++number;
+    for (const char* mode : {"lock_step", "single_process"}) {
+      const Said said = run({"run", file, "--duration", "1", "--run-id", "7", "--mode", mode,
+                             "--out", folder_ / (std::string(mode) + std::to_string(number))});
+      ASSERT_EQ(said.exit_code, 0) << said.error;
+    }
+    for (const char* loop : {"passive.lcm", "active.lcm"}) {
+      const auto difference =
+          report::compare_logs(folder_ / ("lock_step" + std::to_string(number)) / loop,
+                               folder_ / ("single_process" + std::to_string(number)) / loop);
+      EXPECT_TRUE(difference.identical) << difference.first_difference;
+      const int n_samples = number == 1 ? 1001 : 5001;  // of a second at the scene's rate
+      EXPECT_EQ(difference.n_measurements, n_samples);
+      EXPECT_EQ(difference.n_commands, n_samples);
+    }
+  }
+}
+
 TEST_F(ClosedLoop, TheLogNeedsNoOtherFile) {
   ASSERT_EQ(run({"run", config("scenes/metrology_frame.yaml"), "--duration", "2", "--loop",
                  "active", "--out", folder_ / "run"})

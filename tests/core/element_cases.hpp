@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "core/elements/arm_truss.hpp"
 #include "core/elements/beam.hpp"
 #include "core/elements/hinge.hpp"
 #include "core/elements/norm_condition.hpp"
@@ -43,12 +44,13 @@ struct Case {
   std::function<std::vector<Dual<HyperDual>>(const std::vector<Dual<HyperDual>>&)> third_formula;
   std::function<std::vector<Quad>(const std::vector<Quad>&)> exact_formula;
   Eigen::Vector3d l_0;
+  Eigen::Vector3d between = l_0;  ///< from node to node, where that is not l_0
 };
 
 template <class Formula>
 Case case_of(std::unique_ptr<const Element> element, const Formula& formula,
              const Eigen::Vector3d& l_0) {
-  return {std::move(element), formula, formula, formula, l_0};
+  return {std::move(element), formula, formula, formula, l_0, l_0};
 }
 
 /// Symmetric matrices for every deformation, of the size of a length's reciprocal.
@@ -62,13 +64,24 @@ inline std::vector<LocalStiffness> any_terms(Index n_e) {
   return terms;
 }
 
-/// kinds: truss, beam, planar_beam, hinge, planar_hinge, norm; arc_beam and planar_arc_beam with
-/// the second-order terms of a beam, quadratic_beam with terms in every deformation.
+/// kinds: truss, arm_truss and one_arm_truss, beam, planar_beam, hinge, planar_hinge, norm;
+/// arc_beam and planar_arc_beam with the second-order terms of a beam, quadratic_beam with terms in
+/// every deformation.
 inline Case make_case(const std::string& kind, Eigen::Vector3d l_0) {
   if (kind == "truss") {
     return case_of(
         std::make_unique<Truss>(0, 1, l_0), [l_0](const auto& u) { return truss_formula(l_0, u); },
         l_0);
+  }
+  if (kind.ends_with("arm_truss")) {
+    const Eigen::Vector3d arm_p(0.3, -0.7, 0.2);
+    const Eigen::Vector3d arm_q =
+        kind == "arm_truss" ? Eigen::Vector3d(-0.4, 0.1, 0.8) : Eigen::Vector3d::Zero();
+    Case c = case_of(
+        std::make_unique<ArmTruss>(0, 1, l_0, arm_p, arm_q),
+        [=](const auto& u) { return arm_truss_formula(l_0, arm_p, arm_q, u); }, l_0);
+    c.between = l_0 + arm_p - arm_q;
+    return c;
   }
   if (kind.starts_with("planar")) l_0.z() = 0;
   if (kind == "planar_hinge") {

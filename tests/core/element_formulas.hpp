@@ -63,6 +63,28 @@ std::vector<T> truss_formula(const Eigen::Vector3d& l_0, const std::vector<T>& u
   return {elongation(l_0, span(l_0, u, 0, 3))};
 }
 
+/// R(lambda) a - a, where the displacements of lambda start at i in u.
+template <class T>
+Triple<T> turned_by(const std::vector<T>& u, size_t i, const Eigen::Vector3d& arm) {
+  const T lambda[4] = {T(1.0) + u[i], u[i + 1], u[i + 2], u[i + 3]};
+  const Triple<T> start = constant<T>(arm), end = rotate(lambda, start);
+  return {end[0] - start[0], end[1] - start[1], end[2] - start[2]};
+}
+
+/// A truss from the end of one arm to the end of another; u has no rotation where an arm is zero.
+template <class T>
+std::vector<T> arm_truss_formula(const Eigen::Vector3d& l_0, const Eigen::Vector3d& arm_p,
+                                 const Eigen::Vector3d& arm_q, const std::vector<T>& u) {
+  const size_t q = arm_p.isZero(0) ? 3 : 7;
+  Triple<T> l = span(l_0, u, 0, q);
+  const auto add = [&l](const Triple<T>& turned, const T& sign) {
+    for (size_t i = 0; i < 3; ++i) l[i] = l[i] + sign * turned[i];
+  };
+  if (!arm_p.isZero(0)) add(turned_by(u, 3, arm_p), T(-1.0));
+  if (!arm_q.isZero(0)) add(turned_by(u, q + 3, arm_q), T(1.0));
+  return {elongation(l_0, l)};
+}
+
 // What is subtracted below from the products of axes is zero in exact numbers; it takes out the
 // rounding of the axes themselves.
 

@@ -67,7 +67,8 @@ RigidAcceleration newton_euler(const Scene& scene, const Model& model, const Dat
     const double l_0 = (position(model, leg.node_q) - position(model, leg.node_p)).norm();
     const Vector3d along = span.normalized();
     const double sigma = leg.preload(0) + sigma_a(model.deformation_row(leg.name)) +
-                         leg.stiffness(0, 0) * (span.norm() - l_0) + leg.damping(0, 0) * along.dot(rate);
+                         leg.stiffness(0, 0) * (span.norm() - l_0) +
+                         leg.damping(0, 0) * along.dot(rate);
     const Vector3d pull = -sigma * along;
     force += pull;
     moment += b.cross(body.R.transpose() * pull);

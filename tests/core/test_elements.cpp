@@ -140,7 +140,7 @@ TEST_P(Elements, RigidMotionDeformsNothing) {
       } else if (part.kind == NodePart::Kind::angle) {
         u(at) = angle;
       } else {
-        const Eigen::Vector3d X = at_p ? p : Eigen::Vector3d(p + c.l_0);
+        const Eigen::Vector3d X = at_p ? p : Eigen::Vector3d(p + c.between);
         u.segment<3>(at) = R * X + t - X;
         at_p = false;
       }
@@ -170,9 +170,9 @@ TEST_P(Elements, APicometreOnAMetreKeepsThirteenDigits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Elements,
-                         testing::Values("truss", "beam", "norm", "planar_beam", "hinge",
-                                         "planar_hinge", "arc_beam", "planar_arc_beam",
-                                         "quadratic_beam"),
+                         testing::Values("truss", "arm_truss", "one_arm_truss", "beam", "norm",
+                                         "planar_beam", "hinge", "planar_hinge", "arc_beam",
+                                         "planar_arc_beam", "quadratic_beam"),
                          [](const auto& param) { return std::string(param.param); });
 
 TEST(Truss, APicometreOnTopOfAMicrometreOfCommonMotion) {
@@ -271,6 +271,9 @@ TEST(Hinge, TiltsAreTheSinesOfTheOtherTwoRotations) {
 }
 
 TEST(ElementSetUp, ZeroLengthIsRefused) {
+  EXPECT_THROW(
+      ArmTruss(0, 1, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitX(), Eigen::Vector3d::Zero()),
+      std::invalid_argument);
   EXPECT_THROW(Truss(0, 1, Eigen::Vector3d::Zero()), std::invalid_argument);
   EXPECT_THROW(Beam(0, 1, Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY()),
                std::invalid_argument);

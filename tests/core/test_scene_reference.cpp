@@ -95,10 +95,24 @@ compare:
 controller: {legs: [leg], target_hz: 1, damping_ratio: 1, order: exact, reduction: modes, realisation: naive_pi,
   sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, high_pass_hz: 0, lead_samples: 1, roll_off_hz: 10, force_limit_n: 1}
 instruments: {actuator_gain: 1, actuator_lag_hz: 300, sensor_filter_hz: 400,
-  applied_force: measured, report_age_samples: 0}
+  applied_force: measured, report_age_samples: 0, force_rate_limit_n_per_s: 1e3,
+  hysteresis: {width: 0.1, swing_n: 1, saturation_n: 1, gamma_over_beta: 0},
+  force_sensors: {noise_n_per_sqrt_hz: 1e-3, flicker_below_hz: 1, offset_n: [0], drift_n_per_s: 0,
+    random_walk_n_per_sqrt_s: 0, range_n: 1, quantisation_n: 1e-3, seed: 1},
+  floor_sensors: {noise: 1e-6, seed: 1}}
+disturbances:
+  - {name: a, node: body, along: z, force: {step: {at_s: 1, height: 1, rise_s: 1}}}
+  - {name: b, node: body, along: z, force: {impact: {at_s: 1, peak: 1, width_s: 1}}}
+  - {name: c, node: body, along: z, force: {sine: {at_s: 1, amplitude: 1, frequency_hz: 1}}}
+  - {name: d, node: body, along: z, force: {sine_sweep: {at_s: 1, amplitude: 1, from_hz: 1,
+      to_hz: 2, sweep_s: 9, spacing: linear}}}
+  - {name: e, node: body, along: z, force: {noise: {at_s: 1, psd: [[1, 1], [2, 1]], seed: 2,
+      period_s: 9}}}
+  - {name: f, node: body, along: z, force: {recording: {at_s: 1, file: a.csv, column: a, scale: 2,
+      start_s: 1}}}
 uncertainty: {stiffness: 0.1, mass: 0.1, inertia: 0.1, centre_of_mass_m: 0.01,
   leg_direction_rad: 0.01, actuator_gain: 0.1, delay_samples: 0.2}
-simulation: {duration_s: 1, relative_tolerance: 1e-6}
+simulation: {duration_s: 1, relative_tolerance: 1e-6, method: runge_kutta, steps_per_sample: 2}
 )";
 
 const char* const full_planar_scene = R"(
@@ -119,6 +133,11 @@ const char* const full_floor = R"(
 recording: {file: x.csv, scale: 1, start_s: 0, high_pass_hz: 1, axes: {a: x}}
 multisine: {frequencies_hz: [1], amplitude: 1, ramp_s: 1, window_s: 4}
 white: {seed: 1, rms: 1, high_pass_hz: 1, duration_s: 1}
+noise: {psd: [[1, 1], [2, 1]], seed: 1, high_pass_hz: 1, period_s: 1, duration_s: 1, axes: [x, rx]}
+step: {height: 1, rise_s: 1, at_s: 1, axis: x, duration_s: 3}
+impact: {peak: 1, width_s: 1, at_s: 1, axis: x, duration_s: 3}
+sine_sweep: {from_hz: 5, to_hz: 9, amplitude: 1, sweep_s: 1, spacing: linear, at_s: 1, axis: rz,
+  about: [0, 0, 0], duration_s: 3}
 still: {duration_s: 1}
 )";
 
@@ -143,12 +162,27 @@ const std::map<std::string, Path> places = {
     {"compare", {"compare", "z"}},
     {"controller", {"controller"}},
     {"instruments", {"instruments"}},
+    {"instruments: hysteresis", {"instruments", "hysteresis"}},
+    {"instruments: force_sensors", {"instruments", "force_sensors"}},
+    {"instruments: floor_sensors", {"instruments", "floor_sensors"}},
     {"uncertainty", {"uncertainty"}},
     {"simulation", {"simulation"}},
+    {"disturbances", {"disturbances", "#0"}},
+    {"disturbances: force", {"disturbances", "#0", "force"}},
+    {"disturbances: step", {"disturbances", "#0", "force", "step"}},
+    {"disturbances: impact", {"disturbances", "#1", "force", "impact"}},
+    {"disturbances: sine", {"disturbances", "#2", "force", "sine"}},
+    {"disturbances: sine_sweep", {"disturbances", "#3", "force", "sine_sweep"}},
+    {"disturbances: noise", {"disturbances", "#4", "force", "noise"}},
+    {"disturbances: recording", {"disturbances", "#5", "force", "recording"}},
     {"floor", {}},
     {"floor: recording", {"recording"}},
     {"floor: multisine", {"multisine"}},
     {"floor: white", {"white"}},
+    {"floor: noise", {"noise"}},
+    {"floor: step", {"step"}},
+    {"floor: impact", {"impact"}},
+    {"floor: sine_sweep", {"sine_sweep"}},
     {"floor: still", {"still"}},
 };
 
@@ -167,7 +201,7 @@ YAML::Node document(const std::string& table) {
 
 YAML::Node map_of(YAML::Node node, const std::string& table) {
   for (const std::string& step : places.at(table)) {
-    node.reset(step == "#0" ? node[0] : node[step]);
+    node.reset(step.starts_with('#') ? node[std::stoi(step.substr(1))] : node[step]);
   }
   return node;
 }
@@ -225,8 +259,10 @@ TEST(SceneReference, SaysWhichKeysAreRequired) {
       const std::string message = error_of(table, node);
       if (otherwise.starts_with("required")) {
         EXPECT_NE(message.find(key), std::string::npos) << table << ": " << key << ": " << message;
-      } else if (key != "outputs" && key != "monitors" && key != "operating_point") {
-        // compare refers to the outputs and monitors, the value of a dof needs its operating point
+      } else if (key != "outputs" && key != "monitors" && key != "operating_point" &&
+                 key != "noise_n_per_sqrt_hz" && key != "method") {
+        // compare refers to the outputs and monitors, the value of a dof needs its operating point,
+        // flicker its noise, equal steps their method
         EXPECT_EQ(message, "") << table << ": " << key;
       }
     }
@@ -275,6 +311,12 @@ TEST(SceneReference, NumbersAmongTheDefaultsAreThoseOfTheReader) {
   EXPECT_EQ(recording.high_pass_hz, std::stod(all.at("floor: recording").at("high_pass_hz")));
   EXPECT_EQ(MultisinePlan().ramp_s, std::stod(all.at("floor: multisine").at("ramp_s")));
   EXPECT_EQ(MultisinePlan().window_s, std::stod(all.at("floor: multisine").at("window_s")));
+  EXPECT_EQ(floor::NoiseSpec().high_pass_hz, std::stod(all.at("floor: noise").at("high_pass_hz")));
+  EXPECT_EQ(floor::NoiseSpec().period_s, std::stod(all.at("floor: noise").at("period_s")));
+  EXPECT_EQ(ForceNoise().period_s, std::stod(all.at("disturbances: noise").at("period_s")));
+  EXPECT_EQ(ForceNoise().seed, std::stoull(all.at("disturbances: noise").at("seed")));
+  EXPECT_EQ(ForceRecording().scale, std::stod(all.at("disturbances: recording").at("scale")));
+  EXPECT_EQ(ForceStep().rise_s, std::stod(all.at("disturbances: step").at("rise_s")));
   EXPECT_EQ(floor::WhiteSpec().seed, 1u);
   EXPECT_EQ(floor::WhiteSpec().high_pass_hz, std::stod(all.at("floor: white").at("high_pass_hz")));
 }

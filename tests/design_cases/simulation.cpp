@@ -26,7 +26,7 @@ constexpr double runaway = 100;
 class Loop {
  public:
   Loop(const Case& made, Eigen::MatrixXd floor)
-      : plant_(made.scene, made.model, table(std::move(floor))),
+      : plant_(made.scene, table(std::move(floor))),
         queue_(made.loop.n_legs, made.settings.sampling.delay_samples),
         law_(law_of(made.settings)),
         force_(Eigen::VectorXd::Zero(made.loop.n_legs)) {}

@@ -103,7 +103,8 @@ TEST(UnequalLegs, ThinMarginAtOneKilohertz) {
   EXPECT_NEAR(limit - 1, 1 / (1 - part) - 1, 0.1 * (limit - 1));
   // An actuator that gives 2 % less than the limit, and one well above, where growth is quick.
   scene.instruments.actuator_gain = limit - 0.02;
-  expect_stable_as_predicted(make_case(scene));
+  // Several slow modes beat in the first second and a half.
+  expect_stable_as_predicted(make_case(scene), 4);
   scene.instruments.actuator_gain = limit + 0.05;
   const Case lost = make_case(scene);
   print_line("20 times, 1 kHz, actuator gain 1.11", lost);

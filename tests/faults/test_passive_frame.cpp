@@ -19,12 +19,10 @@ std::filesystem::path scene_file() {
 /// The nonlinear plant of a run, under forces that are held until each sample.
 std::vector<Accelerations> simulated(const std::vector<Forces>& applied) {
   const Scene scene = read_scene(scene_file(), {});
-  const Model model = make_model(scene);
   const auto block = read_floor(scene_file(), {});
-  Plant plant(scene, model,
-              floor::make_floor_source(
-                  floor::read_floor_block(block->reader, scene.controller->sample_rate_hz,
-                                          static_cast<Index>(scene.inputs.size()))));
+  Plant plant(scene, floor::make_floor_source(
+                         floor::read_floor_block(block->reader, scene.controller->sample_rate_hz,
+                                                 static_cast<Index>(scene.inputs.size()))));
   std::vector<Accelerations> result(1);
   for (std::size_t k = 1; k < applied.size(); ++k) {
     EXPECT_EQ(plant.advance(Eigen::Map<const Eigen::VectorXd>(applied[k].data(), 6)), "");

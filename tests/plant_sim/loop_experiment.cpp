@@ -31,7 +31,7 @@ constexpr double share_of_a_leg = 750.0 / 6;
 class Loop {
  public:
   Loop(const RandomSetting& setting, const Scene& scene, Eigen::MatrixXd floor)
-      : plant_(scene, setting.frame->model, table(std::move(floor))),
+      : plant_(scene, table(std::move(floor))),
         queue_(setting.gains.n_legs(), setting.gains.delay_samples),
         law_(setting.law),
         force_(Eigen::VectorXd::Zero(setting.gains.n_legs())) {}

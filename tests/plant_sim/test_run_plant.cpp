@@ -93,8 +93,7 @@ std::vector<double> applied_in_run(double delay, const std::string& mode) {
   static std::int64_t run_id = 0;
   Scene scene = test::frame_scene();
   scene.controller->force_limit_n.reset();
-  const Model model = make_model(scene);
-  Plant plant(scene, model, test::table(Eigen::MatrixXd::Zero(6, n_samples)));
+  Plant plant(scene, test::table(Eigen::MatrixXd::Zero(6, n_samples)));
   run_info_t info{};
   info.run_id = ++run_id;
   info.mode = mode;

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "tests/tools/verb.hpp"
 
@@ -40,6 +42,28 @@ TEST_F(DesignVerb, UnequalLegsAreWarnedOfTheDecksOrder) {
                        "part +8.4 1/s)"),
       std::string::npos)
       << page.output;
+}
+
+TEST_F(DesignVerb, SaysWhichInstrumentsItLeavesOut) {
+  const std::filesystem::path frame = config("scenes/metrology_frame.yaml");
+  std::ifstream file(frame);
+  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const auto page = [&](const std::string& name, const std::string& instruments) {
+    const Said said = run({"design", write(name, text + "\ninstruments: {" + instruments + "}\n"),
+                           "--controller", config("controllers/force_feedback_5hz.yaml")});
+    EXPECT_EQ(said.exit_code, 0) << said.error;
+    return said.output;
+  };
+  const std::string words = "the analysis leaves them out: ";
+  EXPECT_EQ(page("plain.yaml", "actuator_lag_hz: 300").find(words), std::string::npos);
+  EXPECT_NE(
+      page("loop.yaml", "hysteresis: {width: 0.1, swing_n: 100}").find(words + "hysteresis\n"),
+      std::string::npos);
+  EXPECT_NE(page("all.yaml",
+                 "hysteresis: {width: 0.1, swing_n: 100}, force_rate_limit_n_per_s: 1e4, "
+                 "force_sensors: {offset_n: 1}")
+                .find(words + "hysteresis, force_rate_limit_n_per_s, force_sensors\n"),
+            std::string::npos);
 }
 
 TEST_F(DesignVerb, TakesTheGainsOfAnotherScene) {

@@ -28,10 +28,10 @@ TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
 }
 
 TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
-  expect_refused(
-      {"linearize", "scene.yaml"}, 2,
-      "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
-      "equilibrium, buckling, linearise, sigma, design, robustness, merge, run, ctl, replay");
+  expect_refused({"linearize", "scene.yaml"}, 2,
+                 "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
+                 "equilibrium, buckling, linearise, sigma, design, robustness, merge, run, batch, "
+                 "ctl, replay");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {

@@ -17,6 +17,11 @@ FloorSpec read(const std::string& text, double rate = 1000.0, Eigen::Index input
   return read_floor_block(YamlReader::from_text(text, "floor.yaml"), rate, inputs);
 }
 
+FloorSpec read_named(const std::string& text) {
+  return read_floor_block(YamlReader::from_text(text, "floor.yaml"), 1000.0,
+                          std::vector<std::string>{"north", "south"});
+}
+
 TEST(FloorBlock, DefaultsAreAsDocumented) {
   const auto recording =
       std::get<RecordingSpec>(read("recording: {file: a.csv, axes: {c: z}}").kind);
@@ -61,13 +66,13 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadText{"unknown_kind", "records: {}",
                 "1:1: records: unknown key (did you mean 'recording'?); allowed: recording, "
-                "multisine, white, still"},
+                "multisine, white, noise, step, impact, sine_sweep, still, sum"},
         BadText{"no_kind", "{}",
                 "1:1: found 0 kinds of floor, allowed is exactly one of recording, multisine, "
-                "white, still"},
+                "white, noise, step, impact, sine_sweep, still, sum"},
         BadText{"two_kinds", "still: {duration_s: 1}\nwhite: {rms: 1, duration_s: 1}",
                 "1:1: found 2 kinds of floor, allowed is exactly one of recording, multisine, "
-                "white, still"},
+                "white, noise, step, impact, sine_sweep, still, sum"},
         BadText{"unknown_key", "still: {duraton_s: 1}",
                 "1:9: still.duraton_s: unknown key (did you mean 'duration_s'?); allowed: "
                 "duration_s"},
@@ -119,7 +124,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "1:32: recording.axes: found nothing, allowed is a map as in {ax: x, ay: y, az: "
                 "z}"},
         BadText{"unknown_axis", "recording: {file: a.csv, axes: {a: up}}",
-                "1:36: recording.axes.a: found 'up', allowed is one of x, y, z"},
+                "1:36: recording.axes.a: found 'up', allowed is one of x, y, z, rx, ry, "
+                "rz"},
         BadText{"axis_twice", "recording: {file: a.csv, axes: {a: x, b: x}}",
                 "1:42: recording.axes.b: found 'x', which column a already moves; allowed is one "
                 "column for each axis"},
@@ -127,6 +133,90 @@ INSTANTIATE_TEST_SUITE_P(
                 "1:33: recording.scale: found '0', allowed is a number above 0"},
         BadText{"negative_start", "recording: {file: a.csv, start_s: -1, axes: {a: x}}",
                 "1:35: recording.start_s: found '-1', allowed is a number that is not negative"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(FloorBlock, DefaultsOfEventsAndNoiseAreAsDocumented) {
+  const auto noise = std::get<NoiseSpec>(read("noise: {vc: D, duration_s: 7200}").kind);
+  EXPECT_EQ(noise.seed, 1u);
+  EXPECT_EQ(noise.high_pass_hz, 0.05);
+  EXPECT_EQ(noise.period_s, 1000.0);
+  EXPECT_EQ(noise.n_samples, 7200000);
+  EXPECT_TRUE(noise.axes.empty());
+  const auto step =
+      std::get<CourseSpec>(read_named("step: {height: -1, rise_s: 0.5, input: south}").kind);
+  EXPECT_FALSE(step.target.axis);
+  EXPECT_EQ(step.target.input, 1);
+  EXPECT_EQ(step.begin, 0);
+  EXPECT_EQ(step.n_samples, 502);
+  const auto sweep = std::get<CourseSpec>(
+      read("sine_sweep: {from_hz: 1, to_hz: 9, amplitude: 1, sweep_s: 8, at_s: 3, axis: rz, "
+           "duration_s: 20}")
+          .kind);
+  EXPECT_FALSE(std::get<SweepCourse>(sweep.course).linear);
+  EXPECT_EQ(sweep.begin, 3000);
+  EXPECT_EQ(sweep.n_samples, 20000);
+  EXPECT_EQ(sweep.target.about, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(
+      read("sum: [{still: {duration_s: 1}}, {recording: {file: a.csv, axes: {a: x}}}]").recorded());
+  EXPECT_FALSE(read("sum: [{still: {duration_s: 1}}]").recorded());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    EventsAndNoise, BadBlock,
+    ::testing::Values(
+        BadText{"no_target", "step: {height: 1, rise_s: 1}",
+                "1:7: step: needs either 'axis' (x, y, z, rx, ry or rz) or 'input' (the name of an "
+                "input)"},
+        BadText{"two_targets", "step: {height: 1, rise_s: 1, axis: x, input: a}",
+                "1:7: step: needs either 'axis' (x, y, z, rx, ry or rz) or 'input' (the name of an "
+                "input)"},
+        BadText{"unknown_input", "step: {height: 1, rise_s: 1, input: a}",
+                "1:37: step.input: there is no input named 'a'"},
+        BadText{"translation_about", "step: {height: 1, rise_s: 1, axis: x, about: [0, 0, 0]}",
+                "1:46: step.about: only the rotations rx, ry and rz are about a point"},
+        BadText{"steep", "step: {height: 1, rise_s: 0.003, axis: x}",
+                "1:27: step.rise_s: found 0.003, allowed is from 0.004 (4 samples) to 100000"},
+        BadText{"cut_off", "impact: {peak: 1, width_s: 1, axis: x, at_s: 4, duration_s: 4.5}",
+                "1:61: impact.duration_s: ends before the impact, allowed is 5.002 or more"},
+        BadText{"sweep_above_nyquist",
+                "sine_sweep: {from_hz: 1, to_hz: 500, amplitude: 1, sweep_s: 9, axis: x}",
+                "1:33: sine_sweep.to_hz: found 500, allowed is a frequency below 500 Hz, half the "
+                "control rate"},
+        BadText{"sweep_of_a_moment",
+                "sine_sweep: {from_hz: 1, to_hz: 50, amplitude: 1, sweep_s: 3, axis: x}",
+                "1:60: sine_sweep.sweep_s: found 3, allowed is from 4 (4000 samples) to 100000"},
+        BadText{"no_density", "noise: {duration_s: 1}",
+                "1:8: noise: needs exactly one of vc, peterson, psd"},
+        BadText{"two_densities", "noise: {vc: D, peterson: low, duration_s: 1}",
+                "1:8: noise: needs exactly one of vc, peterson, psd"},
+        BadText{"class", "noise: {vc: H, duration_s: 1}",
+                "1:13: noise.vc: found 'H', allowed is one of A, B, C, D, E, F, G"},
+        BadText{"descending", "noise: {psd: [[2, 1], [1, 1]], duration_s: 1}",
+                "1:23: noise.psd[2]: allowed is [frequency, density], both above 0, the "
+                "frequencies ascending"},
+        BadText{"one_point", "noise: {psd: [[2, 1]], duration_s: 1}",
+                "1:14: noise.psd: found fewer than two points [frequency, density]"},
+        BadText{"all_above", "noise: {psd: [[600, 1], [700, 1]], duration_s: 1}",
+                "1:14: noise.psd: all its frequencies are above 500 Hz, half the control rate"},
+        BadText{"criterion_of_a_rotation", "noise: {vc: D, axes: [x, rx], duration_s: 1}",
+                "1:26: noise.axes[2]: vc and peterson are about translations; allowed for a "
+                "rotation is psd, in (rad/s^2)^2/Hz"},
+        BadText{"noise_axis_twice", "noise: {vc: D, axes: [x, x], duration_s: 1}",
+                "1:26: noise.axes[2]: allowed is each once"},
+        BadText{"noise_without_end", "noise: {vc: D}",
+                "1:8: noise: the key 'duration_s' is missing"},
+        BadText{"long_period", "noise: {vc: D, period_s: 20000, duration_s: 1}",
+                "1:26: noise.period_s: found 20000, allowed is up to 10000"},
+        BadText{"sum_of_nothing", "sum: []",
+                "1:6: sum: found nothing, allowed is one floor or more"},
+        BadText{"sum_in_a_sum", "sum: [{sum: [{still: {duration_s: 1}}]}]",
+                "1:7: sum[1]: a sum within a sum is not allowed"},
+        BadText{"kind_in_a_sum", "sum: [{stil: {duration_s: 1}}]",
+                "1:8: sum[1].stil: unknown key (did you mean 'still'?); allowed: recording, "
+                "multisine, white, noise, step, impact, sine_sweep, still, sum"},
+        BadText{"mixed_recording", "recording: {file: a.csv, axes: {a: x, b: rz}}",
+                "1:42: recording.axes.b: found 'rz' beside translations or rotations: a file is in "
+                "m/s^2 or in rad/s^2; a sum of two recordings has both"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(FloorBlock, TheCallerMustGiveARateAndInputs) {

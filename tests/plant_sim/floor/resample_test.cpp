@@ -80,7 +80,8 @@ TEST_P(ResampleRates, OldSamplesStayWhatTheyWere) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Rates, ResampleRates, ::testing::Values(200.0, 300.0, 1000.0, 4000.0));
+INSTANTIATE_TEST_SUITE_P(Rates, ResampleRates,
+                         ::testing::Values(200.0, 300.0, 1000.0 / 3.0, 512.0, 1000.0, 4000.0));
 
 TEST(Resample, ALowerRateCutsTheSpectrumAtItsNyquistRate) {
   const double rate_out = 150.0;

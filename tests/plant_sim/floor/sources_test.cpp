@@ -11,8 +11,8 @@
 #include "plant_sim/floor/high_pass.hpp"
 #include "plant_sim/floor/recording_file.hpp"
 #include "plant_sim/floor/resample.hpp"
-#include "tests/support/allocation_count.hpp"
 #include "tests/plant_sim/floor/spectrum.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace stillframe::floor {
 namespace {
@@ -108,7 +108,8 @@ TEST(RecordedFloor, StartAndAxesSelectWhatIsPlayed) {
 }
 
 TEST(Sources, TheSameBlockGivesTheSameBits) {
-  for (const char* name : {"vc_d.yaml", "quake.yaml", "multisine.yaml"}) {
+  for (const char* name :
+       {"vc_d.yaml", "quake.yaml", "multisine.yaml", "vc_d_noise.yaml", "workshop.yaml"}) {
     EXPECT_EQ(all_samples(*shipped(name, 1000.0)), all_samples(*shipped(name, 1000.0))) << name;
   }
   const std::string white = "white: {rms: 1, duration_s: 2, seed: 7}";

@@ -1,0 +1,85 @@
+// Free motion of the undamped frame for very long: the energy is kept to the tolerance, without a
+// drift beyond that of rounding.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+
+#include "bench/machine.hpp"
+#include "bench/plant_run.hpp"
+#include "report/table.hpp"
+#include "tests/plant_sim/motion_rig.hpp"
+
+namespace {
+
+using namespace stillframe;
+
+constexpr double slowest_hz = 13.9055;
+
+struct Options {
+  double periods = 1e6, tolerance = 1e-8, push_n = 1000;
+  std::string method = "exponential";
+};
+
+PlantMethod method_of(const std::string& name) {
+  return name == "exponential" ? PlantMethod::exponential
+         : name == "fehlberg"  ? PlantMethod::fehlberg
+                               : PlantMethod::dormand_prince;
+}
+
+void run(const Options& options) {
+  const PlantMethod method = method_of(options.method);
+  Scene scene = test::with_method(test::frame_scene(), method, options.tolerance);
+  test::MotionRig rig(scene, method, Eigen::MatrixXd::Zero(6, 1));
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(6);
+  if (!rig.hold(options.push_n * test::noise(6, 1, 8), 5e-3)) throw std::runtime_error("the push");
+  const double start = rig.energy();
+  const auto n = static_cast<std::int64_t>(options.periods / slowest_hz * 1000);
+  std::cout << machine_line(STILLFRAME_FLAGS) << "\n"
+            << "energy after the push " << report::cell("%.6g J", start) << "\n";
+  report::Table table({"periods", "samples", "energy / first - 1", "largest on the way", "cpu s"},
+                      0);
+  double largest = 0, next = 1;
+  const double begin = thread_seconds();
+  for (std::int64_t k = 1; k <= n; ++k) {
+    if (!rig.hold(none, 1e-3)) throw std::runtime_error("the motion cannot go on");
+    if (k % 97 != 0 && k != n) continue;  // any phase of the motion
+    const double drift = rig.energy() / start - 1;
+    largest = std::max(largest, std::abs(drift));
+    const double periods = static_cast<double>(k) * 1e-3 * slowest_hz;
+    if (periods < next && k != n) continue;
+    table.add({report::cell("%.3g", periods), std::to_string(k), report::cell("%.2e", drift),
+               report::cell("%.2e", largest), report::cell("%.1f", thread_seconds() - begin)});
+    next *= 10;
+  }
+  std::cout << table.print();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Energy of free motion of the undamped frame after a push of all legs.",
+               "bench_plant_energy");
+  Options options;
+  app.add_option("--periods", options.periods, "Of the slowest mode")
+      ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  app.add_option("--tolerance", options.tolerance)
+      ->check(CLI::Range(1e-14, 1e-2))
+      ->capture_default_str();
+  app.add_option("--method", options.method)
+      ->check(CLI::IsMember({"exponential", "fehlberg", "dormand_prince"}))
+      ->capture_default_str();
+  app.add_option("--push", options.push_n, "N in each leg, at most")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    run(options);
+    return 0;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::cerr << "bench_plant_energy: " << error.what() << "\n";
+    return 4;
+  }
+}

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <lcm/lcm-cpp.hpp>
+#include <vector>
+
+namespace stillframe {
+
+/// An LCM log that is written without a bus, event by event as lcm-logger does it. Set-up:
+/// construction; write() allocates only until its buffer has grown.
+class LogWriter {
+ public:
+  /// Errors: InputError if the file cannot be made.
+  explicit LogWriter(const std::filesystem::path& file);
+
+  /// Writes a message on a channel, with the time of now. False if the file takes no more.
+  template <class Message>
+  bool write(const char* channel, const Message& message) {
+    bytes_.resize(static_cast<size_t>(message.getEncodedSize()));
+    message.encode(bytes_.data(), 0, static_cast<int>(bytes_.size()));
+    return write_bytes(channel);
+  }
+  /// Hands all to the system; false if it takes no more.
+  bool finish();
+
+ private:
+  bool write_bytes(const char* channel);
+
+  lcm::LogFile file_;
+  lcm::LogEvent event_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+}  // namespace stillframe

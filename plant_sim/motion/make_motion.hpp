@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/scene/rigid_bodies.hpp"
+#include "plant_sim/motion/motion.hpp"
+
+namespace stillframe {
+
+/// Which method moves a plant, and why.
+struct MotionChoice {
+  PlantMethod method = PlantMethod::exponential;
+  std::string reason;
+};
+
+/// A method as scenes call it.
+std::string method_name(PlantMethod method);
+
+/// The method that the scene states, or for `auto` the one that docs/speed_against_error.md found
+/// cheapest for such a scene:
+///   - the exponential method, where the legs' forces are constant or decay by one exponential
+///     while a command stands, and the model has at most 60 dofs;
+///   - else collocation in nodal coordinates.
+/// Errors: InputError if the stated method cannot do what the scene asks for.
+MotionChoice choose_method(const Scene& scene, const Model& model, const Drive& drive);
+
+/// A plant at rest in the equilibrium of a merged scene. model: made from merged.scene; outlives
+/// the motion. durations: of the parts of a sample, s. Errors: as choose_method; Refusal if there
+/// is no equilibrium.
+std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& model,
+                                    PlantMethod method, const Drive& drive,
+                                    const std::vector<double>& durations);
+
+}  // namespace stillframe

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "plant_sim/motion/drive.hpp"
+
+namespace stillframe {
+
+/// A plant in motion by some formulation and some method. Set-up: construction. The rest is hot:
+/// noexcept, no allocation but for the work space that SUNDIALS makes at the first call.
+class Motion {
+ public:
+  virtual ~Motion() = default;
+
+  /// Why a motion cannot go on.
+  enum class Status {
+    ok,
+    equations_failed,  ///< they cannot be evaluated at some position near the present one
+    too_many_steps,    ///< within one part of a sample
+    failed,            ///< the method itself gave up
+  };
+
+  /// Goes on for a duration (s) under the inputs, which stand at the start of it.
+  virtual Status advance(const Drive& drive, double duration) noexcept = 0;
+
+  /// At present: velocities of the frame's points (m/s), elastic stresses of the legs with their
+  /// equilibrium values removed (N), and what a low-pass leaves of them (N; empty without one).
+  virtual void velocities(Eigen::VectorXd& v) const noexcept = 0;
+  virtual void elastic_stresses(Eigen::VectorXd& sigma) const noexcept = 0;
+  virtual void filtered_stresses(Eigen::VectorXd& sigma) const noexcept = 0;
+
+  /// Evaluations of the nonlinear equations since construction.
+  virtual long evaluations() const noexcept = 0;
+  /// The present state in words, for whom the motion could not go on.
+  virtual std::string where() const = 0;
+};
+
+}  // namespace stillframe

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "plant_sim/nodal/collocation.hpp"
+#include "plant_sim/nodal/equations.hpp"
+#include "plant_sim/nodal/low_pass.hpp"
+#include "plant_sim/nodal/status.hpp"
+
+namespace stillframe::nodal {
+
+/// The Radau IIA method on the equations in nodal coordinates, index 1, one part at a time in equal
+/// steps. With V = v_0 + h A a and X = x_0 + h c v_0 + h^2 A^2 a at the stages, the unknowns are
+/// their accelerations and multipliers alone; the eigenvalues mu of A split Newton's matrix into
+///   [M + h mu C + h^2 mu^2 K, D^T; D + .., 0].
+/// Being a one-step method it goes on through jumps of held inputs in full order and step, and the
+/// factors serve until the motion has changed the matrix. Set-up: construction; the rest is hot:
+/// noexcept, no allocation.
+class RadauSolver {
+ public:
+  /// equations must outlive this. stages: odd. Errors: std::invalid_argument.
+  RadauSolver(Equations& equations, double relative_tolerance, Index stages = 5);
+
+  /// Moves a consistent state on by a duration (s), from t = 0 of the inputs. Local errors are kept
+  /// below the relative tolerance times the larger of the change since the start and the scale. The
+  /// accelerations and multipliers of the result are those of the last stage.
+  Status advance(NodalState& state, const Inputs& inputs, double duration,
+                 const ErrorScale& scale) noexcept;
+
+  /// From here on carries low-passes of some stresses along. set-up.
+  void filter(std::vector<Index> rows, double rate) {
+    low_pass_.emplace(std::move(rows), rate, method_);
+  }
+  /// Those, if there are any; they belong to the state that advance() moves.
+  std::optional<LowPass>& low_pass() noexcept { return low_pass_; }
+
+  long evaluations() const noexcept { return evaluations_; }
+  long steps() const noexcept { return steps_; }
+  long factorisations() const noexcept { return factorisations_; }
+
+ private:
+  enum class Outcome { accepted, too_large, no_convergence, singular };
+  Outcome step(NodalState& state, const Inputs& inputs, double t, double h) noexcept;
+  bool renew(const NodalState& state, double h, bool derivatives) noexcept;
+  void predict(const NodalState& state, double h) noexcept;
+  bool solve_stages(const NodalState& start, const Inputs& inputs, double t, double h) noexcept;
+  void stage_residuals(const NodalState& start, const Inputs& inputs, double t, double h,
+                       LowPass* seen) noexcept;
+  double correct(double h) noexcept;
+  double error(const NodalState& start, double h) noexcept;
+  double weigh(double position, double rate) const noexcept;
+
+  Equations& equations_;
+  Collocation method_;
+  double relative_tolerance_;
+  Factors<double> real_;
+  std::vector<Factors<std::complex<double>>> pairs_;
+  Eigen::MatrixXd unknowns_, residuals_, before_, update_;  ///< size() x s, (x'', lambda)
+  Eigen::MatrixXd rates_, moves_;                           ///< n_f x s, h A a and h^2 A^2 a
+  Eigen::MatrixXd ahead_;  ///< s x s, from the stages of the last step to those of the next
+  double ahead_ratio_ = 0;
+  Eigen::VectorXd r_, dx_, dv_;
+  Eigen::VectorXcd z_;
+  NodalState stage_;
+  std::optional<LowPass> low_pass_;
+  Eigen::VectorXd part_x_, part_v_;
+  ErrorScale scale_;
+  double size_x_ = 0, size_v_ = 0, error_ = 0;
+  double factored_h_ = 0, previous_h_ = 0, suggested_h_ = 0;  ///< s, 0: none yet
+  double contraction_ = 1;  ///< of the last two steps of Newton's method
+  bool has_derivatives_ = false, fresh_ = false;
+  long evaluations_ = 0, steps_ = 0, factorisations_ = 0;
+};
+
+}  // namespace stillframe::nodal

@@ -1,0 +1,289 @@
+#include <gtest/gtest.h>
+
+#include "core/yaml/input_error.hpp"
+#include "tests/plant_sim/motion_rig.hpp"
+
+namespace stillframe::test {
+namespace {
+
+constexpr double tight = 1e-13;
+
+struct MethodCase {
+  const char* name;
+  PlantMethod method;
+  double tolerance;
+  int steps;
+  double bound;
+};
+
+/// What the methods may differ by after 100 samples. Each step errs by the tolerance, and the
+/// multistep methods begin again at order one with every sample, in some ten to a hundred steps;
+/// 1e4 steps in all. The exponential method's tolerance is a bound that it stays far below. Of
+/// equal steps of order 4 each errs by (49 Hz 2 pi 0.25 ms)^5 / 120 = 2.3e-8 of the fastest mode;
+/// 400 of them, all alike, make 1e-5.
+const std::vector<MethodCase> method_cases{
+    {"exponential", PlantMethod::exponential, 1e-8, 1, 1e-8},
+    {"dormand_prince", PlantMethod::dormand_prince, 1e-10, 1, 1e-7},
+    {"fehlberg", PlantMethod::fehlberg, 1e-10, 1, 1e-7},
+    {"runge_kutta", PlantMethod::runge_kutta, 1e-5, 4, 1e-5},
+    {"implicit_runge_kutta", PlantMethod::implicit_runge_kutta, 1e-10, 1, 1e-7},
+    {"adams", PlantMethod::adams, 1e-11, 1, 1e-6},
+    {"bdf", PlantMethod::bdf, 1e-11, 1, 1e-6},
+    {"nodal", PlantMethod::nodal, 1e-8, 1, 1e-8},
+    {"ida", PlantMethod::ida, 1e-11, 1, 1e-6},
+};
+
+class PlantMethods : public testing::TestWithParam<MethodCase> {};
+
+TEST_P(PlantMethods, MoveTheFrameAlike) {
+  const Scene scene = frame_scene();
+  const Eigen::MatrixXd forces = noise(6, 100, 3), floor = 1e-2 * noise(6, 100, 4);
+  const auto& [name, method, tolerance, steps, bound] = GetParam();
+  const auto reference =
+      trajectory(with_method(scene, PlantMethod::fehlberg, tight), forces, floor);
+  const auto found = trajectory(with_method(scene, method, tolerance, steps), forces, floor);
+  const double error = relative(found, reference);
+  RecordProperty("error", std::to_string(error));
+  EXPECT_LT(error, bound);
+  EXPECT_GT(error, 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PlantMethods, testing::ValuesIn(method_cases),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+TEST(ExponentialMotion, AgreesUnderGravityAndInAFlexibleFrame) {
+  for (const char* name : {"frame_under_gravity", "frame_flexible"}) {
+    const Scene scene = scene_of(name);
+    const auto n_w = static_cast<Index>(scene.inputs.size());
+    const Eigen::MatrixXd forces = noise(6, 40, 3), floor = 1e-2 * noise(n_w, 40, 4);
+    const auto reference = trajectory(with_method(scene, PlantMethod::nodal, 1e-12), forces, floor);
+    const auto found =
+        trajectory(with_method(scene, PlantMethod::exponential, 1e-10), forces, floor);
+    // Two formulations; rounding of legs that carry 1 kN and move by 1 N is some 1e-12.
+    EXPECT_LT(relative(found, reference), 1e-9) << name;
+  }
+}
+
+TEST(ExponentialMotion, HalvesItsPartsWhereTheMotionIsLarge) {
+  // The boom swings by more than a radian: the linear part is of no use there, and still no part
+  // errs by more than the tolerance: 1500 parts, and a tenth more for each swing that errors grow
+  // with.
+  const Scene scene = scene_of("swinging_boom");
+  Eigen::MatrixXd floor(1, 1500);
+  for (Index k = 0; k < floor.cols(); ++k) {
+    floor(0, k) = 8 * std::sin(2 * M_PI * 0.8 * static_cast<double>(k) * 1e-3);
+  }
+  const Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(1, floor.cols());
+  const auto reference = trajectory(with_method(scene, PlantMethod::nodal, 1e-12), forces, floor);
+  for (const double tolerance : {1e-6, 1e-9}) {
+    const auto found =
+        trajectory(with_method(scene, PlantMethod::exponential, tolerance), forces, floor);
+    EXPECT_LT(relative(found, reference), 1.1 * 1500 * tolerance) << tolerance;
+  }
+}
+
+TEST(LinearMotion, IsTheLimitOfSmallMotion) {
+  // Nonlinear minus linear response falls with the square of the amplitude, that is the relative
+  // difference with the amplitude, from legs that stretch by millimetres down to where rounding is
+  // left. Legs stretch by about 1e-5 m per m/s^2 of floor noise.
+  const Scene scene = frame_scene();
+  const Eigen::MatrixXd shape = noise(6, 100, 4);
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(6, 100);
+  double before = 0;
+  for (int decade = 2; decade >= -7; --decade) {
+    const Eigen::MatrixXd floor = std::pow(10.0, decade) * shape;
+    const auto nonlinear =
+        trajectory(with_method(scene, PlantMethod::exponential, 1e-12), none, floor);
+    const auto linear = trajectory(with_method(scene, PlantMethod::linear, 1e-5), none, floor);
+    const double difference = relative(nonlinear, linear);
+    RecordProperty("difference_at_1e" + std::to_string(decade), std::to_string(difference));
+    // Rounding: 1e-16 of the largest numbers in a sample, over 100 samples of which the mean
+    // acceleration is a difference of velocities.
+    constexpr double rounding = 3e-12;
+    if (before > 100 * rounding) {
+      EXPECT_NEAR(std::log10(before / difference), 1.0, 0.05) << decade;
+    }
+    if (decade <= -5) {
+      EXPECT_LT(difference, std::max(rounding, 0.2 * before)) << decade;
+    }
+    before = difference;
+  }
+}
+
+TEST(LinearMotion, StepsHeldAndLaggedForcesExactly) {
+  // The same 10 ms once in ten samples with one command, once in one: exact is exact.
+  Scene slow = with_method(frame_scene(), PlantMethod::linear, 1e-5), fast = slow;
+  for (Scene* scene : {&slow, &fast}) {
+    scene->instruments.actuator_lag_hz = 200;
+    scene->instruments.sensor_filter_hz = 300;
+  }
+  slow.controller->sample_rate_hz = 100;
+  Eigen::VectorXd force(6);
+  force << 1, -2, 3, 0.5, 0, 1;
+  Eigen::VectorXd w(6);
+  w << 0.1, 0.2, -0.1, 0, 0.3, -0.2;
+  Plant one(slow, table(w)), ten(fast, table(w.replicate(1, 10)));
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(12);
+  ASSERT_EQ(one.advance(force), "");
+  for (int k = 0; k < 10; ++k) {
+    ASSERT_EQ(ten.advance(force), "");
+    mean += ten.read().frame_acceleration / 10;
+  }
+  // Rounding of ten products.
+  EXPECT_LT(relative(one.read().sigma, ten.read().sigma), 1e-13);
+  EXPECT_LT(relative(one.read().frame_acceleration, mean), 1e-12);
+}
+
+/// Half a second of the boom under a constant force, so that all is smooth: its state at the end,
+/// in so many equal samples, and the evaluations it took.
+struct Smooth {
+  Eigen::VectorXd state;
+  double evaluations = 0;
+};
+Smooth smooth_motion(PlantMethod method, int samples, double tolerance, int steps = 1) {
+  const Scene scene = with_method(scene_of("swinging_boom"), method, tolerance, steps);
+  MotionRig rig(scene, method, Eigen::MatrixXd::Zero(1, 1));
+  for (int k = 0; k < samples; ++k) {
+    EXPECT_TRUE(rig.hold(Eigen::VectorXd::Constant(1, 5.0), 0.5 / samples));
+  }
+  return {rig.state(), static_cast<double>(rig.motion->evaluations())};
+}
+
+TEST(PlantMethodOrder, OfEqualStepsIsThatOfTheTheory) {
+  const Eigen::VectorXd exact = smooth_motion(PlantMethod::fehlberg, 400, 1e-14).state;
+  const auto error = [&](const Smooth& found) { return (found.state - exact).norm(); };
+  // The classic method: 4. Steps at which errors are between 1e-3 and 1e-7 of the motion.
+  const double coarse = error(smooth_motion(PlantMethod::runge_kutta, 1, 1e-5, 16));
+  const double fine = error(smooth_motion(PlantMethod::runge_kutta, 1, 1e-5, 64));
+  EXPECT_NEAR(0.5 * std::log2(coarse / fine), 4, 0.1);
+  // The exponential method in one sweep a part (the tolerance asks for no more): its first values
+  // are extrapolated with an error of order 3 and the sweep gains one: 4. Swept to the end it is of
+  // order 5, that of the collocation.
+  const double slow = error(smooth_motion(PlantMethod::exponential, 40, 1e-2));
+  const double fast = error(smooth_motion(PlantMethod::exponential, 160, 1e-2));
+  EXPECT_NEAR(0.5 * std::log2(slow / fast), 4, 0.2);
+}
+
+TEST(PlantMethodOrder, OfControlledStepsShowsInTheirNumber) {
+  // The error falls with the number of evaluations to the power of the order. From 1e-6 to 1e-12
+  // the step control wanders by half an order; the last digits of the order-8 method are rounding.
+  const Eigen::VectorXd exact = smooth_motion(PlantMethod::fehlberg, 400, 1e-14).state;
+  const auto order = [&](PlantMethod method, double finest) {
+    const Smooth coarse = smooth_motion(method, 1, 1e-6), fine = smooth_motion(method, 1, finest);
+    return std::log((coarse.state - exact).norm() / (fine.state - exact).norm()) /
+           std::log(fine.evaluations / coarse.evaluations);
+  };
+  EXPECT_NEAR(order(PlantMethod::dormand_prince, 1e-12), 5, 0.5);
+  EXPECT_NEAR(order(PlantMethod::implicit_runge_kutta, 1e-10), 5, 0.6);
+  EXPECT_GT(order(PlantMethod::fehlberg, 1e-10), 7);
+}
+
+/// Relative change of the energy of the undamped frame over so many periods of its slowest mode,
+/// after a push of all legs, and the largest on the way.
+struct Drift {
+  double end = 0, largest = 0;
+};
+Drift energy_drift(PlantMethod method, double tolerance, double periods, double push_n) {
+  const Scene scene = with_method(frame_scene(), method, tolerance);
+  MotionRig rig(scene, method, Eigen::MatrixXd::Zero(6, 1));
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(6);
+  EXPECT_TRUE(rig.hold(push_n * noise(6, 1, 8), 5e-3));
+  const double start = rig.energy();
+  Drift drift;
+  const auto n = static_cast<std::int64_t>(periods / 13.9055 * 1000);
+  for (std::int64_t k = 1; k <= n; ++k) {
+    EXPECT_TRUE(rig.hold(none, 1e-3));
+    if (k % 100 != 0 && k != n) continue;
+    drift.end = rig.energy() / start - 1;
+    drift.largest = std::max(drift.largest, std::abs(drift.end));
+  }
+  return drift;
+}
+
+TEST(PlantEnergy, OfFreeMotionIsKept) {
+  // 100 periods, 7200 samples. A push of 1 kN moves the frame by tenths of a millimetre.
+  const Drift exponential = energy_drift(PlantMethod::exponential, 1e-8, 100, 1000);
+  const Drift explicit_8 = energy_drift(PlantMethod::fehlberg, 1e-10, 100, 1000);
+  const Drift explicit_5 = energy_drift(PlantMethod::dormand_prince, 1e-8, 100, 1000);
+  RecordProperty("exponential", std::to_string(exponential.largest));
+  RecordProperty("fehlberg", std::to_string(explicit_8.largest));
+  RecordProperty("dormand_prince", std::to_string(explicit_5.largest));
+  // Every sample may add twice its tolerance (energy is of the second degree). The exponential
+  // method sweeps until a twentieth of the tolerance is left, and what is left has no sign: it
+  // grows with the root of the number of samples, 2 (0.05) 1e-8 sqrt(7200).
+  EXPECT_LT(exponential.largest, 0.1e-8 * std::sqrt(7200));
+  EXPECT_LT(explicit_8.largest, 2e-10 * 7200);
+  EXPECT_LT(explicit_5.largest, 2e-8 * 7200);
+}
+
+TEST(PlantChoice, SaysWhyAndRefusesWhatCannotBe) {
+  Scene scene = frame_scene();
+  EXPECT_EQ(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))).choice().method,
+            PlantMethod::exponential);
+  scene.instruments.force_rate_limit = 1e4;
+  EXPECT_EQ(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))).choice().method, PlantMethod::nodal);
+  const Scene mast = scene_of("lattice_mast", "bench/scenes");
+  EXPECT_EQ(Plant(mast, table(Eigen::MatrixXd::Zero(2, 1))).choice().method, PlantMethod::nodal);
+  scene.simulation.method = PlantMethod::linear;
+  EXPECT_THROW(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))), InputError);
+  scene.instruments = {};
+  scene.instruments.sensor_filter_hz = 100;
+  scene.simulation.method = PlantMethod::ida;
+  EXPECT_THROW(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))), InputError);
+}
+
+class BadRuns : public testing::TestWithParam<PlantMethod> {};
+
+TEST_P(BadRuns, StopWithTimeStateAndReason) {
+  // A floor that jumps by kilometres leaves no elongations that the frame could be found by; in
+  // nodal coordinates legs of any length are legs, until the numbers end.
+  const Scene scene = with_method(frame_scene(), GetParam(), 1e-6);
+  Eigen::MatrixXd huge = Eigen::MatrixXd::Zero(6, 10);
+  huge(0, 3) = GetParam() == PlantMethod::nodal ? 1e200 : 1e10;
+  Plant plant(scene, table(huge));
+  std::string reason;
+  int k = 0;
+  for (; k < 10 && reason.empty(); ++k) reason = plant.advance(Eigen::VectorXd::Zero(6));
+  EXPECT_NE(reason.find("plant at t = 0.00"), std::string::npos) << reason;
+  EXPECT_NE(reason.find("largest displacement"), std::string::npos) << reason;
+  EXPECT_GE(k, 4);
+}
+
+TEST_P(BadRuns, ForcesThatAreNoNumbersStopTheMotion) {
+  const Scene scene = with_method(frame_scene(), GetParam(), 1e-6);
+  Plant plant(scene, table(Eigen::MatrixXd::Zero(6, 10)));
+  ASSERT_EQ(plant.advance(Eigen::VectorXd::Zero(6)), "");
+  EXPECT_NE(plant.advance(Eigen::VectorXd::Constant(6, NAN)), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, BadRuns,
+                         testing::Values(PlantMethod::exponential, PlantMethod::dormand_prince,
+                                         PlantMethod::fehlberg, PlantMethod::nodal,
+                                         PlantMethod::implicit_runge_kutta, PlantMethod::adams));
+
+TEST(PlantStiffness, CostsNothingWhereItIsLinear) {
+  // The vertical legs are a billion times as stiff, with 1 % of damping against their mass, so that
+  // what they ring with at 0.4 MHz is gone within a sample, as it is in anything real. Evaluations
+  // of the equations, not time, so that it is the same on every machine.
+  const auto evaluations = [](double ratio) {
+    Scene scene = with_method(frame_scene(), PlantMethod::exponential, 1e-6);
+    for (SceneElement& element : scene.elements) {
+      if (!element.name.ends_with("v")) continue;
+      element.stiffness *= ratio;
+      const double damping = 2 * 0.01 * std::sqrt(element.stiffness(0, 0) * 750 / 6);
+      element.damping = Eigen::MatrixXd::Constant(1, 1, damping);
+    }
+    Plant plant(scene, table(1e-2 * noise(6, 200, 4)));
+    for (int k = 0; k < 200; ++k) {
+      EXPECT_EQ(plant.advance(Eigen::VectorXd::Zero(6)), "");
+    }
+    return static_cast<double>(plant.evaluations()) / 200;
+  };
+  const double soft = evaluations(1), stiff = evaluations(1e9);
+  RecordProperty("soft", std::to_string(soft));
+  RecordProperty("stiff", std::to_string(stiff));
+  EXPECT_LT(stiff, 3 * soft);
+}
+
+}  // namespace
+}  // namespace stillframe::test

@@ -1,0 +1,158 @@
+#include "tools/run/study.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <thread>
+
+#include "controller/start_check.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "core/yaml/input_error.hpp"
+#include "msgs/clock.hpp"
+#include "msgs/stop_signal.hpp"
+#include "plant_sim/run_length.hpp"
+#include "tools/loop_design.hpp"
+#include "tools/run/closed_loop.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+/// The signals of the scene's comparisons, a row a sample: floor and frame of each.
+struct Signals {
+  Eigen::MatrixXd floor, frame;
+};
+
+/// Which of the recorded accelerations a comparison names.
+Index column_of(const Scene& scene, const std::string& name) {
+  Index column = 0;
+  for (const auto* signals : {&scene.outputs, &scene.monitors}) {
+    for (const SceneSignal& signal : *signals) {
+      if (signal.name == name) return column;
+      ++column;
+    }
+  }
+  return 0;  // not reached: the reader has checked the names
+}
+
+class Case {
+ public:
+  Case(const StudyCase& study, std::optional<double> duration_s)
+      : design_(make_loop_design(study.scene, study.controller)), spec_(floor_spec(study)) {
+    controller::require_stable(design_.gains);
+    for (const SceneComparison& comparison : design_.scene.comparisons) {
+      floor_columns_.push_back(column_of(design_.scene, comparison.floor));
+      frame_columns_.push_back(column_of(design_.scene, comparison.frame));
+    }
+    const auto source = floor::make_floor_source(spec_);
+    n_ = run_length(design_.scene, spec_, source->n_samples(), duration_s);
+  }
+
+  StudyResult run() {
+    StudyResult result;
+    result.n_samples = n_;
+    const std::int64_t begin = monotonic_ns();
+    const Signals passive = run_loop(false, result), active = run_loop(true, result);
+    const double wall_s = 1e-9 * static_cast<double>(monotonic_ns() - begin);
+    const double rate = design_.gains.sample_rate_hz;
+    result.times_real_time = 2 * static_cast<double>(n_) / rate / wall_s;
+    for (size_t i = 0; i < floor_columns_.size(); ++i) {
+      const auto c = static_cast<Index>(i);
+      report::AxisLevels levels{.axis = design_.scene.comparisons[i].name,
+                                .floor = report::motion_level(passive.floor.col(c), rate),
+                                .passive = report::motion_level(passive.frame.col(c), rate),
+                                .active = report::motion_level(active.frame.col(c), rate)};
+      result.axes.push_back(levels);
+    }
+    return result;
+  }
+
+ private:
+  floor::FloorSpec floor_spec(const StudyCase& study) const {
+    const auto block = read_floor(study.scene, study.floor);
+    if (!block) {
+      throw InputError(design_.scene.file +
+                       ": the key 'floor' is missing, and no --floor is given");
+    }
+    return floor::read_floor_block(block->reader, design_.gains.sample_rate_hz,
+                                   floor_input_names(design_.scene));
+  }
+
+  Signals run_loop(bool active, StudyResult& result) {
+    ClosedLoop loop(design_.scene, design_.gains, floor::make_floor_source(spec_), 1, active);
+    result.method = method_name(loop.plant().choice().method);
+    const auto n_axes = static_cast<Index>(floor_columns_.size());
+    Signals signals{Eigen::MatrixXd(n_, n_axes), Eigen::MatrixXd(n_, n_axes)};
+    double squares = 0;
+    for (Index k = 0; k < n_; ++k) {
+      const std::string reason = loop.step();
+      if (!reason.empty()) throw std::runtime_error(reason);
+      if (k % 1024 == 0 && stop_requested()) throw std::runtime_error("interrupted");
+      const auto& read = loop.measurement();
+      for (Index i = 0; i < n_axes; ++i) {
+        const auto at = static_cast<size_t>(i);
+        const auto column = [&](Index c) {
+          return read.frame_acceleration[static_cast<size_t>(c)];
+        };
+        signals.floor(k, i) = column(floor_columns_[at]);
+        signals.frame(k, i) = column(frame_columns_[at]);
+      }
+      if (!active) continue;
+      for (const double force : loop.command().force) {
+        result.peak_force = std::max(result.peak_force, std::abs(force));
+        squares += force * force;
+      }
+    }
+    if (active) {
+      const double count = static_cast<double>(n_) * static_cast<double>(design_.gains.n_legs());
+      result.rms_force = std::sqrt(squares / count);
+      result.n_saturated = loop.answer().n_saturated();
+      if (loop.answer().n_fallback() > 0) {
+        throw std::runtime_error(std::to_string(loop.answer().n_fallback()) +
+                                 " commands fell back to zero force: values were not finite");
+      }
+    }
+    return signals;
+  }
+
+  LoopDesign design_;
+  floor::FloorSpec spec_;
+  std::vector<Index> floor_columns_, frame_columns_;
+  std::int64_t n_ = 0;
+};
+
+}  // namespace
+
+StudyResult run_case(const StudyCase& study, std::optional<double> duration_s) noexcept {
+  StudyResult result;
+  try {
+    return Case(study, duration_s).run();
+  } catch (const std::exception& error) {
+    result.failure = error.what();
+  }
+  return result;
+}
+
+std::vector<StudyResult> run_cases(const std::vector<StudyCase>& cases,
+                                   std::optional<double> duration_s, int jobs,
+                                   const std::function<void(std::size_t)>& done) {
+  std::vector<StudyResult> results(cases.size());
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::size_t n_done = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < cases.size(); i = next++) {
+      results[i] = run_case(cases[i], duration_s);
+      const std::lock_guard lock(mutex);
+      done(++n_done);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  return results;
+}
+
+}  // namespace stillframe::tools
