@@ -59,8 +59,9 @@ json closed_loop(Index samples, int repeats) {
   const auto design = tools::make_loop_design(config / "scenes/metrology_frame.yaml", std::nullopt);
   const Scene& scene = design.scene;
   const LoopRun reference =
-      run_loop(design, with_method(scene, PlantMethod::fehlberg, 1e-13), samples);
-  const LoopRun second = run_loop(design, with_method(scene, PlantMethod::nodal, 1e-12), samples);
+      run_loop(design, with_method(scene, PlantMethod::nodal, 1e-12), samples);
+  const LoopRun second =
+      run_loop(design, with_method(scene, PlantMethod::dormand_prince, 1e-12), samples);
   struct Row {
     std::string name;
     PlantMethod method;
@@ -166,7 +167,12 @@ json fidelity(Index samples, int repeats) {
     for (size_t j = 0; j < all.size(); ++j) {
       Scene scene = read_scene(config / "scenes/metrology_frame.yaml");
       all[j].add(scene);
-      const PlantRun run = run_plant(scene, config / "floors/multisine.yaml", samples, 1.0);
+      PlantRun run;
+      try {
+        run = run_plant(scene, config / "floors/multisine.yaml", samples, 1.0);
+      } catch (const std::runtime_error& error) {
+        throw std::runtime_error(all[j].name + ": " + error.what());
+      }
       times[j].push_back(run.us_per_sample);
     }
   }
@@ -212,7 +218,7 @@ int main(int argc, char** argv) {
       "bench_plant_speed");
   Index samples = 4000;
   int repeats = 5;
-  bool as_json = false;
+  bool as_json = false, machine_only = false;
   app.add_option("--samples", samples, "Samples of each run")
       ->check(CLI::Range(10, 1'000'000))
       ->capture_default_str();
@@ -221,7 +227,12 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   try {
     app.add_flag("--json", as_json, "JSON in the place of Markdown");
+    app.add_flag("--machine", machine_only, "Say what it runs on, and nothing else");
     app.parse(argc, argv);
+    if (machine_only) {
+      std::cout << machine_line(STILLFRAME_FLAGS) << "\n";
+      return 0;
+    }
     const json all{{"machine", machine_line(STILLFRAME_FLAGS)},
                    {"closed_loop", closed_loop(samples, repeats)},
                    {"fidelity", fidelity(samples, repeats)}};

@@ -81,7 +81,7 @@ MotionChoice choose_method(const Scene& scene, const Model& model, const Drive& 
   }
   if (stated != PlantMethod::automatic) return {stated, "the scene says so"};
   if (!in_closed_form(drive)) {
-    return {PlantMethod::nodal, "the forces of the legs bend within a sample"};
+    return {PlantMethod::dormand_prince, "the forces of the legs bend within a sample"};
   }
   if (model.n_d > most_dofs_of_exponentials) {
     return {PlantMethod::nodal, "more dofs than dense exponentials are good for"};

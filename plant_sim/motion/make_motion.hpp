@@ -22,7 +22,8 @@ std::string method_name(PlantMethod method);
 /// cheapest for such a scene:
 ///   - the exponential method, where the legs' forces are constant or decay by one exponential
 ///     while a command stands, and the model has at most 60 dofs;
-///   - else collocation in nodal coordinates.
+///   - collocation in nodal coordinates, where it has more;
+///   - the explicit Runge-Kutta method of order 5, where forces bend within a sample.
 /// Errors: InputError if the stated method cannot do what the scene asks for.
 MotionChoice choose_method(const Scene& scene, const Model& model, const Drive& drive);
 

@@ -13,6 +13,7 @@ OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, Integrator:
       points_(std::move(points)),
       // Preloads balance up to rounding only. Errors of that size can be met by no step, so they
       // set the least acceleration that counts.
+      relative_tolerance_(settings.relative_tolerance),
       least_scale_(100 * equations_.rest_acceleration() / settings.relative_tolerance),
       integrator_(
           equations_.n_d(),
@@ -37,7 +38,10 @@ Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept 
   if (equations_.q_d_ddot().isZero(0) && !equations_.evaluate(drive, 0.0, y_, rate_)) {
     return Status::equations_failed;
   }
-  const double scale = std::max(equations_.q_d_ddot().lpNorm<Eigen::Infinity>(), least_scale_);
+  // Positions are found to 1e-30 (core/kinematics): no step meets a finer error either.
+  const double finest = 1e-29 / (duration * duration * relative_tolerance_);
+  const double scale =
+      std::max({equations_.q_d_ddot().lpNorm<Eigen::Infinity>(), least_scale_, finest});
   switch (integrator_.advance(y_, duration, scale)) {
     case Integrator::Status::right_hand_side_failed:
       return Status::equations_failed;

@@ -27,7 +27,7 @@ class OdeMotion final : public Motion {
   MinimalEquations equations_;
   FramePoints points_;
   const Drive* drive_ = nullptr;  ///< of the present part
-  double least_scale_;
+  double relative_tolerance_, least_scale_;
   Integrator integrator_;
   Eigen::VectorXd y_, rate_;
 };

@@ -216,12 +216,34 @@ TEST(PlantEnergy, OfFreeMotionIsKept) {
   EXPECT_LT(explicit_5.largest, 2e-8 * 7200);
 }
 
+TEST(PlantMethods, GoOnWhereTheFloorHardlyBegins) {
+  // The first samples of a floor that is faded in are as small as 1e-20 m/s^2, where positions have
+  // no digits left.
+  const Eigen::MatrixXd floor = 1e-22 * noise(6, 20, 4), forces = Eigen::MatrixXd::Zero(6, 20);
+  for (const MethodCase& one : method_cases) {
+    const Scene scene = with_method(frame_scene(), one.method, one.tolerance, one.steps);
+    EXPECT_NO_THROW(trajectory(scene, forces, floor)) << one.name;
+  }
+}
+
+TEST(PlantMethods, GoOnWhereAForceBeginsToRiseFromRest) {
+  Scene scene = frame_scene();
+  scene.instruments.force_rate_limit = 2000;
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(6, 50), forces = noise(6, 50, 3);
+  const auto found = trajectory(scene, forces, none);
+  const auto reference =
+      trajectory(with_method(scene, PlantMethod::dormand_prince, 1e-11), forces, none);
+  // 1e-5 in each of 50 samples, in up to seven parts.
+  EXPECT_LT(relative(found, reference), 1e-5 * 50 * 7);
+}
+
 TEST(PlantChoice, SaysWhyAndRefusesWhatCannotBe) {
   Scene scene = frame_scene();
   EXPECT_EQ(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))).choice().method,
             PlantMethod::exponential);
   scene.instruments.force_rate_limit = 1e4;
-  EXPECT_EQ(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))).choice().method, PlantMethod::nodal);
+  EXPECT_EQ(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))).choice().method,
+            PlantMethod::dormand_prince);
   const Scene mast = scene_of("lattice_mast", "bench/scenes");
   EXPECT_EQ(Plant(mast, table(Eigen::MatrixXd::Zero(2, 1))).choice().method, PlantMethod::nodal);
   scene.simulation.method = PlantMethod::linear;
