@@ -1,7 +1,10 @@
 #include <csignal>
 #include <fstream>
+#include <lcm/lcm-cpp.hpp>
 
+#include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "stillframe_msgs/run_state_t.hpp"
 #include "tests/closed_loop/workspace.hpp"
 
 namespace stillframe::test {
@@ -94,6 +97,32 @@ TEST_F(Processes, WallClockRunAccountsForEveryPeriod) {
                     timing.at("n_listened").get<int>() + logged.at("n_lost").get<int>(),
                 3001);
     }
+  }
+}
+
+TEST_F(Processes, AMotionThatCannotGoOnEndsTheRunWithTimeStateAndReason) {
+  const auto floor = write("floor.yaml", "white: {rms: 1e12, duration_s: 1}\n");
+  for (const char* mode : {"lock_step", "single_process"}) {
+    const auto out = folder_ / mode;
+    const Said said = run({"run", config("scenes/metrology_frame.yaml"), "--floor", floor, "--mode",
+                           mode, "--loop", "passive", "--run-id", "3", "--out", out});
+    EXPECT_EQ(said.exit_code, 4) << mode;
+    EXPECT_NE(said.error.find("plant at t = 0.0"), std::string::npos) << said.error;
+    EXPECT_NE(said.error.find("largest displacement"), std::string::npos) << said.error;
+    // The log says so as well, and holds what there was until then.
+    lcm::LogFile log((out.string() + ".incomplete/passive.lcm"), "r");
+    ASSERT_TRUE(log.good());
+    std::string reason;
+    int n_measurements = 0;
+    while (const lcm::LogEvent* event = log.readNextEvent()) {
+      if (event->channel == channels::measurement) ++n_measurements;
+      if (event->channel != channels::run_state) continue;
+      stillframe_msgs::run_state_t state;
+      ASSERT_GE(state.decode(event->data, 0, event->datalen), 0);
+      if (state.state == stillframe_msgs::run_state_t::FAILED) reason = state.text;
+    }
+    EXPECT_NE(reason.find("plant at t = 0.0"), std::string::npos) << mode << ": " << reason;
+    EXPECT_GE(n_measurements, 1) << mode;
   }
 }
 

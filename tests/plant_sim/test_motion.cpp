@@ -82,6 +82,20 @@ TEST(ExponentialMotion, HalvesItsPartsWhereTheMotionIsLarge) {
   }
 }
 
+TEST(ExponentialMotion, KnowsALagAlsoInHalvedParts) {
+  Scene scene = scene_of("swinging_boom");
+  scene.instruments.actuator_lag_hz = 100;
+  Eigen::MatrixXd floor(1, 800);
+  for (Index k = 0; k < floor.cols(); ++k) {
+    floor(0, k) = 8 * std::sin(2 * M_PI * 0.8 * static_cast<double>(k) * 1e-3);
+  }
+  const Eigen::MatrixXd forces = 20 * noise(1, floor.cols(), 3);
+  const auto reference = trajectory(with_method(scene, PlantMethod::nodal, 1e-12), forces, floor);
+  const auto found = trajectory(with_method(scene, PlantMethod::exponential, 1e-10), forces, floor);
+  // 800 parts that err by the tolerance, and what errors grow by in a swing.
+  EXPECT_LT(relative(found, reference), 1e-10 * 800 * 2);
+}
+
 TEST(LinearMotion, IsTheLimitOfSmallMotion) {
   // Nonlinear minus linear response falls with the square of the amplitude, that is the relative
   // difference with the amplitude, from legs that stretch by millimetres down to where rounding is
