@@ -16,7 +16,7 @@ using namespace stillframe;
 constexpr double slowest_hz = 13.9055;
 
 struct Options {
-  double periods = 1e6, tolerance = 1e-8, push_n = 1000;
+  double periods = 1e6, tolerance = 1e-8, push_n = 1000, part_s = 1e-3;
   std::string method = "exponential";
 };
 
@@ -33,19 +33,18 @@ void run(const Options& options) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(6);
   if (!rig.hold(options.push_n * test::noise(6, 1, 8), 5e-3)) throw std::runtime_error("the push");
   const double start = rig.energy();
-  const auto n = static_cast<std::int64_t>(options.periods / slowest_hz * 1000);
+  const auto n = static_cast<std::int64_t>(options.periods / slowest_hz / options.part_s);
   std::cout << machine_line(STILLFRAME_FLAGS) << "\n"
             << "energy after the push " << report::cell("%.6g J", start) << "\n";
-  report::Table table({"periods", "samples", "energy / first - 1", "largest on the way", "cpu s"},
-                      0);
+  report::Table table({"periods", "parts", "energy / first - 1", "largest on the way", "cpu s"}, 0);
   double largest = 0, next = 1;
   const double begin = thread_seconds();
   for (std::int64_t k = 1; k <= n; ++k) {
-    if (!rig.hold(none, 1e-3)) throw std::runtime_error("the motion cannot go on");
+    if (!rig.hold(none, options.part_s)) throw std::runtime_error("the motion cannot go on");
     if (k % 97 != 0 && k != n) continue;  // any phase of the motion
     const double drift = rig.energy() / start - 1;
     largest = std::max(largest, std::abs(drift));
-    const double periods = static_cast<double>(k) * 1e-3 * slowest_hz;
+    const double periods = static_cast<double>(k) * options.part_s * slowest_hz;
     if (periods < next && k != n) continue;
     table.add({report::cell("%.3g", periods), std::to_string(k), report::cell("%.2e", drift),
                report::cell("%.2e", largest), report::cell("%.1f", thread_seconds() - begin)});
@@ -65,6 +64,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--tolerance", options.tolerance)
       ->check(CLI::Range(1e-14, 1e-2))
+      ->capture_default_str();
+  app.add_option("--part", options.part_s, "Length of the parts that are stepped, s")
+      ->check(CLI::Range(1e-5, 1e-1))
       ->capture_default_str();
   app.add_option("--method", options.method)
       ->check(CLI::IsMember({"exponential", "fehlberg", "dormand_prince"}))

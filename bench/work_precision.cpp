@@ -15,23 +15,11 @@ namespace {
 using namespace stillframe;
 using nlohmann::json;
 
-struct Method {
-  std::string name;
-  PlantMethod method;
-};
-
-const std::vector<Method> methods{
-    {"linear", PlantMethod::linear},
-    {"exponential", PlantMethod::exponential},
-    {"dormand_prince", PlantMethod::dormand_prince},
-    {"fehlberg", PlantMethod::fehlberg},
-    {"runge_kutta", PlantMethod::runge_kutta},
-    {"implicit_runge_kutta", PlantMethod::implicit_runge_kutta},
-    {"adams", PlantMethod::adams},
-    {"bdf", PlantMethod::bdf},
-    {"nodal", PlantMethod::nodal},
-    {"ida", PlantMethod::ida},
-    {"auto", PlantMethod::automatic},
+const std::vector<PlantMethod> methods{
+    PlantMethod::linear,   PlantMethod::exponential, PlantMethod::dormand_prince,
+    PlantMethod::fehlberg, PlantMethod::runge_kutta, PlantMethod::implicit_runge_kutta,
+    PlantMethod::adams,    PlantMethod::bdf,         PlantMethod::nodal,
+    PlantMethod::ida,      PlantMethod::automatic,
 };
 
 struct Case {
@@ -85,10 +73,10 @@ class Bench {
         {"check_acceleration", relative_difference(check.acceleration, reference.acceleration)},
         {"check_sigma", relative_difference(check.sigma, reference.sigma)},
         {"points", json::array()}};
-    for (const Method& method : methods) {
-      std::cerr << ", " << method.name << std::flush;
+    for (const PlantMethod method : methods) {
+      std::cerr << ", " << method_name(method) << std::flush;
       bool too_slow = false;
-      for (const double tolerance : settings(method.method)) {
+      for (const double tolerance : settings(method)) {
         if (too_slow) break;
         too_slow = !add_point(method, tolerance, reference, result["points"]);
       }
@@ -119,11 +107,11 @@ class Bench {
   }
 
   /// False if it would take longer than there is time for.
-  bool add_point(const Method& method, double setting, const PlantRun& reference, json& points) {
-    json point{{"method", method.name}, {"setting", setting}};
+  bool add_point(PlantMethod method, double setting, const PlantRun& reference, json& points) {
+    json point{{"method", method_name(method)}, {"setting", setting}};
     try {
       const double estimate =
-          1e-6 * at(method.method, setting, 50).us_per_sample * static_cast<double>(case_.samples);
+          1e-6 * at(method, setting, 50).us_per_sample * static_cast<double>(case_.samples);
       if (estimate * options_.repeats > options_.limit_s) {
         point["skipped"] = "would take " + std::to_string(estimate) + " s";
         points.push_back(point);
@@ -132,7 +120,7 @@ class Bench {
       std::vector<double> times;
       PlantRun run;
       for (int i = 0; i < options_.repeats; ++i) {
-        run = at(method.method, setting, 1);
+        run = at(method, setting, 1);
         times.push_back(run.us_per_sample);
       }
       std::nth_element(times.begin(), times.begin() + options_.repeats / 2, times.end());
