@@ -30,6 +30,8 @@ class ExponentialMotion final : public Motion {
   void filtered_stresses(Eigen::VectorXd& sigma) const noexcept override;
   long evaluations() const noexcept override { return equations_.evaluations(); }
   std::string where() const override;
+  /// Nodal positions (n_x) at the state.
+  const Eigen::VectorXd& positions() const noexcept { return equations_.data().x; }
   /// y as MinimalEquations has it.
   const Eigen::VectorXd& state() const noexcept { return y_; }
 

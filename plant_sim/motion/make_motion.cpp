@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "core/yaml/input_error.hpp"
+#include "plant_sim/motion/adaptive_motion.hpp"
 #include "plant_sim/motion/exponential_motion.hpp"
 #include "plant_sim/motion/linear_motion.hpp"
 #include "plant_sim/motion/nodal_plant_motion.hpp"
@@ -100,27 +101,34 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   signals.insert(signals.end(), scene.monitors.begin(), scene.monitors.end());
   FramePoints points(model, merged.carried, signals);
   const SceneSimulation& simulation = scene.simulation;
+  const auto settings = [&simulation](PlantMethod of) {
+    return Integrator::Settings{.scheme = scheme_of(of),
+                                .relative_tolerance = simulation.relative_tolerance,
+                                .steps_per_part = simulation.steps_per_sample,
+                                .jacobian = {}};
+  };
   if (method == PlantMethod::linear || method == PlantMethod::exponential) {
     LinearEquations linear(equations, scene, rest, points);
     if (method == PlantMethod::linear) {
       return std::make_unique<LinearMotion>(std::move(linear), equations.stress_scale(),
                                             equations.n_filtered(), drive, durations);
     }
-    return std::make_unique<ExponentialMotion>(std::move(equations), std::move(linear),
-                                               std::move(points), simulation.relative_tolerance,
-                                               drive, durations);
+    auto small =
+        std::make_unique<ExponentialMotion>(std::move(equations), std::move(linear), points,
+                                            simulation.relative_tolerance, drive, durations);
+    if (simulation.method != PlantMethod::automatic) return small;
+    return std::make_unique<AdaptiveMotion>(
+        std::move(small),
+        std::make_unique<OdeMotion>(MinimalEquations(model, rest, drive.legs(), filter_rate),
+                                    std::move(points), settings(PlantMethod::dormand_prince)),
+        simulation.relative_tolerance);
   }
   if (method == PlantMethod::nodal || method == PlantMethod::ida) {
     return std::make_unique<NodalPlantMotion>(
         model, rest, std::move(points), drive.legs(), filter_rate, simulation.relative_tolerance,
         method == PlantMethod::ida ? nodal::Method::ida : nodal::Method::radau);
   }
-  return std::make_unique<OdeMotion>(
-      std::move(equations), std::move(points),
-      Integrator::Settings{.scheme = scheme_of(method),
-                           .relative_tolerance = simulation.relative_tolerance,
-                           .steps_per_part = simulation.steps_per_sample,
-                           .jacobian = {}});
+  return std::make_unique<OdeMotion>(std::move(equations), std::move(points), settings(method));
 }
 
 }  // namespace stillframe

@@ -21,7 +21,8 @@ std::string method_name(PlantMethod method);
 /// The method that the scene states, or for `auto` the one that docs/speed_against_error.md found
 /// cheapest for such a scene:
 ///   - the exponential method, where the legs' forces are constant or decay by one exponential
-///     while a command stands, and the model has at most 60 dofs;
+///     while a command stands, and the model has at most 60 dofs (and the explicit method of order
+///     5 from where the motion has become large, AdaptiveMotion);
 ///   - collocation in nodal coordinates, where it has more;
 ///   - the explicit Runge-Kutta method of order 5, where forces bend within a sample.
 /// Errors: InputError if the stated method cannot do what the scene asks for.

@@ -39,6 +39,8 @@ class MinimalEquations {
   std::vector<SceneSignal> leg_outputs() const;
 
   const Data& data() const noexcept { return data_; }
+  /// Nodal positions (n_x) near which the next evaluation is.
+  void place(const Eigen::VectorXd& x) noexcept { data_.x = x; }
   /// sigma of a leg at the last evaluation, its equilibrium value removed (N), and what is elastic
   /// of it.
   double stress(Index leg) const noexcept;

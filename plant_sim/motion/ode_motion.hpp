@@ -12,6 +12,12 @@ class OdeMotion final : public Motion {
  public:
   OdeMotion(MinimalEquations equations, FramePoints points, Integrator::Settings settings);
 
+  /// Goes on from a state y at nodal positions x. hot.
+  void start_from(const Eigen::VectorXd& y, const Eigen::VectorXd& x) noexcept {
+    y_ = y;
+    equations_.place(x);
+  }
+
   Status advance(const Drive& drive, double duration) noexcept override;
   void velocities(Eigen::VectorXd& v) const noexcept override;
   void elastic_stresses(Eigen::VectorXd& sigma) const noexcept override;

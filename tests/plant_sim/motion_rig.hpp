@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/scene/scene_reader.hpp"
+#include "plant_sim/motion/adaptive_motion.hpp"
 #include "plant_sim/motion/exponential_motion.hpp"
 #include "plant_sim/motion/make_motion.hpp"
 #include "plant_sim/motion/ode_motion.hpp"

@@ -82,6 +82,38 @@ TEST(ExponentialMotion, HalvesItsPartsWhereTheMotionIsLarge) {
   }
 }
 
+TEST(AdaptiveMotion, GoesOnExplicitlyWhereTheMotionIsLarge) {
+  // The boom is shaken until it swings far, and looked at 100 times a second only: the exponential
+  // method would halve most parts three times and more.
+  Scene scene = scene_of("swinging_boom");
+  scene.controller->sample_rate_hz = 100;
+  Eigen::MatrixXd floor(1, 300);
+  for (Index k = 0; k < floor.cols(); ++k) {
+    floor(0, k) = 8 * std::sin(2 * M_PI * 0.8 * static_cast<double>(k) * 1e-2);
+  }
+  const Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(1, floor.cols());
+  const auto reference = trajectory(with_method(scene, PlantMethod::nodal, 1e-12), forces, floor);
+  const Scene automatic = with_method(scene, PlantMethod::automatic, 1e-9);
+  // What errors grow by in three swings.
+  EXPECT_LT(relative(trajectory(automatic, forces, floor), reference), 10 * 300 * 1e-9);
+
+  const auto ends_large = [](const Scene& of, const Eigen::MatrixXd& floor_of_it, double force) {
+    MotionRig rig(of, PlantMethod::exponential, floor_of_it);
+    const auto& motion = dynamic_cast<const AdaptiveMotion&>(*rig.motion);
+    const auto n_legs = static_cast<Index>(of.controller->legs.size());
+    EXPECT_FALSE(motion.is_large());
+    for (Index k = 0; k < floor_of_it.cols(); ++k) {
+      rig.drive.take(k);
+      EXPECT_TRUE(rig.hold(force * noise(n_legs, 1, 5), 1 / of.controller->sample_rate_hz));
+    }
+    return motion.is_large();
+  };
+  EXPECT_TRUE(ends_large(automatic, floor, 0));
+  // Not so in the small motion of a frame, however small the tolerance.
+  EXPECT_FALSE(ends_large(with_method(frame_scene(), PlantMethod::automatic, 1e-11),
+                          1e-2 * noise(6, 500, 4), 1));
+}
+
 TEST(ExponentialMotion, KnowsALagAlsoInHalvedParts) {
   Scene scene = scene_of("swinging_boom");
   scene.instruments.actuator_lag_hz = 100;
