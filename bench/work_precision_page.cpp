@@ -92,12 +92,13 @@ void plot_scene(const json& scene, const std::filesystem::path& folder) {
     curves.back().emplace_back(point.at("us_per_sample").get<double>(),
                                point.at("error_acceleration").get<double>());
   }
-  std::string script = report::frame_style() + report::margins(0.11, 0.72, 0.13, 0.9) +
-                       "set title " + report::plot_text(scene.at("scene").get<std::string>()) +
-                       "\nset logscale xy\nset format xy '10^{%T}'\nset grid\n"
-                       "set xlabel 'time a sample (us)'\n"
-                       "set ylabel 'relative error of the accelerations'\n"
-                       "set key outside right top\n";
+  std::string script =
+      report::frame_style() + report::margins(0.11, 0.72, 0.13, 0.9) + "set title " +
+      report::plot_text(scene.at("scene").get<std::string>()) +
+      "\nset logscale xy\nset format xy '10^{%T}'\nset grid\n"
+      "set xlabel 'time a sample (us)'\n"
+      "set ylabel 'relative error of the accelerations'\n"
+      "set key at screen 0.99, screen 0.9 right top vertical maxrows 12 maxcols 1\n";
   std::vector<std::string> parts;
   for (size_t i = 0; i < names.size(); ++i) {
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(curves[i].size()), 2);

@@ -68,6 +68,9 @@ LinkChain link_chain(const Scene& scene) {
 }
 
 Run plant_run(Scene scene, const Eigen::MatrixXd& floor, double tolerance) {
+  // Simbody's library holds an older SUNDIALS under the same names, which would be taken for ours:
+  // in this program only the methods that are our own can run.
+  scene.simulation.method = scene.gravity.isZero(0) ? PlantMethod::exponential : PlantMethod::nodal;
   scene.simulation.relative_tolerance = tolerance;
   Plant plant(scene, std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::inputs, floor));
   const Eigen::VectorXd command =
