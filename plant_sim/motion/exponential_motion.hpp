@@ -65,7 +65,7 @@ class ExponentialMotion final : public Motion {
   /// advances end_ is the difference of the two.
   Eigen::VectorXd end_, seen_end_;
   Eigen::VectorXd x_dot_;  ///< n_x, at y_
-  Eigen::VectorXd change_, rate_, linear_rate_, sigma_a_, q_r_, q_r_dot_, q_r_ddot_;
+  Eigen::VectorXd change_, rate_, linear_rate_, q_r_, q_r_dot_;
   Eigen::VectorXd legs_a_;     ///< n_legs, driving stresses that the linear part counts
   Eigen::MatrixXd nodes_;      ///< n x 3, y at the nodes
   Eigen::MatrixXd g_, g_new_;  ///< n_g x 3, g of the last sweep and of the present one
