@@ -7,19 +7,11 @@
 
 #include "msgs/channels.hpp"
 #include "msgs/lcm_bus.hpp"
+#include "plant_sim/measurement_message.hpp"
 
 namespace stillframe {
 
 using namespace stillframe_msgs;
-
-namespace {
-
-void copy(const Eigen::VectorXd& from, std::int32_t& count, std::vector<double>& to) {
-  count = static_cast<std::int32_t>(from.size());
-  to.assign(from.begin(), from.end());
-}
-
-}  // namespace
 
 PlantLink::PlantLink(const std::string& url, run_info_t info)
     : lcm_(open_lcm(url)),
@@ -67,14 +59,9 @@ void PlantLink::publish_state(std::int32_t state, std::int64_t start_monotonic_n
 
 void PlantLink::publish_timing(const timing_t& timing) { publish(channels::timing, timing); }
 
-void PlantLink::publish_measurement(std::int64_t k, std::int64_t time_ns, const Reading& reading) {
+void PlantLink::publish_measurement(std::int64_t k, const Reading& reading) {
   measurement_.run_id = info_.run_id;
-  measurement_.seq = k;
-  measurement_.time_ns = time_ns;
-  copy(reading.floor_acceleration, measurement_.n_floor, measurement_.floor_acceleration);
-  copy(reading.sigma, measurement_.n_legs, measurement_.sigma);
-  copy(reading.applied_force, measurement_.n_legs, measurement_.applied_force);
-  copy(reading.frame_acceleration, measurement_.n_frame, measurement_.frame_acceleration);
+  write_measurement(reading, k, info_.sample_rate_hz, measurement_);
   measurement_bytes_.resize(static_cast<size_t>(measurement_.getEncodedSize()));
   measurement_.encode(measurement_bytes_.data(), 0, static_cast<int>(measurement_bytes_.size()));
   repeat_measurement();

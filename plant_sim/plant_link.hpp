@@ -32,7 +32,7 @@ class PlantLink {
   void publish_state(std::int32_t state, std::int64_t start_monotonic_ns, const std::string& text);
   void publish_timing(const stillframe_msgs::timing_t& timing);
   /// Publishes a measurement, and again the same bytes.
-  void publish_measurement(std::int64_t k, std::int64_t time_ns, const Reading& reading);
+  void publish_measurement(std::int64_t k, const Reading& reading);
   void repeat_measurement();
 
   /// In lock-step: keeps the run from outrunning the logger that writes this file.

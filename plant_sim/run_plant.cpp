@@ -50,8 +50,7 @@ class Run {
   }
 
   void measure(std::int64_t k) {
-    const double period_ns = 1e9 / link_.info().sample_rate_hz;
-    link_.publish_measurement(k, std::llround(static_cast<double>(k) * period_ns), plant_.read());
+    link_.publish_measurement(k, plant_.read());
     ++timing_.n_periods;
     const std::int64_t now = monotonic_ns();
     if (options_.progress && now - reported_ns_ > 200 * ns_per_ms) {

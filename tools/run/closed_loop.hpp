@@ -29,7 +29,7 @@ class ClosedLoop {
  private:
   void measure();
 
-  double period_ns_;
+  double sample_rate_hz_;
   Plant plant_;
   CommandQueue queue_;
   controller::Answer answer_;
