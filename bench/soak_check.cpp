@@ -9,7 +9,7 @@
 
 #include "controller/policy.hpp"
 #include "msgs/channels.hpp"
-#include "report/log_events.hpp"
+#include "report/log/log_events.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"

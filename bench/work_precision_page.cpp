@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "report/gnuplot.hpp"
-#include "report/plot_style.hpp"
+#include "report/plots/gnuplot.hpp"
+#include "report/plots/plot_style.hpp"
 #include "report/table.hpp"
 
 namespace stillframe {

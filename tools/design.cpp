@@ -5,7 +5,7 @@
 
 #include "controller/start_check.hpp"
 #include "core/yaml/input_error.hpp"
-#include "report/plot_trade.hpp"
+#include "report/plots/plot_trade.hpp"
 #include "report/table.hpp"
 #include "tools/design_page.hpp"
 #include "tools/design_trade.hpp"

@@ -5,7 +5,7 @@
 
 #include "core/yaml/input_error.hpp"
 #include "msgs/channels.hpp"
-#include "report/log_events.hpp"
+#include "report/log/log_events.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 
 namespace stillframe::tools {

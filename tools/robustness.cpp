@@ -9,7 +9,7 @@
 #include "core/scene/controller_block.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
-#include "report/plot_robustness.hpp"
+#include "report/plots/plot_robustness.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/patience.hpp"
 #include "tools/robustness_file.hpp"

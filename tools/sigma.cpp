@@ -9,7 +9,7 @@
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
-#include "report/plots.hpp"
+#include "report/plots/plots.hpp"
 #include "report/table.hpp"
 #include "tools/design_warnings.hpp"
 #include "tools/json.hpp"

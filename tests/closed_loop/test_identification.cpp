@@ -1,7 +1,7 @@
 #include <fstream>
 
-#include "report/log_difference.hpp"
-#include "report/run_log.hpp"
+#include "report/log/log_difference.hpp"
+#include "report/log/run_log.hpp"
 #include "tests/closed_loop/workspace.hpp"
 
 namespace stillframe::test {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "report/comparison.hpp"
+#include "report/identification/comparison.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/toy_frame.hpp"
 

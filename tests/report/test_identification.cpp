@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "core/yaml/input_error.hpp"
-#include "report/identification.hpp"
-#include "report/run_log.hpp"
+#include "report/identification/identification.hpp"
+#include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/toy_frame.hpp"
 

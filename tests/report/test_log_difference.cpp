@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/yaml/input_error.hpp"
-#include "report/log_difference.hpp"
+#include "report/log/log_difference.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
 

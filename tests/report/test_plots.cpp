@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include "core/yaml/input_error.hpp"
-#include "report/comparison.hpp"
-#include "report/gnuplot.hpp"
-#include "report/plots.hpp"
-#include "report/spectra.hpp"
+#include "report/identification/comparison.hpp"
+#include "report/plots/gnuplot.hpp"
+#include "report/plots/plots.hpp"
+#include "report/spectra/spectra.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
 #include "tests/report/toy_frame.hpp"

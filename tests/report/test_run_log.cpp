@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/yaml/input_error.hpp"
-#include "report/run_log.hpp"
+#include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "report/spectra.hpp"
+#include "report/spectra/spectra.hpp"
 #include "tests/report/expect_error.hpp"
 
 namespace stillframe::report {

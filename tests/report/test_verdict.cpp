@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "core/yaml/input_error.hpp"
-#include "report/comparison.hpp"
-#include "report/run_log.hpp"
-#include "report/verdict.hpp"
+#include "report/identification/comparison.hpp"
+#include "report/log/run_log.hpp"
+#include "report/verdict/verdict.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
 
@@ -115,7 +115,7 @@ TEST(Verdict, JsonReadsBackToTheSameNumbers) {
 }
 
 TEST(Verdict, EveryKeyIsDocumented) {
-  std::ifstream file(STILLFRAME_SOURCE_DIR "/report/verdict.hpp");
+  std::ifstream file(STILLFRAME_SOURCE_DIR "/report/verdict/verdict.hpp");
   const std::string header((std::istreambuf_iterator<char>(file)), {});
   const std::string documentation = header.substr(header.find("The verdict as JSON"));
   const json flat = json::parse(to_json(sample_verdict())).flatten();

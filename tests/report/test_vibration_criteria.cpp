@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "report/spectra.hpp"
-#include "report/vibration_criteria.hpp"
+#include "report/spectra/spectra.hpp"
+#include "report/spectra/vibration_criteria.hpp"
 #include "tests/report/expect_error.hpp"
 
 namespace stillframe::report {

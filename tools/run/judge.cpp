@@ -6,10 +6,10 @@
 
 #include "core/frequency_response.hpp"
 #include "core/yaml/input_error.hpp"
-#include "report/comparison.hpp"
-#include "report/identification.hpp"
-#include "report/plots.hpp"
-#include "report/spectra.hpp"
+#include "report/identification/comparison.hpp"
+#include "report/identification/identification.hpp"
+#include "report/plots/plots.hpp"
+#include "report/spectra/spectra.hpp"
 
 namespace stillframe::tools {
 

@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "plant_sim/floor/floor_block.hpp"
-#include "report/run_log.hpp"
-#include "report/verdict.hpp"
+#include "report/log/run_log.hpp"
+#include "report/verdict/verdict.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/run/run_directory.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "report/verdict.hpp"
+#include "report/verdict/verdict.hpp"
 
 namespace stillframe::tools {
 

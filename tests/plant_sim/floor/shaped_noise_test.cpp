@@ -13,8 +13,8 @@
 
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/resample.hpp"
-#include "report/spectra.hpp"
-#include "report/vibration_criteria.hpp"
+#include "report/spectra/spectra.hpp"
+#include "report/spectra/vibration_criteria.hpp"
 
 namespace stillframe::floor {
 namespace {

@@ -1,4 +1,4 @@
-#include "report/spectra.hpp"
+#include "report/spectra/spectra.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
-#include "report/plot_style.hpp"
+#include "report/plots/plot_style.hpp"
 
 #include <stdexcept>
 
-#include "report/gnuplot.hpp"
+#include "report/plots/gnuplot.hpp"
 
 namespace stillframe::report {
 

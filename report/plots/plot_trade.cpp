@@ -1,7 +1,7 @@
-#include "report/plot_trade.hpp"
+#include "report/plots/plot_trade.hpp"
 
-#include "report/gnuplot.hpp"
-#include "report/plot_style.hpp"
+#include "report/plots/gnuplot.hpp"
+#include "report/plots/plot_style.hpp"
 
 namespace stillframe::report {
 

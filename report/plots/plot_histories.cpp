@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "report/gnuplot.hpp"
-#include "report/plot_style.hpp"
-#include "report/plots.hpp"
+#include "report/plots/gnuplot.hpp"
+#include "report/plots/plot_style.hpp"
+#include "report/plots/plots.hpp"
 
 namespace stillframe::report {
 

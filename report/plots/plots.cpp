@@ -1,10 +1,10 @@
-#include "report/plots.hpp"
+#include "report/plots/plots.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "report/gnuplot.hpp"
-#include "report/plot_style.hpp"
+#include "report/plots/gnuplot.hpp"
+#include "report/plots/plot_style.hpp"
 
 namespace stillframe::report {
 

@@ -1,4 +1,4 @@
-#include "report/run_log.hpp"
+#include "report/log/run_log.hpp"
 
 #include <algorithm>
 #include <map>
@@ -6,7 +6,7 @@
 
 #include "core/yaml/input_error.hpp"
 #include "msgs/channels.hpp"
-#include "report/log_events.hpp"
+#include "report/log/log_events.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 

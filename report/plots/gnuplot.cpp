@@ -1,4 +1,4 @@
-#include "report/gnuplot.hpp"
+#include "report/plots/gnuplot.hpp"
 
 #include <fcntl.h>
 #include <spawn.h>

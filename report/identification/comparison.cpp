@@ -1,4 +1,4 @@
-#include "report/comparison.hpp"
+#include "report/identification/comparison.hpp"
 
 #include <cmath>
 #include <limits>

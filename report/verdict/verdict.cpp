@@ -1,14 +1,14 @@
-#include "report/verdict.hpp"
+#include "report/verdict/verdict.hpp"
 
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/yaml/input_error.hpp"
-#include "report/comparison.hpp"
-#include "report/run_log.hpp"
-#include "report/spectra.hpp"
-#include "report/vibration_criteria.hpp"
+#include "report/identification/comparison.hpp"
+#include "report/log/run_log.hpp"
+#include "report/spectra/spectra.hpp"
+#include "report/spectra/vibration_criteria.hpp"
 
 namespace stillframe::report {
 

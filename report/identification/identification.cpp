@@ -1,4 +1,4 @@
-#include "report/identification.hpp"
+#include "report/identification/identification.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -11,7 +11,7 @@
 #include <string>
 
 #include "core/yaml/input_error.hpp"
-#include "report/run_log.hpp"
+#include "report/log/run_log.hpp"
 
 namespace stillframe::report {
 

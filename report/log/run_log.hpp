@@ -7,25 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "report/log/channel_count.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "stillframe_msgs/timing_t.hpp"
 
 namespace stillframe::report {
-
-/// Consecutive sequence numbers first .. last that never reached the log.
-struct SequenceGap {
-  std::int64_t first = 0;
-  std::int64_t last = 0;
-};
-
-/// The messages of one channel after identical repeats were dropped: what came, and what did not.
-struct ChannelCount {
-  std::int64_t n_received = 0;      ///< distinct messages
-  std::int64_t n_duplicates = 0;    ///< identical repeats, dropped
-  std::int64_t n_out_of_order = 0;  ///< messages logged after one with a larger seq
-  std::int64_t n_lost = 0;          ///< sum over gaps
-  std::vector<SequenceGap> gaps;    ///< in increasing order
-};
 
 /// One run as an LCM log holds it: a row a sample, in increasing seq, a column a channel. Set-up.
 struct RunLog {

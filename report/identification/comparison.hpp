@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/linear/sampled_loop.hpp"
-#include "report/identification.hpp"
+#include "report/identification/identification.hpp"
 
 namespace stillframe::report {
 

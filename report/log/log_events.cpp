@@ -1,4 +1,4 @@
-#include "report/log_events.hpp"
+#include "report/log/log_events.hpp"
 
 #include <lcm/eventlog.h>
 

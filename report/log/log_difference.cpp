@@ -1,4 +1,4 @@
-#include "report/log_difference.hpp"
+#include "report/log/log_difference.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 
 #include "core/yaml/input_error.hpp"
 #include "msgs/channels.hpp"
-#include "report/log_events.hpp"
+#include "report/log/log_events.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 

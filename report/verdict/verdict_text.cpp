@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "report/table.hpp"
-#include "report/verdict.hpp"
+#include "report/verdict/verdict.hpp"
 
 namespace stillframe::report {
 

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "report/gnuplot.hpp"
-#include "report/plot_style.hpp"
-#include "report/plots.hpp"
-#include "report/spectra.hpp"
-#include "report/vibration_criteria.hpp"
+#include "report/plots/gnuplot.hpp"
+#include "report/plots/plot_style.hpp"
+#include "report/plots/plots.hpp"
+#include "report/spectra/spectra.hpp"
+#include "report/spectra/vibration_criteria.hpp"
 
 namespace stillframe::report {
 

@@ -1,8 +1,8 @@
-#include "report/vibration_criteria.hpp"
+#include "report/spectra/vibration_criteria.hpp"
 
 #include <stdexcept>
 
-#include "report/spectra.hpp"
+#include "report/spectra/spectra.hpp"
 
 namespace stillframe::report {
 

@@ -26,7 +26,7 @@ struct RobustnessPlot {
   double nominal_damping = 0;
 };
 
-/// Two panels, one above the other. Set-up. Errors: as the pictures of report/plots.hpp.
+/// Two panels, one above the other. Set-up. Errors: as the pictures of report/plots/plots.hpp.
 void plot_robustness(const RobustnessPlot& plot, const std::filesystem::path& path);
 
 }  // namespace stillframe::report

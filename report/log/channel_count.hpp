@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace stillframe::report {
+
+/// Consecutive sequence numbers first .. last that never reached the log.
+struct SequenceGap {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
+/// The messages of one channel after identical repeats were dropped: what came, and what did not.
+struct ChannelCount {
+  std::int64_t n_received = 0;      ///< distinct messages
+  std::int64_t n_duplicates = 0;    ///< identical repeats, dropped
+  std::int64_t n_out_of_order = 0;  ///< messages logged after one with a larger seq
+  std::int64_t n_lost = 0;          ///< sum over gaps
+  std::vector<SequenceGap> gaps;    ///< in increasing order
+};
+
+}  // namespace stillframe::report
