@@ -8,7 +8,9 @@ install(EXPORT stillframe_targets NAMESPACE stillframe::
   FILE stillframe-targets.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stillframe)
 foreach(folder core msgs plant_sim controller report)
   install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillframe/${folder}
-    FILES_MATCHING PATTERN "*.hpp")
+    FILES_MATCHING PATTERN "*.hpp"
+    # Libraries of the programs alone.
+    PATTERN "analysis" EXCLUDE PATTERN "export" EXCLUDE PATTERN "live" EXCLUDE PATTERN "page" EXCLUDE)
 endforeach()
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe)
 install(PROGRAMS scripts/private_network DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe)

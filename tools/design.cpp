@@ -11,6 +11,7 @@
 #include "tools/design_trade.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
+#include "tools/loop_mat.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
@@ -20,7 +21,7 @@ namespace {
 
 struct Options {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> controller, design_scene, out, plot_trade;
+  std::optional<std::filesystem::path> controller, design_scene, out, mat, plot_trade;
   bool json = false;
 };
 
@@ -59,6 +60,7 @@ int run(const Options& options) {
     std::cout << design_page(design, analysis);
   }
   if (options.plot_trade) plot_trade(design, *options.plot_trade);
+  if (options.mat) write_loop_mat(design, *options.mat);
   controller::require_stable(design.gains);
   if (options.out) write_gains(design.gains, *options.out);
   return exit_done;
@@ -81,6 +83,9 @@ void add_design(CLI::App& app, int& exit_code) {
                    "Take the gains of this scene's model (same legs) and judge them on SCENE")
       ->type_name("FILE");
   verb->add_option("--out", options->out, "Write the gains file that stillframe-controller reads")
+      ->type_name("FILE");
+  verb->add_option("--mat", options->mat,
+                   "Write plant, loops, law and gains as a MATLAB level-5 file (docs/exports.md)")
       ->type_name("FILE");
   verb->add_option("--plot-trade", options->plot_trade,
                    "Draw what target, sample rate and delay cost each other into a PNG file")

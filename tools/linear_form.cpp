@@ -1,6 +1,6 @@
 #include "tools/linear_form.hpp"
 
-#include "tools/mat_file.hpp"
+#include "report/export/mat_file.hpp"
 
 namespace stillframe::tools {
 
@@ -102,7 +102,7 @@ Json to_json(const LinearModel& model, const StateSpace& system) {
 
 void write_mat(const LinearModel& model, const StateSpace& system,
                const std::filesystem::path& path) {
-  MatFile file(path);
+  report::MatFile file(path);
   file.add("A", system.A);
   file.add("B", system.B);
   file.add("C", system.C);

@@ -50,6 +50,18 @@ void take_design_of(const std::filesystem::path& file, LoopDesign& design) {
 
 }  // namespace
 
+void sample(LoopDesign& design) {
+  const LoopPlant plant = loop_plant(design.loop.plant, design.loop.n_w, design.loop.n_y);
+  design.settings = {.plant = plant,
+                     .feedback = design.gains.feedback(),
+                     .law = design.gains.law_sampling(),
+                     .sampling = design.gains.sampling()};
+  design.sampled = sample_and_hold(plant, design.gains.sampling());
+  design.open = open_loop(design.sampled);
+  design.closed = close_loop(design.sampled, controller::law_from_gains(design.gains));
+  design.radius = spectral_radius(design.closed);
+}
+
 LoopDesign make_loop_design(const std::filesystem::path& scene_file,
                             const std::optional<std::filesystem::path>& controller_file,
                             const std::optional<std::filesystem::path>& design_scene) {
@@ -60,14 +72,7 @@ LoopDesign make_loop_design(const std::filesystem::path& scene_file,
   if (design_scene) take_design_of(*design_scene, design);
   const LoopPlant plant = loop_plant(design.loop.plant, design.loop.n_w, design.loop.n_y);
   design.gains = make_gains(design.scene, design.loop, plant);
-  design.settings = {.plant = plant,
-                     .feedback = design.gains.feedback(),
-                     .law = design.gains.law_sampling(),
-                     .sampling = design.gains.sampling()};
-  design.sampled = sample_and_hold(plant, design.gains.sampling());
-  design.open = open_loop(design.sampled);
-  design.closed = close_loop(design.sampled, controller::law_from_gains(design.gains));
-  design.radius = spectral_radius(design.closed);
+  sample(design);
   return design;
 }
 

@@ -31,4 +31,8 @@ LoopDesign make_loop_design(const std::filesystem::path& scene,
                             const std::optional<std::filesystem::path>& controller,
                             const std::optional<std::filesystem::path>& design_scene = {});
 
+/// Fills settings, sampled, open, closed and radius of a design from its loop and gains. Errors: as
+/// loop_plant, sample_and_hold and law_from_gains.
+void sample(LoopDesign& design);
+
 }  // namespace stillframe::tools

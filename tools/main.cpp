@@ -70,9 +70,13 @@ int main(int argc, char** argv) {
     add_robustness(app, exit_code);
     add_merge(app, exit_code);
     add_run(app, exit_code);
+    add_identify(app, exit_code);
+    add_report(app, exit_code);
     add_batch(app, exit_code);
     add_ctl(app, exit_code);
     add_replay(app, exit_code);
+    add_export(app, exit_code);
+    add_watch(app, exit_code);
     require_known_verb(app, argc, argv);
     app.parse(argc, argv);
     return exit_code;

@@ -10,7 +10,9 @@
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/plant.hpp"
 #include "plant_sim/run_length.hpp"
+#include "report/page/write_page.hpp"
 #include "report/table.hpp"
+#include "tools/analysis/page_of.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/run/judge.hpp"
 #include "tools/run/phase.hpp"
@@ -102,7 +104,7 @@ int run(const Options& options) {
                      .timeout_s = options.timeout_s,
                      .policy = options.policy,
                      .realtime = options.realtime};
-  RunLogs logs;
+  RunAnalyses runs;
   for (const char* loop : {"passive", "active"}) {
     if (options.loop != "both" && options.loop != loop) continue;
     phase.loop = loop;
@@ -111,19 +113,20 @@ int run(const Options& options) {
                                    : run_phase(phase, directory);
     if (result.exit_code != exit_done) return fail(directory, result);
     if (!options.json) std::cout << loop << ": " << result.controller_line << "\n";
-    (loop == std::string("passive") ? logs.passive : logs.active) =
-        report::read_run_log(directory / (std::string(loop) + ".lcm"), phase.run_id);
+    runs.add(analyse_run(directory / (std::string(loop) + ".lcm"),
+                         {.run_id = phase.run_id, .segment_s = 64, .progress = {}}));
     ++phase.run_id;
   }
 
   report::Verdict verdict;
   try {
-    verdict = judge(design, spec, logs, directory);
+    verdict = judge(design, runs, directory);
   } catch (const InputError& error) {
     return fail(directory, {exit_failed, error.what(), ""});
   }
   report::write_json(verdict, directory / "verdict.json");
   directory.write("verdict.txt", report::to_text(verdict));
+  page::write_page(page_of(runs, verdict), directory / "report.html");
   directory.finish();
   std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
   if (!options.json) std::cout << "Run directory: " << directory.name().string() << "\n";
@@ -181,12 +184,12 @@ void add_run(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"off", "best_effort", "enforce"}));
   verb->add_flag("--json", options->json, "Print the verdict as JSON, as in verdict.json");
   verb->footer(
-      "The run directory holds passive.lcm and active.lcm (LCM logs), scene.yaml, floor.yaml, "
-      "gains.yaml,\n"
-      "verdict.json, verdict.txt and the plots; in wall-clock mode LOOP_timing.json (histograms) "
-      "and,\n"
-      "after a fault, flight-RUN-N.lcm (the last seconds; `stillframe replay` reads it). Until all "
-      "is well it is called DIR.incomplete.\n"
+      "The run directory holds report.html (everything in one file that opens anywhere),\n"
+      "passive.lcm and active.lcm (LCM logs), scene.yaml, floor.yaml, gains.yaml, verdict.json,\n"
+      "verdict.txt and the plots; in wall-clock mode LOOP_timing.json (histograms) and, after a\n"
+      "fault, flight-RUN-N.lcm (the last seconds; `stillframe replay` reads it). Until all is "
+      "well\n"
+      "it is called DIR.incomplete.\n"
       "Exit code 4: a process failed, a sample was lost, or the measurement is not what was "
       "predicted.");
   verb->callback([options, &exit_code] { exit_code = run(*options); });

@@ -17,8 +17,12 @@ void add_design(CLI::App& app, int& exit_code);
 void add_robustness(CLI::App& app, int& exit_code);
 void add_merge(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
+void add_identify(CLI::App& app, int& exit_code);
+void add_report(CLI::App& app, int& exit_code);
 void add_batch(CLI::App& app, int& exit_code);
 void add_ctl(CLI::App& app, int& exit_code);
 void add_replay(CLI::App& app, int& exit_code);
+void add_export(CLI::App& app, int& exit_code);
+void add_watch(CLI::App& app, int& exit_code);
 
 }  // namespace stillframe::tools

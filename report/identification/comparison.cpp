@@ -13,9 +13,7 @@ using Eigen::MatrixXd;
 
 namespace {
 
-MatrixXd checked_prediction(const FrequencyResponse& measured, const SampledLoop& loop,
-                            const char* caller) {
-  MatrixXd predicted = predicted_singular_values(loop, measured.frequencies_hz);
+void check_size(const FrequencyResponse& measured, const MatrixXd& predicted, const char* caller) {
   if (predicted.rows() != measured.singular_values.rows() ||
       predicted.cols() != measured.singular_values.cols()) {
     throw std::invalid_argument(std::string(caller) + ": the loop has " +
@@ -23,7 +21,6 @@ MatrixXd checked_prediction(const FrequencyResponse& measured, const SampledLoop
                                 " singular values, the measured response " +
                                 std::to_string(measured.singular_values.cols()));
   }
-  return predicted;
 }
 
 }  // namespace
@@ -40,16 +37,16 @@ MatrixXd predicted_singular_values(const SampledLoop& loop,
   return singular_values(T);
 }
 
-PredictionError compare(const FrequencyResponse& measured, const SampledLoop& loop,
-                        double floor_db) {
+PredictionError compare(const FrequencyResponse& measured, const MatrixXd& predicted,
+                        double least_coherence) {
+  check_size(measured, predicted, "compare");
   PredictionError result;
-  result.predicted = checked_prediction(measured, loop, "compare");
-  const MatrixXd predicted_db = decibels(result.predicted);
+  const MatrixXd predicted_db = decibels(predicted);
   result.difference_db = decibels(measured.singular_values) - predicted_db;
   for (Index l = 0; l < predicted_db.rows(); ++l) {
     for (Index i = 0; i < predicted_db.cols(); ++i) {
       double& difference = result.difference_db(l, i);
-      if (predicted_db(l, i) < floor_db) {
+      if (!(measured.directional_coherence(l, i) > least_coherence)) {
         difference = std::numeric_limits<double>::quiet_NaN();
         continue;
       }
@@ -64,14 +61,15 @@ PredictionError compare(const FrequencyResponse& measured, const SampledLoop& lo
 }
 
 ReductionCheck check_reduction(const FrequencyResponse& open, const FrequencyResponse& closed,
-                               const SampledLoop& open_loop, const SampledLoop& closed_loop,
-                               double above_hz, double floor_db) {
+                               const MatrixXd& open_predicted, const MatrixXd& closed_predicted,
+                               double above_hz, double least_coherence) {
   if (open.frequencies_hz != closed.frequencies_hz) {
     throw std::invalid_argument(
         "check_reduction: open and closed loop were measured at other frequencies");
   }
-  const MatrixXd open_db = decibels(checked_prediction(open, open_loop, "check_reduction"));
-  const MatrixXd closed_db = decibels(checked_prediction(closed, closed_loop, "check_reduction"));
+  check_size(open, open_predicted, "check_reduction");
+  check_size(closed, closed_predicted, "check_reduction");
+  const MatrixXd open_db = decibels(open_predicted), closed_db = decibels(closed_predicted);
   if (open_db.cols() != closed_db.cols()) {
     throw std::invalid_argument("check_reduction: open and closed loop differ in size");
   }
@@ -81,12 +79,16 @@ ReductionCheck check_reduction(const FrequencyResponse& open, const FrequencyRes
   for (Index l = 0; l < measured.rows(); ++l) {
     const double frequency = open.frequencies_hz[static_cast<std::size_t>(l)];
     if (!(frequency > above_hz)) continue;
+    if ((open_db.row(l) - closed_db.row(l)).minCoeff() <= 0) continue;
     ++check.n_frequencies;
     const double least = measured.row(l).minCoeff();
     if (least > 0) ++check.n_below;
     check.least_reduction_db = std::min(check.least_reduction_db, least);
     for (Index i = 0; i < measured.cols(); ++i) {
-      if (open_db(l, i) < floor_db || closed_db(l, i) < floor_db) continue;
+      if (!(open.directional_coherence(l, i) > least_coherence) ||
+          !(closed.directional_coherence(l, i) > least_coherence)) {
+        continue;
+      }
       ++check.n_compared;
       const double error = std::abs(measured(l, i) - (open_db(l, i) - closed_db(l, i)));
       if (!(error <= check.largest_error_db)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -17,7 +18,10 @@ struct ChannelCount {
   std::int64_t n_duplicates = 0;    ///< identical repeats, dropped
   std::int64_t n_out_of_order = 0;  ///< messages logged after one with a larger seq
   std::int64_t n_lost = 0;          ///< sum over gaps
-  std::vector<SequenceGap> gaps;    ///< in increasing order
+  std::vector<SequenceGap> gaps;    ///< in increasing order, at most most_gaps of them
+
+  /// So that a log in which every other message is missing takes no memory of its length.
+  static constexpr std::size_t most_gaps = 100'000;
 };
 
 }  // namespace stillframe::report

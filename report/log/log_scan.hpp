@@ -60,6 +60,7 @@ struct LogScan {
   std::int64_t n_saturated = 0;  ///< commands in which a force was limited
   std::optional<stillframe_msgs::timing_t> plant_timing, controller_timing;
   std::optional<stillframe_msgs::controller_status_t> last_status;
+  std::int64_t first_us = 0;  ///< since the UNIX epoch, by the logger's clock, when the run began
   double log_duration_s = 0;  ///< by the logger's clock, its steps taken out
   std::int64_t n_clock_steps =
       0;  ///< where the logger's clock went back, or ahead by over a second

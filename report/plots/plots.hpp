@@ -22,9 +22,9 @@ struct MeasuredValues {
 struct SingularValuePlot {
   std::string title;
   std::string quantity = "floor to frame acceleration";  ///< on the axis
-  std::vector<double> frequencies_hz;  ///< n_g, Hz, of the predicted curves
-  Eigen::MatrixXd open_predicted;      ///< n_g x n_s
-  Eigen::MatrixXd closed_predicted;    ///< n_g x n_s
+  std::vector<double> frequencies_hz;                    ///< n_g, Hz, of the predicted curves
+  Eigen::MatrixXd open_predicted;                        ///< n_g x n_s
+  Eigen::MatrixXd closed_predicted;                      ///< n_g x n_s
   MeasuredValues open_measured, closed_measured;
   double target_frequency_hz = 0;  ///< omega_d / 2 pi; no target curve if zero
   double target_damping = 0;       ///< zeta
@@ -52,21 +52,16 @@ struct OctavePlot {
 };
 void plot_third_octaves(const OctavePlot& plot, const std::filesystem::path& path);
 
-/// Accelerations of one direction over time, m/s^2, a row a sample.
+/// Accelerations of one direction over time, a row a part of it: n x 3, time in s, smallest and
+/// largest value in m/s^2.
 struct AxisHistory {
   std::string axis;  ///< as in "x"
-  Eigen::VectorXd floor, passive, active;
+  Eigen::MatrixXd floor, passive, active;
 };
 struct HistoryPlot {
   std::string title;
-  double sample_rate_hz = 0;      ///< Hz
   std::vector<AxisHistory> axes;  ///< a panel each, one to six
 };
 void plot_histories(const HistoryPlot& plot, const std::filesystem::path& path);
-
-/// Smallest and largest value of x in each of n_buckets equal parts: n x 3, position of the part's
-/// middle in samples, smallest, largest. A row a sample (smallest = largest) if x has no more than
-/// n_buckets.
-Eigen::MatrixXd envelope(const Eigen::VectorXd& x, Eigen::Index n_buckets);
 
 }  // namespace stillframe::report

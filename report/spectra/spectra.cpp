@@ -38,31 +38,88 @@ Index default_segment_length(Index n_samples, double sample_rate_hz) {
   return std::min(n_samples, static_cast<Index>(std::lround(default_segment_s * sample_rate_hz)));
 }
 
-Psd welch(const VectorXd& x, double sample_rate_hz, Index segment_length) {
-  const Index n = segment_length;
-  if (n < 2 || n > x.size() || !(sample_rate_hz > 0)) {
-    throw std::invalid_argument("welch: segment_length must be 2 to " + std::to_string(x.size()) +
-                                ", got " + std::to_string(n) + ", at a rate of " +
+struct RunningWelch::Transform {
+  explicit Transform(Index n)
+      : window(periodic_hann(n)), fft(static_cast<std::size_t>(n), false), piece(n), spectrum(n) {}
+  VectorXd window;
+  kissfft<double> fft;
+  Eigen::VectorXcd piece, spectrum;
+};
+
+RunningWelch::RunningWelch(double sample_rate_hz, Index segment_length)
+    : sample_rate_hz_(sample_rate_hz) {
+  if (segment_length < 2 || !(sample_rate_hz > 0)) {
+    throw std::invalid_argument("RunningWelch: segment_length must be 2 or more, got " +
+                                std::to_string(segment_length) + ", at a rate of " +
                                 std::to_string(sample_rate_hz));
   }
-  const VectorXd window = periodic_hann(n);
-  const kissfft<double> fft(static_cast<std::size_t>(n), false);
-  Eigen::VectorXcd segment(n), spectrum(n);
-  VectorXd power = VectorXd::Zero(n / 2 + 1);
-  Index n_segments = 0;
-  for (Index start = 0; start + n <= x.size(); start += n - n / 2, ++n_segments) {
-    const auto piece = x.segment(start, n);
-    segment = ((piece.array() - piece.mean()) * window.array()).cast<std::complex<double>>();
-    fft.transform(segment.data(), spectrum.data());
-    power += spectrum.head(n / 2 + 1).cwiseAbs2();
+  transform_ = std::make_unique<Transform>(segment_length);
+  segment_.resize(segment_length);
+  power_.setZero(segment_length / 2 + 1);
+}
+
+RunningWelch::~RunningWelch() = default;
+RunningWelch::RunningWelch(RunningWelch&&) noexcept = default;
+RunningWelch& RunningWelch::operator=(RunningWelch&&) noexcept = default;
+
+void RunningWelch::take(const Eigen::Ref<const VectorXd>& piece, Transform& transform,
+                        VectorXd& power) const {
+  transform.piece =
+      ((piece.array() - piece.mean()) * transform.window.array()).cast<std::complex<double>>();
+  transform.fft.transform(transform.piece.data(), transform.spectrum.data());
+  power += transform.spectrum.head(power.size()).cwiseAbs2();
+}
+
+void RunningWelch::add(const Eigen::Ref<const VectorXd>& x) {
+  const Index n = segment_.size(), step = n - n / 2;
+  for (Index begin = 0; begin < x.size();) {
+    const Index part = std::min(x.size() - begin, n - filled_);
+    segment_.segment(filled_, part) = x.segment(begin, part);
+    filled_ += part;
+    begin += part;
+    if (filled_ < n) break;
+    take(segment_, *transform_, power_);
+    ++n_segments_;
+    segment_.head(n - step) = segment_.tail(n - step).eval();
+    filled_ = n - step;
   }
-  Psd psd{.sample_rate_hz = sample_rate_hz,
-          .resolution_hz = sample_rate_hz / static_cast<double>(n),
-          .density = power * (2 / (sample_rate_hz * window.squaredNorm() *
-                                   static_cast<double>(n_segments)))};
+}
+
+void RunningWelch::interrupt() {
+  if (n_segments_ == 0 && filled_ > longest_.size()) longest_ = segment_.head(filled_);
+  filled_ = 0;
+}
+
+Psd RunningWelch::finish() const {
+  VectorXd power = power_;
+  double norm = transform_->window.squaredNorm();
+  Index n = segment_.size();
+  if (n_segments_ == 0) {
+    const VectorXd piece = filled_ > longest_.size() ? VectorXd(segment_.head(filled_)) : longest_;
+    n = piece.size();
+    if (n < 2) return {.sample_rate_hz = sample_rate_hz_, .resolution_hz = 0, .density = {}};
+    Transform shorter(n);
+    power.setZero(n / 2 + 1);
+    take(piece, shorter, power);
+    norm = shorter.window.squaredNorm();
+  }
+  const auto count = static_cast<double>(std::max<Index>(n_segments_, 1));
+  Psd psd{.sample_rate_hz = sample_rate_hz_,
+          .resolution_hz = sample_rate_hz_ / static_cast<double>(n),
+          .density = power * (2 / (sample_rate_hz_ * norm * count))};
   psd.density(0) *= 0.5;
   if (n % 2 == 0) psd.density(n / 2) *= 0.5;
   return psd;
+}
+
+Psd welch(const VectorXd& x, double sample_rate_hz, Index segment_length) {
+  if (segment_length > x.size()) {
+    throw std::invalid_argument("welch: segment_length must be 2 to " + std::to_string(x.size()) +
+                                ", got " + std::to_string(segment_length));
+  }
+  RunningWelch estimate(sample_rate_hz, segment_length);
+  estimate.add(x);
+  return estimate.finish();
 }
 
 Psd velocity_from_acceleration(const Psd& acceleration) {

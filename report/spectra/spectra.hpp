@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 namespace stillframe::report {
@@ -22,14 +23,45 @@ inline constexpr double default_segment_s = 16;
 /// The number of samples in default_segment_s, or all of them if there are fewer.
 Eigen::Index default_segment_length(Eigen::Index n_samples, double sample_rate_hz);
 
-/// Welch's estimate: segments with 50 % overlap, each less its mean, periodic Hann window, density
-/// scaling,
+/// Welch's estimate of a signal that comes in parts, in memory of one segment: segments with 50 %
+/// overlap, each less its mean, periodic Hann window, density scaling,
 ///   S(f_k) = 2 / (f_s sum w^2) mean |sum_i w_i x_i e^{-2 pi j i k / n}|^2  (no 2 at 0 and f_s /
 ///   2).
-/// x: signal, any unit; segment_length: samples.
 /// Source: P. D. Welch, IEEE Trans. Audio Electroacoustics 15 (1967); the scaling is that of
-/// scipy.signal.welch. Errors: std::invalid_argument for a segment shorter than 2 or longer than x,
-/// or a rate that is not positive.
+/// scipy.signal.welch. Set-up.
+class RunningWelch {
+ public:
+  /// segment_length: samples. Errors: std::invalid_argument for a segment shorter than 2 or a rate
+  /// that is not positive.
+  RunningWelch(double sample_rate_hz, Eigen::Index segment_length);
+  ~RunningWelch();
+  RunningWelch(RunningWelch&&) noexcept;
+  RunningWelch& operator=(RunningWelch&&) noexcept;
+
+  /// The next samples, any unit.
+  void add(const Eigen::Ref<const Eigen::VectorXd>& x);
+  /// Samples are missing here: no segment reaches over it.
+  void interrupt();
+  Eigen::Index n_segments() const { return n_segments_; }
+
+  /// The estimate so far. Before there is a whole segment, that of the longest stretch as one
+  /// shorter segment, if it has 2 samples, else an empty density.
+  Psd finish() const;
+
+ private:
+  struct Transform;
+  void take(const Eigen::Ref<const Eigen::VectorXd>& piece, Transform& transform,
+            Eigen::VectorXd& power) const;
+
+  double sample_rate_hz_;
+  std::unique_ptr<Transform> transform_;
+  Eigen::VectorXd segment_, power_;
+  Eigen::VectorXd longest_;  ///< stretch before the first whole segment
+  Eigen::Index filled_ = 0, n_segments_ = 0;
+};
+
+/// The same of a whole signal x. Errors: std::invalid_argument for a segment shorter than 2 or
+/// longer than x, or a rate that is not positive.
 Psd welch(const Eigen::VectorXd& x, double sample_rate_hz, Eigen::Index segment_length);
 
 /// S_v = S_a / (2 pi f)^2, zero at f = 0.

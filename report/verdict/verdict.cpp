@@ -6,17 +6,16 @@
 
 #include "core/yaml/input_error.hpp"
 #include "report/identification/comparison.hpp"
-#include "report/log/run_log.hpp"
 #include "report/spectra/spectra.hpp"
-#include "report/spectra/vibration_criteria.hpp"
 
 namespace stillframe::report {
 
 using nlohmann::ordered_json;
 
 bool IdentificationSummary::pass() const {
-  return n_frequencies > 0 && open_largest_db <= allowed_db && closed_largest_db <= allowed_db &&
-         reduction_largest_error_db <= allowed_db && n_closed_below_open == n_reduction_frequencies;
+  return n_frequencies > 0 && n_compared > 0 && open_largest_db <= allowed_db &&
+         closed_largest_db <= allowed_db && reduction_largest_error_db <= allowed_db &&
+         n_closed_below_open == n_reduction_frequencies;
 }
 
 bool Verdict::pass() const {
@@ -26,59 +25,18 @@ bool Verdict::pass() const {
   return whole && !runs.empty() && (!identification || identification->pass());
 }
 
-RunSummary summarise(const RunLog& log) {
-  const auto& info = log.info;
-  RunSummary run{.scene_name = info.scene_name,
-                 .scene_hash = info.scene_hash,
-                 .program_version = info.program_version,
-                 .mode = info.mode,
-                 .loop = info.loop,
-                 .sample_rate_hz = info.sample_rate_hz,
-                 .delay_samples = info.delay_samples,
-                 .n_samples = log.measurements.n_received,
-                 .n_lost = log.measurements.n_lost,
-                 .n_duplicates = log.measurements.n_duplicates,
-                 .n_commands = log.commands.n_received,
-                 .n_saturated = log.n_saturated,
-                 .n_damaged = log.n_damaged,
-                 .unread_bytes = log.unread_bytes};
-  const double plant_time =
-      static_cast<double>(log.seq.back() - log.seq.front()) / info.sample_rate_hz;
-  const double wall_time = log.plant_timing
-                               ? 1e-9 * static_cast<double>(log.plant_timing->wall_time_ns)
-                               : log.log_duration_s;
-  if (wall_time > 0) run.real_time_factor = plant_time / wall_time;
-  return run;
-}
-
-std::vector<TimingSummary> timing_of(const RunLog& log) {
-  std::vector<TimingSummary> lines;
-  for (const auto* timing : {&log.plant_timing, &log.controller_timing}) {
-    if (!*timing) continue;
-    const auto& t = **timing;
-    lines.push_back({.loop = log.info.loop,
-                     .source = t.source,
-                     .n_periods = t.n_periods,
-                     .n_late = t.n_late,
-                     .n_lost = t.n_lost,
-                     .n_duplicates = t.n_duplicate,
-                     .n_listened = t.n_listened,
-                     .worst_wake_up_us = 1e-3 * static_cast<double>(t.worst_wake_up_ns),
-                     .worst_compute_us = 1e-3 * static_cast<double>(t.worst_compute_ns)});
-  }
-  return lines;
-}
-
 IdentificationSummary summarise(const PredictionError& open, const PredictionError& closed,
                                 const ReductionCheck& reduction,
                                 const std::vector<double>& frequencies_hz,
-                                double reduction_above_hz, double floor_db, double allowed_db) {
+                                double reduction_above_hz, double least_coherence,
+                                double allowed_db) {
   const auto [lowest, highest] = std::minmax_element(frequencies_hz.begin(), frequencies_hz.end());
   const bool any = !frequencies_hz.empty();
   return {.n_frequencies = static_cast<int>(frequencies_hz.size()),
           .lowest_hz = any ? *lowest : 0,
           .highest_hz = any ? *highest : 0,
-          .floor_db = floor_db,
+          .least_coherence = least_coherence,
+          .n_compared = static_cast<int>(open.n_compared + closed.n_compared),
           .allowed_db = allowed_db,
           .open_largest_db = open.largest_db,
           .open_at_hz = open.at_frequency_hz,
@@ -88,18 +46,6 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
           .n_reduction_frequencies = static_cast<int>(reduction.n_frequencies),
           .n_closed_below_open = static_cast<int>(reduction.n_below),
           .reduction_largest_error_db = reduction.largest_error_db};
-}
-
-MotionLevel motion_level(const Eigen::VectorXd& acceleration, double sample_rate_hz) {
-  const Psd psd = welch(acceleration, sample_rate_hz,
-                        default_segment_length(acceleration.size(), sample_rate_hz));
-  const Eigen::VectorXd velocity = third_octave_velocity(psd);
-  Eigen::Index band = 0;
-  const double largest = velocity.maxCoeff(&band);
-  return {.rms_acceleration = band_rms(psd, 1, 80),
-          .largest_band_velocity = largest,
-          .largest_band_hz = third_octave_bands()[static_cast<std::size_t>(band)].nominal_hz,
-          .vibration_class = vibration_class(velocity)};
 }
 
 namespace {
@@ -119,20 +65,31 @@ ordered_json json_of(const RunSummary& run) {
           {"n_saturated", run.n_saturated},
           {"n_damaged", run.n_damaged},
           {"unread_bytes", run.unread_bytes},
+          {"n_other_version", run.n_other_version},
+          {"n_foreign", run.n_foreign},
+          {"n_clock_steps", run.n_clock_steps},
           {"real_time_factor",
            run.real_time_factor > 0 ? ordered_json(run.real_time_factor) : ordered_json(nullptr)}};
 }
 
+ordered_json json_of(const TimingSummary::Quantiles& quantiles) {
+  return {
+      {"p50_us", quantiles.p50_us}, {"p99_us", quantiles.p99_us}, {"p999_us", quantiles.p999_us}};
+}
+
 ordered_json json_of(const TimingSummary& timing) {
-  return {{"loop", timing.loop},
-          {"source", timing.source},
-          {"n_periods", timing.n_periods},
-          {"n_late", timing.n_late},
-          {"n_lost", timing.n_lost},
-          {"n_duplicates", timing.n_duplicates},
-          {"n_listened", timing.n_listened},
-          {"worst_wake_up_us", timing.worst_wake_up_us},
-          {"worst_compute_us", timing.worst_compute_us}};
+  ordered_json json = {{"loop", timing.loop},
+                       {"source", timing.source},
+                       {"n_periods", timing.n_periods},
+                       {"n_late", timing.n_late},
+                       {"n_lost", timing.n_lost},
+                       {"n_duplicates", timing.n_duplicates},
+                       {"n_listened", timing.n_listened},
+                       {"worst_wake_up_us", timing.worst_wake_up_us},
+                       {"worst_compute_us", timing.worst_compute_us}};
+  if (timing.wake_up) json["wake_up"] = json_of(*timing.wake_up);
+  if (timing.compute) json["compute"] = json_of(*timing.compute);
+  return json;
 }
 
 ordered_json json_of(const IdentificationSummary& id) {
@@ -140,7 +97,8 @@ ordered_json json_of(const IdentificationSummary& id) {
           {"n_frequencies", id.n_frequencies},
           {"lowest_hz", id.lowest_hz},
           {"highest_hz", id.highest_hz},
-          {"floor_db", id.floor_db},
+          {"least_coherence", id.least_coherence},
+          {"n_compared", id.n_compared},
           {"allowed_db", id.allowed_db},
           {"open_largest_db", id.open_largest_db},
           {"open_at_hz", id.open_at_hz},
@@ -152,11 +110,70 @@ ordered_json json_of(const IdentificationSummary& id) {
           {"reduction_largest_error_db", id.reduction_largest_error_db}};
 }
 
-ordered_json json_of(const MotionLevel& level) {
-  return {{"rms_acceleration", level.rms_acceleration},
-          {"largest_band_velocity", level.largest_band_velocity},
-          {"largest_band_hz", level.largest_band_hz},
-          {"vibration_class", level.vibration_class}};
+ordered_json json_of(const MotionLevel& level, const std::optional<MotionSpectra>& spectra) {
+  ordered_json json = {{"rms_acceleration", level.rms_acceleration},
+                       {"peak_acceleration", level.peak_acceleration},
+                       {"largest_band_velocity", level.largest_band_velocity},
+                       {"largest_band_hz", level.largest_band_hz},
+                       {"vibration_class", level.vibration_class}};
+  if (spectra) {
+    json["third_octave_velocity"] = spectra->velocity;
+    json["cumulative_rms"] = spectra->cumulative_rms;
+  }
+  return json;
+}
+
+/// A number, or null.
+ordered_json json_of(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+ordered_json json_of(const ResponseSummary& response) {
+  return {{"loop", response.loop},
+          {"what", response.what},
+          {"method", response.method},
+          {"missing", response.missing},
+          {"n_frequencies", response.n_frequencies},
+          {"n_compared", response.n_compared},
+          {"sampled_largest_db", response.sampled_largest_db},
+          {"sampled_at_hz", response.sampled_at_hz},
+          {"continuous_largest_db", response.continuous_largest_db},
+          {"continuous_at_hz", response.continuous_at_hz},
+          {"n_segments", response.n_segments},
+          {"n_filled", response.n_filled},
+          {"n_left_out", response.n_left_out},
+          {"resolution_hz", response.resolution_hz}};
+}
+
+ordered_json json_of(const Transmissibility& t) {
+  return {{"axis", t.axis},          {"loop", t.loop},   {"frequencies_hz", t.frequencies_hz},
+          {"value", t.value},        {"lower", t.lower}, {"upper", t.upper},
+          {"coherence", t.coherence}};
+}
+
+ordered_json json_of(const ShockSummary& shock) {
+  return {{"axis", shock.axis},
+          {"loop", shock.loop},
+          {"time_s", shock.time_s},
+          {"floor_level", shock.floor_level},
+          {"frame_level", shock.frame_level},
+          {"settling_s", json_of(shock.settling_s)}};
+}
+
+ordered_json json_of(const NoiseSummary& noise) {
+  return {{"axis", noise.axis},
+          {"loop", noise.loop},
+          {"rms_acceleration", noise.rms_acceleration},
+          {"share", noise.share}};
+}
+
+ordered_json json_of(const EffortSummary& effort) {
+  return {{"loop", effort.loop},
+          {"leg", effort.leg},
+          {"applied_rms", effort.applied_rms},
+          {"applied_peak", effort.applied_peak},
+          {"command_peak", effort.command_peak},
+          {"limit", json_of(effort.limit)}};
 }
 
 ordered_json ratio_of(const MotionLevel& level, const MotionLevel& reference) {
@@ -166,9 +183,9 @@ ordered_json ratio_of(const MotionLevel& level, const MotionLevel& reference) {
 
 ordered_json json_of(const AxisLevels& levels) {
   ordered_json json = {{"axis", levels.axis}};
-  if (levels.floor) json["floor"] = json_of(*levels.floor);
-  if (levels.passive) json["passive"] = json_of(*levels.passive);
-  if (levels.active) json["active"] = json_of(*levels.active);
+  if (levels.floor) json["floor"] = json_of(*levels.floor, levels.floor_spectra);
+  if (levels.passive) json["passive"] = json_of(*levels.passive, levels.passive_spectra);
+  if (levels.active) json["active"] = json_of(*levels.active, levels.active_spectra);
   if (levels.active && levels.passive) {
     json["ratio_active_to_passive"] = ratio_of(*levels.active, *levels.passive);
   }
@@ -192,6 +209,15 @@ std::string to_json(const Verdict& verdict) {
   json["timing"] = json_list(verdict.timing);
   if (verdict.identification) json["identification"] = json_of(*verdict.identification);
   json["axes"] = json_list(verdict.axes);
+  json["third_octave_bands_hz"] = ordered_json::array();
+  for (const OctaveBand& band : third_octave_bands()) {
+    json["third_octave_bands_hz"].push_back(band.nominal_hz);
+  }
+  json["responses"] = json_list(verdict.responses);
+  json["transmissibility"] = json_list(verdict.transmissibility);
+  json["shocks"] = json_list(verdict.shocks);
+  json["noise"] = json_list(verdict.noise);
+  json["effort"] = json_list(verdict.effort);
   // Names come from logs, so bytes that are no UTF-8 are replaced rather than thrown over.
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

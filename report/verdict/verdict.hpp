@@ -9,7 +9,6 @@
 
 namespace stillframe::report {
 
-struct RunLog;
 struct PredictionError;
 struct ReductionCheck;
 
@@ -26,7 +25,10 @@ struct RunSummary {
   std::int64_t n_commands = 0;
   std::int64_t n_saturated = 0;  ///< commands in which a force was limited
   std::int64_t n_damaged = 0, unread_bytes = 0;
-  double real_time_factor = 0;  ///< plant time over wall time; 0 if neither clock tells
+  std::int64_t n_other_version = 0;  ///< messages of another version of our types
+  std::int64_t n_foreign = 0;        ///< messages on channels that are not ours
+  std::int64_t n_clock_steps = 0;    ///< of the logger's clock
+  double real_time_factor = 0;       ///< plant time over wall time; 0 if neither clock tells
 };
 
 /// One process's own account of its deadlines.
@@ -35,14 +37,21 @@ struct TimingSummary {
   std::string source;  ///< plant or controller
   std::int64_t n_periods = 0, n_late = 0, n_lost = 0, n_duplicates = 0, n_listened = 0;
   double worst_wake_up_us = 0, worst_compute_us = 0;
+  /// Quantiles of the periods in the log, wall-clock controllers only: upper edges of bins, ten to
+  /// a decade.
+  struct Quantiles {
+    double p50_us = 0, p99_us = 0, p999_us = 0;
+  };
+  std::optional<Quantiles> wake_up = {}, compute = {};
 };
 
 /// Measured against predicted frequency responses.
 struct IdentificationSummary {
   int n_frequencies = 0;
   double lowest_hz = 0, highest_hz = 0;
-  double floor_db = 0;    ///< values predicted below it are not compared
-  double allowed_db = 0;  ///< on each deviation below
+  double least_coherence = 0;  ///< values of less are not compared
+  int n_compared = 0;          ///< of both loops
+  double allowed_db = 0;       ///< on each deviation below
   double open_largest_db = 0, open_at_hz = 0;
   double closed_largest_db = 0, closed_at_hz = 0;
   double reduction_above_hz = 0;  ///< the reduction is judged above this
@@ -56,13 +65,61 @@ struct IdentificationSummary {
 /// One signal's numbers in one direction.
 struct MotionLevel {
   double rms_acceleration = 0;       ///< m/s^2, 1-80 Hz
+  double peak_acceleration = 0;      ///< m/s^2, largest sample
   double largest_band_velocity = 0;  ///< m/s rms, largest one-third-octave band, 1-80 Hz
   double largest_band_hz = 0;        ///< nominal centre of that band
   std::string vibration_class;       ///< VC-A ... VC-G, or above VC-A
 };
+/// Spectra of one signal in one direction, a number for each of third_octave_bands().
+struct MotionSpectra {
+  std::vector<double> velocity;        ///< m/s rms in the band
+  std::vector<double> cumulative_rms;  ///< m/s^2, from 0 to the band's upper edge
+};
 struct AxisLevels {
   std::string axis;
   std::optional<MotionLevel> floor, passive, active;
+  std::optional<MotionSpectra> floor_spectra = {}, passive_spectra = {}, active_spectra = {};
+};
+
+/// From floor to frame in one direction, identified.
+struct Transmissibility {
+  std::string axis, loop;
+  std::vector<double> frequencies_hz, value, lower, upper, coherence;  ///< 95 % bands; |T|, 1
+};
+
+/// What one frequency response of a log came to, against both predictions.
+struct ResponseSummary {
+  std::string loop;
+  std::string what;          ///< as in "6 inputs to 6 outputs"
+  std::string method = {};   ///< multisine or broadband
+  std::string missing = {};  ///< why nothing was identified or compared; else empty
+  int n_frequencies = 0;
+  int n_compared = 0;                                ///< singular values of coherence above 0.99
+  double sampled_largest_db = 0, sampled_at_hz = 0;  ///< against what the sampled loop must show
+  double continuous_largest_db = 0, continuous_at_hz = 0;
+  std::int64_t n_segments = 0, n_filled = 0, n_left_out = 0;  ///< samples but for the first
+  double resolution_hz = 0;
+};
+
+/// One shock: the largest rms of a tenth of a second of floor and frame, m/s^2.
+struct ShockSummary {
+  std::string axis, loop;
+  double time_s = 0, floor_level = 0, frame_level = 0;
+  std::optional<double> settling_s;  ///< none: not before the next shock or the end
+};
+
+/// What of the frame's motion the floor does not explain, 1-80 Hz.
+struct NoiseSummary {
+  std::string axis, loop;
+  double rms_acceleration = 0;  ///< m/s^2
+  double share = 0;             ///< of the frame's rms
+};
+
+/// What one leg's actuator did.
+struct EffortSummary {
+  std::string loop, leg;
+  double applied_rms = 0, applied_peak = 0, command_peak = 0;  ///< N
+  std::optional<double> limit;                                 ///< N
 };
 
 /// Everything that a run directory states. Left-out parts do not appear.
@@ -71,37 +128,51 @@ struct Verdict {
   std::vector<TimingSummary> timing;
   std::optional<IdentificationSummary> identification;
   std::vector<AxisLevels> axes;
+  std::vector<ResponseSummary> responses;
+  std::vector<Transmissibility> transmissibility;
+  std::vector<ShockSummary> shocks;
+  std::vector<NoiseSummary> noise;
+  std::vector<EffortSummary> effort;
 
   /// No sample lost, nothing damaged, and the identification, if there is one, passes.
   bool pass() const;
 };
 
-/// Fills the summaries from what was read and computed.
-RunSummary summarise(const RunLog& log);
-std::vector<TimingSummary> timing_of(const RunLog& log);
+/// Fills the summary of both loops of a multisine run.
 IdentificationSummary summarise(const PredictionError& open, const PredictionError& closed,
                                 const ReductionCheck& reduction,
                                 const std::vector<double>& frequencies_hz,
-                                double reduction_above_hz, double floor_db, double allowed_db);
-
-/// Levels of an acceleration signal, m/s^2, by welch() with default_segment_length().
-MotionLevel motion_level(const Eigen::VectorXd& acceleration, double sample_rate_hz);
+                                double reduction_above_hz, double least_coherence,
+                                double allowed_db);
 
 /// The verdict as JSON. Numbers read back to the same bits (up to 17 significant digits), a number
 /// that is not finite is null. Keys:
 ///   format 1, pass
 ///   runs[]: scene_name scene_hash program_version mode loop sample_rate_hz delay_samples n_samples
 ///   n_lost
-///     n_duplicates n_commands n_saturated n_damaged unread_bytes real_time_factor (null if
-///     unknown)
+///     n_duplicates n_commands n_saturated n_damaged unread_bytes n_other_version n_foreign
+///     n_clock_steps real_time_factor (null if unknown)
 ///   timing[]: loop source n_periods n_late n_lost n_duplicates n_listened worst_wake_up_us
-///   worst_compute_us identification (if any): pass n_frequencies lowest_hz highest_hz floor_db
+///     worst_compute_us, wake_up and compute if known: p50_us p99_us p999_us
+///   identification (if any): pass n_frequencies lowest_hz highest_hz
+///   least_coherence
+///     n_compared
 ///   allowed_db open_largest_db
 ///     open_at_hz closed_largest_db closed_at_hz reduction_above_hz n_reduction_frequencies
 ///     n_closed_below_open reduction_largest_error_db
 ///   axes[]: axis, then floor, passive, active (those there are): rms_acceleration (m/s^2, 1-80 Hz)
-///     largest_band_velocity (m/s rms) largest_band_hz vibration_class; ratio_active_to_passive and
-///     ratio_active_to_floor, each with rms_acceleration and largest_band_velocity
+///     peak_acceleration (m/s^2) largest_band_velocity (m/s rms) largest_band_hz vibration_class
+///     third_octave_velocity (m/s rms) cumulative_rms (m/s^2), a number for each of
+///     third_octave_bands_hz; ratio_active_to_passive and ratio_active_to_floor, each with
+///     rms_acceleration and largest_band_velocity
+///   third_octave_bands_hz: nominal centres
+///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
+///   sampled_at_hz
+///     continuous_largest_db continuous_at_hz n_segments n_filled n_left_out resolution_hz
+///   transmissibility[]: axis loop frequencies_hz value lower upper coherence
+///   shocks[]: axis loop time_s floor_level frame_level (m/s^2 rms of 0.1 s) settling_s (null:
+///   never) noise[]: axis loop rms_acceleration (m/s^2, 1-80 Hz) share effort[]: loop leg
+///   applied_rms applied_peak command_peak limit (N; null: none)
 std::string to_json(const Verdict& verdict);
 
 /// The verdict as a page of text with aligned tables, units in the headers.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "report/table.hpp"
@@ -23,6 +24,14 @@ std::string runs_text(const std::vector<RunSummary>& runs) {
       notes += "  the log of the " + run.loop + " run is damaged: " + count(run.n_damaged) +
                " unreadable messages, " + count(run.unread_bytes) + " bytes at its end\n";
     }
+    if (run.n_other_version > 0) {
+      notes += "  " + count(run.n_other_version) + " messages of the " + run.loop +
+               " run are of another version of this program\n";
+    }
+    if (run.n_clock_steps > 0) {
+      notes += "  the logger's clock stepped " + count(run.n_clock_steps) + " times in the " +
+               run.loop + " run\n";
+    }
   }
   const RunSummary& first = runs.front();
   return "Scene " + first.scene_name + " (" + first.scene_hash + "), stillframe " +
@@ -39,12 +48,14 @@ std::string identification_text(const IdentificationSummary& id) {
              cell("%g", id.closed_at_hz), allowed});
   table.add({cell("reduction by the loop, above %.4g Hz", id.reduction_above_hz),
              cell("%.4f", id.reduction_largest_error_db), "", allowed});
-  return cell("Identification: %d frequencies, %g to %g Hz, values above %g dB: %s\n",
-              id.n_frequencies, id.lowest_hz, id.highest_hz, id.floor_db,
+  return cell("Identification: %d frequencies, %g to %g Hz, %d values of coherence above %g: %s\n",
+              id.n_frequencies, id.lowest_hz, id.highest_hz, id.n_compared, id.least_coherence,
               id.pass() ? "pass" : "FAIL") +
          table.print() +
-         cell("  closed loop below open loop at %d of %d frequencies above %.4g Hz\n",
-              id.n_closed_below_open, id.n_reduction_frequencies, id.reduction_above_hz);
+         cell(
+             "  closed loop below open loop at %d of the %d frequencies above %.4g Hz where it is "
+             "to be\n",
+             id.n_closed_below_open, id.n_reduction_frequencies, id.reduction_above_hz);
 }
 
 /// Four significant digits without an exponent where that is readable.
@@ -92,7 +103,73 @@ std::string timing_text(const std::vector<TimingSummary>& timing) {
                count(t.n_duplicates), cell("%.1f", t.worst_wake_up_us),
                cell("%.1f", t.worst_compute_us)});
   }
-  return "Timing\n" + table.print();
+  std::string text = "Timing\n" + table.print();
+  for (const TimingSummary& t : timing) {
+    if (!t.wake_up || !t.compute) continue;
+    text += cell(
+        "  %s %s: wake-up %.3g us median, %.3g us p99, %.3g us p99.9; compute %.3g, %.3g, "
+        "%.3g us (upper edges of bins, ten to a decade)\n",
+        t.loop.c_str(), t.source.c_str(), t.wake_up->p50_us, t.wake_up->p99_us, t.wake_up->p999_us,
+        t.compute->p50_us, t.compute->p99_us, t.compute->p999_us);
+  }
+  return text;
+}
+
+std::string responses_text(const std::vector<ResponseSummary>& responses) {
+  Table table({"loop", "response", "method", "frequencies", "coherent values", "sampled dB",
+               "at Hz", "continuous dB", "at Hz"},
+              3);
+  std::string notes;
+  for (const ResponseSummary& r : responses) {
+    if (!r.missing.empty()) {
+      notes += "  " + r.loop + ", " + r.what + ": " + r.missing + "\n";
+      if (r.n_frequencies == 0) continue;
+    }
+    if (r.n_filled > 0) {
+      notes += "  " + r.loop + ", " + r.what + ": " + count(r.n_filled) +
+               " lost samples filled in, " + count(r.n_left_out) + " samples in no segment\n";
+    }
+    const bool compared = r.n_compared > 0;
+    table.add({r.loop, r.what, r.method, count(r.n_frequencies), count(r.n_compared),
+               compared ? cell("%.4f", r.sampled_largest_db) : "-",
+               compared ? cell("%.4g", r.sampled_at_hz) : "",
+               compared ? cell("%.4f", r.continuous_largest_db) : "-",
+               compared ? cell("%.4g", r.continuous_at_hz) : ""});
+  }
+  return "Identified singular values of coherence above 0.99 against the predictions\n" +
+         table.print() + notes;
+}
+
+std::string shocks_text(const std::vector<ShockSummary>& shocks) {
+  constexpr std::size_t most = 12;
+  Table table({"axis", "loop", "at s", "floor mm/s^2", "frame mm/s^2", "settled after s"}, 2);
+  for (std::size_t i = 0; i < std::min(shocks.size(), most); ++i) {
+    const ShockSummary& shock = shocks[i];
+    table.add({shock.axis, shock.loop, cell("%.1f", shock.time_s), level(1e3 * shock.floor_level),
+               level(1e3 * shock.frame_level),
+               shock.settling_s ? cell("%.1f", *shock.settling_s) : "never"});
+  }
+  return "Shocks, rms over 0.1 s\n" + table.print() +
+         (shocks.size() > most
+              ? "  and " + count(static_cast<std::int64_t>(shocks.size() - most)) + " more\n"
+              : "");
+}
+
+std::string noise_text(const std::vector<NoiseSummary>& noise) {
+  Table table({"axis", "loop", "rms mm/s^2", "of the frame's"}, 2);
+  for (const NoiseSummary& n : noise) {
+    table.add({n.axis, n.loop, level(1e3 * n.rms_acceleration), cell("%.4f", n.share)});
+  }
+  return "Noise: motion of the frame that the floor does not explain, 1-80 Hz\n" + table.print();
+}
+
+std::string effort_text(const std::vector<EffortSummary>& effort) {
+  Table table({"leg", "loop", "rms N", "peak N", "largest command N", "of its limit"}, 2);
+  for (const EffortSummary& e : effort) {
+    table.add({e.leg, e.loop, level(e.applied_rms), level(e.applied_peak), level(e.command_peak),
+               e.limit ? cell("%.3f", e.command_peak / *e.limit) : "no limit"});
+  }
+  return "Actuators\n" + table.print();
 }
 
 }  // namespace
@@ -102,6 +179,10 @@ std::string to_text(const Verdict& verdict) {
   if (!verdict.runs.empty()) page += runs_text(verdict.runs) + "\n";
   if (verdict.identification) page += identification_text(*verdict.identification) + "\n";
   if (!verdict.axes.empty()) page += axes_text(verdict.axes) + "\n";
+  if (!verdict.responses.empty()) page += responses_text(verdict.responses) + "\n";
+  if (!verdict.noise.empty()) page += noise_text(verdict.noise) + "\n";
+  if (!verdict.shocks.empty()) page += shocks_text(verdict.shocks) + "\n";
+  if (!verdict.effort.empty()) page += effort_text(verdict.effort) + "\n";
   if (!verdict.timing.empty()) page += timing_text(verdict.timing) + "\n";
   return page + "Verdict: " + (verdict.pass() ? "pass" : "FAIL") + "\n";
 }

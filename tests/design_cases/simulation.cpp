@@ -7,7 +7,7 @@
 #include "plant_sim/command_queue.hpp"
 #include "plant_sim/floor/multisine.hpp"
 #include "plant_sim/plant.hpp"
-#include "report/identification/identification.hpp"
+#include "report/identification/multisine.hpp"
 #include "tests/plant_sim/frame.hpp"
 
 namespace stillframe::test {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "report/identification/identification.hpp"
+#include "report/identification/multisine.hpp"
 #include "tests/plant_sim/random_settings.hpp"
 
 // Experiments on the nonlinear plant under the law of a setting, in one process. Nothing here looks

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/yaml/input_error.hpp"
-#include "report/identification/identification.hpp"
+#include "report/identification/multisine.hpp"
 #include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/toy_frame.hpp"
@@ -112,24 +112,71 @@ TEST_F(Identification, NoiseScattersAsItsVarianceSays) {
   EXPECT_NEAR(measured / s, 1, 0.23);
 }
 
-TEST_F(Identification, OffLineRatioShowsNoiseAndIsQuietWithout) {
+TEST_F(Identification, CoherenceIsTheShareOfThePowerThatIsNotNoise) {
   auto record = toy::simulate(open_, toy::multisine(plan_, amplitude), VectorXd::Zero(6));
-  const VectorXd quiet = identify(plan_, record.inputs, record.outputs).off_line_ratio;
+  const FrequencyResponse quiet = identify(plan_, record.inputs, record.outputs);
+  // Between the lines is the free motion that the glide stirs up, below 2.5e-5 of a line, of a
+  // resonance some 40 times larger than the response, squared.
+  EXPECT_GT(quiet.coherence.minCoeff(), 1 - 1e-6);
+  EXPECT_GT(quiet.directional_coherence.minCoeff(), 1 - 1e-6);
+
   std::mt19937_64 random(3);
-  for (double& value : record.outputs.reshaped()) {
+  for (Eigen::Index k = 0; k < record.outputs.rows(); ++k) {
+    record.outputs(k, 1) +=
+        amplitude * (2 * std::ldexp(static_cast<double>(random() >> 11), -53) - 1);
+  }
+  const FrequencyResponse noisy = identify(plan_, record.inputs, record.outputs);
+  const double n = plan_.window_s * plan_.sample_rate_hz;
+  for (Eigen::Index l = 0; l < noisy.coherence.rows(); ++l) {
+    EXPECT_GT(noisy.coherence(l, 0), 1 - 1e-6);
+    // A line has amplitude sum w / 2 = 0.179 n times the norm of T's row, a bin of noise has
+    // variance sum w^2 / 3 = 0.086 n amplitude^2; the mean over twelve bins scatters by 1 /
+    // sqrt(12), five times that.
+    const double line = 0.179375 * n * noisy.T[static_cast<std::size_t>(l)].row(1).norm();
+    const double lost = 0.25796 / 3 * n / (line * line);
+    EXPECT_NEAR((1 - noisy.coherence(l, 1)) / lost, 1, 5 / std::sqrt(12.0)) << l;
+  }
+}
+
+TEST_F(Identification, NoiseOfTheInputsIsNoNoiseWhereItIsMeasured) {
+  // The floor shakes beside the lines as well, and the plant answers to that.
+  MatrixXd w = toy::multisine(plan_, amplitude);
+  std::mt19937_64 random(5);
+  for (double& value : w.reshaped()) {
     value += amplitude * (2 * std::ldexp(static_cast<double>(random() >> 11), -53) - 1);
   }
-  const VectorXd noisy = identify(plan_, record.inputs, record.outputs).off_line_ratio;
-  // The line at bin 4 stands between bin 0 and the line at bin 8, so nothing beside it is free to
-  // look at.
-  EXPECT_TRUE(std::isnan(quiet(0)));
-  for (Eigen::Index l = 1; l < quiet.size(); ++l) {
-    // Without noise: free motion only, as in the first test. With it: a bin of noise is 0.58
-    // amplitude sqrt(sum w^2) = 13 amplitude, a line amplitude sum w / 2 = 360 amplitude times a
-    // response of 10 or less.
-    EXPECT_LT(quiet(l), 1e-7) << plan_.frequencies_hz[static_cast<std::size_t>(l)];
-    EXPECT_GT(noisy(l), 2e-3) << plan_.frequencies_hz[static_cast<std::size_t>(l)];
+  const auto record = toy::simulate(closed_, w, VectorXd::Zero(closed_.A.rows()));
+  const FrequencyResponse response = identify(plan_, record.inputs, record.outputs);
+  // A bin of the noise is 0.58 sqrt(0.258 * 2000) / 359 = 4 % of a line. T changes by some 10 %
+  // over the 6 bins (1.5 Hz) to the furthest quiet one, and so much of the noise is left: 0.4 %,
+  // squared.
+  EXPECT_GT(response.coherence.bottomRows(12).minCoeff(), 1 - 1e-3);
+}
+
+TEST_F(Identification, LostSamplesAreFilledInFromTheOtherPeriods) {
+  const auto record =
+      toy::simulate(closed_, toy::multisine(plan_, amplitude), VectorXd::Zero(closed_.A.rows()));
+  const FrequencyResponse whole = identify(plan_, record.inputs, record.outputs);
+  MatrixXd inputs = record.inputs, outputs = record.outputs;
+  // 2 + 4 s at 500 Hz: the steady part of the second block begins at sample 4001.
+  const double lost = std::numeric_limits<double>::quiet_NaN();
+  for (const Eigen::Index row : {17, 4001, 4002, 4503, 5500, 8999}) {
+    inputs.row(row).setConstant(lost);
+    outputs.row(row).setConstant(lost);
   }
+  MatrixXd filled_in = inputs, filled_out = outputs;
+  EXPECT_EQ(fill_lost_rows(plan_, filled_in, filled_out), 5);
+  EXPECT_TRUE(filled_in.allFinite() && filled_out.allFinite());
+  const FrequencyResponse filled = identify(plan_, filled_in, filled_out);
+  for (std::size_t l = 0; l < whole.T.size(); ++l) {
+    // The free motion within a steady part does not repeat itself, 2.5e-5 of a line as above, and
+    // five samples of 2000 have it.
+    EXPECT_LT((filled.T[l] - whole.T[l]).norm(), 1e-6 * whole.T[l].norm()) << l;
+  }
+  for (const Eigen::Index row : {4001, 4501, 5001, 5501}) inputs.row(row).setConstant(lost);
+  expect_error<InputError>([&] { fill_lost_rows(plan_, inputs, outputs); }, "all four periods");
+  inputs.middleRows(4100, 101).setConstant(lost);
+  expect_error<InputError>([&] { fill_lost_rows(plan_, inputs, outputs); }, "allowed is one in 20");
 }
 
 TEST_F(Identification, ResponseDoesNotDependOnTheSizeOfTheExcitation) {
@@ -185,18 +232,35 @@ TEST_F(Identification, RefusesDataThatAreNotFinite) {
   expect_error<InputError>([&] { identify(plan_, record.inputs, record.outputs); }, "not finite");
 }
 
-TEST_F(Identification, ReadsARunLogAndRefusesLostSamples) {
-  const auto record = toy::simulate(open_, toy::multisine(plan_, amplitude), VectorXd::Zero(6));
+TEST_F(Identification, ReadsARunLogWithLostSamples) {
+  const auto record =
+      toy::simulate(closed_, toy::multisine(plan_, amplitude), VectorXd::Zero(closed_.A.rows()));
   RunLog log;
   log.info.sample_rate_hz = plan_.sample_rate_hz;
   log.floor_acceleration = record.inputs;
   log.frame_acceleration = record.outputs;
-  EXPECT_EQ(identify(plan_, log).singular_values,
-            identify(plan_, record.inputs, record.outputs).singular_values);
-  log.measurements.gaps = {{17, 17}};
-  expect_error<InputError>([&] { identify(plan_, log); }, "sample 17 is not in the log");
-  log.measurements.gaps = {{9001, 9500}};
-  EXPECT_NO_THROW(identify(plan_, log));
+  for (Eigen::Index k = 0; k < record.inputs.rows(); ++k) log.seq.push_back(k);
+  const FrequencyResponse whole = identify(plan_, record.inputs, record.outputs);
+  EXPECT_EQ(identify(plan_, log).singular_values, whole.singular_values);
+  EXPECT_EQ(identify(plan_, log, 2).T.front().rows(), 2);
+
+  const auto lose = [&](Eigen::Index first, Eigen::Index n) {
+    for (MatrixXd* table : {&log.floor_acceleration, &log.frame_acceleration}) {
+      MatrixXd rest(table->rows() - n, table->cols());
+      rest << table->topRows(first), table->bottomRows(table->rows() - first - n);
+      *table = rest;
+    }
+    log.seq.erase(log.seq.begin() + first, log.seq.begin() + first + n);
+    log.measurements.gaps.push_back({first, first + n - 1});
+  };
+  lose(4100, 2);
+  const FrequencyResponse filled = identify(plan_, log);
+  for (std::size_t l = 0; l < whole.T.size(); ++l) {
+    EXPECT_LT((filled.T[l] - whole.T[l]).norm(), 1e-6 * whole.T[l].norm()) << l;
+  }
+  lose(4200, 200);
+  expect_error<InputError>([&] { identify(plan_, log); },
+                           "the steady part of block 2 has lost 202");
   log.info.sample_rate_hz = 1000;
   expect_error<InputError>([&] { identify(plan_, log); }, "the log has 1000");
 }

@@ -56,7 +56,8 @@ Verdict sample_verdict() {
   verdict.identification = IdentificationSummary{.n_frequencies = 40,
                                                  .lowest_hz = 1,
                                                  .highest_hz = 100,
-                                                 .floor_db = -50,
+                                                 .least_coherence = 0.99,
+                                                 .n_compared = 480,
                                                  .allowed_db = 0.2,
                                                  .open_largest_db = 0.0123,
                                                  .open_at_hz = 14.5,
@@ -89,6 +90,7 @@ TEST(Verdict, PassesOnlyIfNothingIsWrong) {
   EXPECT_FALSE(passes([](Verdict& v) { v.identification->reduction_largest_error_db = 0.21; }));
   EXPECT_FALSE(passes([](Verdict& v) { v.identification->n_closed_below_open = 21; }));
   EXPECT_FALSE(passes([](Verdict& v) { v.identification->n_frequencies = 0; }));
+  EXPECT_FALSE(passes([](Verdict& v) { v.identification->n_compared = 0; }));
 }
 
 TEST(Verdict, JsonReadsBackToTheSameNumbers) {
@@ -132,7 +134,7 @@ TEST(Verdict, TextIsAlignedAndSaysItAll) {
   const std::string page = to_text(sample_verdict());
   for (const char* part : {"Scene metrology_frame (0123456789abcdef)", "390000", "11.25", "unknown",
                            "pass", "VC-E", "0.0125", "6.2", "81.2",
-                           "closed loop below open loop at 22 of 22 frequencies above 10 Hz"}) {
+                           "closed loop below open loop at 22 of the 22 frequencies above 10 Hz"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part << " in\n" << page;
   }
   // The lines of a table end in one column where their last cell is a number.
@@ -155,54 +157,57 @@ TEST(Verdict, FailureIsSaid) {
   EXPECT_NE(page.find("77 bytes at its end"), std::string::npos);
 }
 
-TEST(Verdict, MotionLevelOfASine) {
-  // 2 mm/s^2 at 20 Hz (centre 19.95 Hz) for 64 s.
-  const double amplitude = 2e-3, omega = 2 * std::numbers::pi * 20;
-  const Eigen::VectorXd a = Eigen::VectorXd::NullaryExpr(64000, [=](Eigen::Index k) {
-    return amplitude * std::sin(omega * 1e-3 * static_cast<double>(k));
-  });
-  const MotionLevel result = motion_level(a, 1000);
-  // 20 Hz is a whole bin of 1/16 Hz, all of its main lobe lies in the band: rounding, and 1 / f
-  // over the lobe.
-  EXPECT_NEAR(result.rms_acceleration, amplitude / std::sqrt(2.0), 1e-9);
-  EXPECT_NEAR(result.largest_band_velocity, amplitude / omega / std::sqrt(2.0), 1e-9);
-  EXPECT_EQ(result.largest_band_hz, 20);
-  // 11.25 um/s.
-  EXPECT_EQ(result.vibration_class, "VC-C");
-}
-
-TEST(Verdict, SummariesComeFromLogAndComparison) {
-  const ScratchFolder folder;
-  {
-    LogWriter log(folder / "run.lcm");
-    write_run(log, 1, 11);
-    stillframe_msgs::timing_t timing{};
-    timing.run_id = 1;
-    timing.source = "plant";
-    timing.wall_time_ns = 4'000'000;
-    timing.worst_compute_ns = 2500;
-    log.write(channels::timing, timing);
-  }
-  RunLog log = read_run_log(folder / "run.lcm");
-  RunSummary run = summarise(log);
-  EXPECT_EQ(run.n_samples, 11);
-  EXPECT_EQ(run.scene_name, "sample");
-  // 10 periods of 1 ms in 4 ms, then by the logger's clock in 20 ms.
-  EXPECT_NEAR(run.real_time_factor, 2.5, 1e-12);
-  ASSERT_EQ(timing_of(log).size(), 1u);
-  EXPECT_NEAR(timing_of(log)[0].worst_compute_us, 2.5, 1e-12);
-  log.plant_timing.reset();
-  EXPECT_NEAR(summarise(log).real_time_factor, 0.5, 1e-9);
-
+TEST(Verdict, SummaryComesFromTheComparison) {
   PredictionError open, closed;
   open.largest_db = 0.05;
+  open.n_compared = 5;
   closed.largest_db = 0.3;
+  closed.n_compared = 4;
   const ReductionCheck reduction{.n_frequencies = 2, .n_below = 2};
-  const auto id = summarise(open, closed, reduction, {1, 20, 30}, 10, -50, 0.2);
+  const auto id = summarise(open, closed, reduction, {1, 20, 30}, 10, 0.99, 0.2);
   EXPECT_EQ(id.n_frequencies, 3);
+  EXPECT_EQ(id.n_compared, 9);
   EXPECT_EQ(id.highest_hz, 30);
   EXPECT_EQ(id.open_largest_db, 0.05);
   EXPECT_FALSE(id.pass());
+}
+
+TEST(Verdict, EverythingThatALogTellsIsInBoth) {
+  Verdict verdict = sample_verdict();
+  verdict.timing[0].wake_up = {61, 182, 4321};
+  verdict.timing[0].compute = {11, 12, 13};
+  verdict.axes[0].active_spectra = {{1e-6, 2e-6}, {3e-3, 4e-3}};
+  verdict.responses = {{.loop = "active",
+                        .what = "3 inputs to 3 outputs",
+                        .method = "broadband",
+                        .missing = "",
+                        .n_frequencies = 50,
+                        .n_compared = 137,
+                        .sampled_largest_db = 0.0123,
+                        .sampled_at_hz = 7.5,
+                        .n_filled = 19},
+                       {.loop = "passive", .what = "a matrix", .missing = "no reason"}};
+  verdict.transmissibility = {
+      {"x", "active", {1, 2}, {0.5, 0.25}, {0.4, 0.2}, {0.6, 0.3}, {1, 0.9}}};
+  verdict.shocks = {{"x", "active", 12.5, 1e-2, 2e-3, 0.7}, {"y", "passive", 12.5, 1e-2, 2e-1, {}}};
+  verdict.noise = {{"z", "active", 1.25e-6, 0.0456}};
+  verdict.effort = {{"active", "leg_3v", 0.75, 4.875, 4.9375, 100.0}};
+  const std::string page = to_text(verdict);
+  for (const char* part : {"182", "4.32e+03", "broadband", "0.0123", "no reason", "19 lost", "0.7",
+                           "never", "0.0456", "4.938", "0.049"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part << "\n" << page;
+  }
+  const json j = json::parse(to_json(verdict));
+  EXPECT_EQ(j["timing"][0]["wake_up"]["p999_us"], 4321);
+  EXPECT_EQ(j["axes"][0]["active"]["third_octave_velocity"][1], 2e-6);
+  EXPECT_EQ(j["third_octave_bands_hz"].size(), 20u);
+  EXPECT_EQ(j["responses"][0]["n_compared"], 137);
+  EXPECT_EQ(j["responses"][1]["missing"], "no reason");
+  EXPECT_EQ(j["transmissibility"][0]["upper"][1], 0.3);
+  EXPECT_EQ(j["shocks"][0]["settling_s"], 0.7);
+  EXPECT_TRUE(j["shocks"][1]["settling_s"].is_null());
+  EXPECT_EQ(j["noise"][0]["share"], 0.0456);
+  EXPECT_EQ(j["effort"][0]["limit"], 100);
 }
 
 TEST(Verdict, WritesAFileOrSaysThatItCannot) {

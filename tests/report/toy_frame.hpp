@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/linear/sampled_loop.hpp"
-#include "report/identification/identification.hpp"
+#include "report/identification/multisine.hpp"
 
 namespace stillframe::report::toy {
 

@@ -3,8 +3,8 @@
 #include <fstream>
 
 #include "core/yaml/input_error.hpp"
+#include "report/export/mat_file.hpp"
 #include "tests/tools/verb.hpp"
-#include "tools/mat_file.hpp"
 
 namespace stillframe::test {
 namespace {
@@ -25,20 +25,20 @@ class MatFileTest : public Verb {
 TEST_F(MatFileTest, NothingIsThereBeforeItIsSaved) {
   write("a.mat", "an older file");
   {
-    tools::MatFile file(folder_ / "a.mat");
+    report::MatFile file(folder_ / "a.mat");
     file.add("A", Eigen::MatrixXd::Identity(2, 2));
     EXPECT_EQ(text(), "an older file");
   }
   EXPECT_EQ(text(), "an older file");
   EXPECT_EQ(files(), 1);
-  tools::MatFile file(folder_ / "a.mat");
+  report::MatFile file(folder_ / "a.mat");
   file.save();
   EXPECT_TRUE(text().starts_with("MATLAB 5.0 MAT-file"));
   EXPECT_EQ(files(), 1);
 }
 
 TEST_F(MatFileTest, EmptyMatricesAndTextsAreRead) {
-  tools::MatFile file(folder_ / "a.mat");
+  report::MatFile file(folder_ / "a.mat");
   file.add("none", Eigen::MatrixXd(0, 3));
   file.add("no_texts", std::vector<std::string>{});
   file.add("texts", std::vector<std::string>{"", "\xc3\xa9t\xc3\xa9"});
@@ -64,7 +64,7 @@ TEST_F(MatFileTest, EmptyMatricesAndTextsAreRead) {
 }
 
 TEST_F(MatFileTest, AFolderThatIsNotThereIsAnInputError) {
-  EXPECT_THROW(tools::MatFile(folder_ / "none/a.mat"), InputError);
+  EXPECT_THROW(report::MatFile(folder_ / "none/a.mat"), InputError);
 }
 
 }  // namespace

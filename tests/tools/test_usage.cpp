@@ -10,8 +10,9 @@ TEST_F(Usage, HelpNamesEveryVerbAndExitCodes) {
   const Said said = run({"--help"});
   EXPECT_EQ(said.exit_code, 0);
   for (const char* word :
-       {"modes", "equilibrium", "buckling", "linearise", "sigma", "design", "robustness", "merge",
-        "run", "ctl", "replay", "0 done", "2 bad usage", "3 refused", "4 a run"}) {
+       {"modes",  "equilibrium", "buckling", "linearise",   "sigma",     "design", "robustness",
+        "merge",  "run",         "identify", "report",      "batch",     "ctl",    "replay",
+        "export", "watch",       "0 done",   "2 bad usage", "3 refused", "4 a run"}) {
     EXPECT_NE(said.output.find(word), std::string::npos) << word;
   }
 }
@@ -28,10 +29,11 @@ TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
 }
 
 TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
-  expect_refused({"linearize", "scene.yaml"}, 2,
-                 "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
-                 "equilibrium, buckling, linearise, sigma, design, robustness, merge, run, batch, "
-                 "ctl, replay");
+  expect_refused(
+      {"linearize", "scene.yaml"}, 2,
+      "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
+      "equilibrium, buckling, linearise, sigma, design, robustness, merge, run, identify, "
+      "report, batch, ctl, replay, export, watch");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {

@@ -12,6 +12,7 @@
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/run_length.hpp"
+#include "report/analysis/summaries.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/run/closed_loop.hpp"
 
@@ -59,10 +60,11 @@ class Case {
     result.times_real_time = 2 * static_cast<double>(n_) / rate / wall_s;
     for (size_t i = 0; i < floor_columns_.size(); ++i) {
       const auto c = static_cast<Index>(i);
-      report::AxisLevels levels{.axis = design_.scene.comparisons[i].name,
-                                .floor = report::motion_level(passive.floor.col(c), rate),
-                                .passive = report::motion_level(passive.frame.col(c), rate),
-                                .active = report::motion_level(active.frame.col(c), rate)};
+      report::AxisLevels levels;
+      levels.axis = design_.scene.comparisons[i].name;
+      levels.floor = report::motion_level(report::analyse_signal(passive.floor.col(c), rate));
+      levels.passive = report::motion_level(report::analyse_signal(passive.frame.col(c), rate));
+      levels.active = report::motion_level(report::analyse_signal(active.frame.col(c), rate));
       result.axes.push_back(levels);
     }
     return result;

@@ -40,9 +40,9 @@ struct MultisineFloor : ::testing::Test {
 };
 
 TEST_F(MultisineFloor, TheShippedLinesKeepClearOfTheNaturalFrequencies) {
-  EXPECT_GE(plan.frequencies_hz.size(), 30u);
-  EXPECT_EQ(plan.frequencies_hz.front(), 1.0);
-  EXPECT_EQ(plan.frequencies_hz.back(), 100.0);
+  EXPECT_EQ(plan.frequencies_hz.size(), 50u);
+  EXPECT_EQ(plan.frequencies_hz.front(), 0.5);
+  EXPECT_EQ(plan.frequencies_hz.back(), 200.0);
   for (const double f : plan.frequencies_hz) {
     for (const double natural : natural_frequencies_hz) EXPECT_GE(std::abs(f - natural), 1.0);
   }
@@ -50,7 +50,7 @@ TEST_F(MultisineFloor, TheShippedLinesKeepClearOfTheNaturalFrequencies) {
 
 TEST_F(MultisineFloor, BlocksAreOrthogonalAtEveryLine) {
   ASSERT_EQ(table.rows(), 6);
-  ASSERT_EQ(table.cols(), 6 * 12000);
+  ASSERT_EQ(table.cols(), 6 * 16000);
   const double expected = 6.0 * line_amplitude() * line_amplitude();
   for (const double f : plan.frequencies_hz) {
     Eigen::MatrixXcd w(6, 6);
@@ -61,7 +61,7 @@ TEST_F(MultisineFloor, BlocksAreOrthogonalAtEveryLine) {
     }
     const Eigen::MatrixXcd gram = w * w.adjoint() - expected * Eigen::MatrixXcd::Identity(6, 6);
     // Lines are whole periods at least 4 bins apart, where the window's transform is exactly zero:
-    // only the rounding of a sum of 8000 terms, of 43 lines, is left.
+    // only the rounding of a sum of 8000 terms, of 50 lines, is left.
     EXPECT_LT(gram.cwiseAbs().maxCoeff(), 1e-11 * expected) << f << " Hz";
   }
 }
@@ -142,7 +142,7 @@ TEST_F(MultisineFloor, AnUndampedOscillatorIsLeftWithoutFreeMotion) {
 
 TEST_F(MultisineFloor, TheFloorStaysWhereItIs) {
   // Zero frequency is a free mode of the floor: a transition that is not quiet there leaves a
-  // velocity behind, and 72 s make a walk of it.
+  // velocity behind, and 96 s make a walk of it.
   const double ts = 1.0 / plan.sample_rate_hz;
   double bound = 0.0;
   for (const double f : plan.frequencies_hz) {
@@ -155,9 +155,9 @@ TEST_F(MultisineFloor, TheFloorStaysWhereItIs) {
       v += ts * table(i, k);
       largest = std::max(largest, std::abs(x));
     }
-    // All lines at their peaks together make the bound; the glide, -92 dB at 1 Hz from the nearest
-    // line, adds a velocity of 1e-4 A / (2 pi 1 Hz) at most, over 72 s some hundredths of the
-    // bound.
+    // All lines at their peaks together make the bound; the glide, -92 dB at 0.5 Hz from the
+    // nearest line, adds a velocity of 2.5e-5 A / (2 pi 0.5 Hz) at most, over 96 s a hundredth of
+    // the bound.
     EXPECT_LT(largest, 1.1 * bound) << "input " << i;
     EXPECT_GT(largest, 0.2 * bound) << "input " << i;
   }

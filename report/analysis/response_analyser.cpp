@@ -1,0 +1,85 @@
+#include "report/analysis/response_analyser.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/yaml/input_error.hpp"
+#include "report/identification/multisine.hpp"
+#include "report/table.hpp"
+
+namespace stillframe::report {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const MultisinePlan& plan)
+    : method_(Lines{}) {
+  constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+  const Index rows = plan.n_samples() + 1;
+  method_ =
+      Lines{plan, MatrixXd::Constant(rows, static_cast<Index>(signals.inputs.size()), missing),
+            MatrixXd::Constant(rows, static_cast<Index>(signals.outputs.size()), missing)};
+  result_.signals = std::move(signals);
+  result_.method = "multisine";
+}
+
+ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan)
+    : method_(std::in_place_type<LocalPolynomial>, plan) {
+  result_.signals = std::move(signals);
+  result_.method = "broadband";
+}
+
+void ResponseAnalyser::add(std::int64_t first_seq, const MatrixXd& inputs,
+                           const MatrixXd& outputs) {
+  if (auto* broadband = std::get_if<LocalPolynomial>(&method_)) {
+    broadband->add(first_seq, inputs, outputs);
+    return;
+  }
+  auto& lines = std::get<Lines>(method_);
+  const Index n = std::min<Index>(inputs.rows(), lines.inputs.rows() - first_seq);
+  if (first_seq < 0 || n <= 0) return;
+  lines.inputs.middleRows(first_seq, n) = inputs.topRows(n);
+  lines.outputs.middleRows(first_seq, n) = outputs.topRows(n);
+}
+
+IdentifiedResponse ResponseAnalyser::finish() {
+  IdentifiedResponse result = result_;
+  if (auto* lines = std::get_if<Lines>(&method_)) {
+    result.n_segments = lines->plan.n_blocks;
+    result.resolution_hz = 4 / lines->plan.window_s;
+    try {
+      result.n_filled = fill_lost_rows(lines->plan, lines->inputs, lines->outputs);
+      result.response = identify(lines->plan, lines->inputs, lines->outputs);
+    } catch (const InputError& error) {
+      result.missing = error.what();
+    }
+    return result;
+  }
+  auto& broadband = std::get<LocalPolynomial>(method_);
+  broadband.finish();
+  result.n_filled = broadband.n_filled();
+  result.n_left_out = broadband.n_left_out();
+  result.n_segments = broadband.n_segments();
+  result.resolution_hz = broadband.half_width_hz();
+  FrequencyResponse response = broadband.estimate();
+  if (response.dof.size() == 0 || response.dof.maxCoeff() == 0) {
+    result.missing = "no stretch of the log without a gap is long enough";
+    // Dependent inputs leave no dof either, but they have a condition.
+    if (response.input_condition.size() > 0 && response.input_condition.minCoeff() < 1e300) {
+      result.missing = "the inputs do not move independently";
+    }
+    return result;
+  }
+  Eigen::VectorXd conditions = response.input_condition;
+  std::sort(conditions.begin(), conditions.end());
+  const double median = conditions(conditions.size() / 2);
+  if (!(median < largest_shown_condition)) {
+    result.missing =
+        "the inputs do not move independently (condition " + cell("%.1e", median) + ")";
+    return result;
+  }
+  result.response = std::move(response);
+  return result;
+}
+
+}  // namespace stillframe::report

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/linear/multisine_plan.hpp"
+#include "report/identification/frequency_response.hpp"
+#include "report/identification/local_polynomial.hpp"
+
+namespace stillframe::report {
+
+/// Signals of a log by name.
+struct ResponseSignals {
+  std::vector<std::string> inputs, outputs;
+};
+
+/// What was identified from a log, or why nothing was.
+struct IdentifiedResponse {
+  ResponseSignals signals;
+  std::optional<FrequencyResponse> response;
+  std::string method;           ///< multisine or broadband
+  std::string missing;          ///< why there is no response
+  std::int64_t n_filled = 0;    ///< lost samples that were put in
+  std::int64_t n_left_out = 0;  ///< samples that belong to no segment
+  std::int64_t n_segments = 0;  ///< or steady parts
+  double resolution_hz = 0;     ///< half width of what one frequency is made of
+};
+
+/// Identifies from samples as they come: by the lines of a plan that is known, or from whatever
+/// moves the inputs. Set-up.
+class ResponseAnalyser {
+ public:
+  /// By the plan's lines; memory of the plan's length.
+  ResponseAnalyser(ResponseSignals signals, const MultisinePlan& plan);
+  ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan);
+
+  /// Rows that follow one another; seq as LocalPolynomial::add.
+  void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs);
+  IdentifiedResponse finish();
+
+ private:
+  struct Lines {
+    MultisinePlan plan;
+    Eigen::MatrixXd inputs, outputs;  ///< a row a sample of the plan and one before; NaN: missing
+  };
+  IdentifiedResponse result_;
+  std::variant<Lines, LocalPolynomial> method_;
+};
+
+/// Inputs of a worse condition than this are not told apart: their response is not shown.
+inline constexpr double largest_shown_condition = 1e4;
+
+}  // namespace stillframe::report

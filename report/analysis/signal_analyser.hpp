@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "report/analysis/level_track.hpp"
+#include "report/page/envelope.hpp"
+#include "report/spectra/spectra.hpp"
+
+namespace stillframe::report {
+
+/// What one acceleration did over a run. Unit m/s^2.
+struct SignalAnalysis {
+  double rms = 0;                 ///< of the samples, mean included
+  double peak = 0;                ///< largest magnitude of a sample
+  Psd density;                    ///< Welch, (m/s^2)^2 / Hz; empty for a run without two samples
+  Eigen::VectorXd third_octaves;  ///< m/s rms in third_octave_bands(), empty with the density
+  page::Envelope envelope;
+  std::vector<double> levels;  ///< rms in tenths of a second, LevelTrack
+};
+
+/// Takes one acceleration sample by sample. Set-up.
+class SignalAnalyser {
+ public:
+  explicit SignalAnalyser(double sample_rate_hz);
+  void add(const Eigen::Ref<const Eigen::VectorXd>& x);
+  /// The next n samples are missing.
+  void skip(std::int64_t n);
+  SignalAnalysis finish() const;
+
+ private:
+  RunningWelch density_;
+  page::EnvelopeBuilder envelope_;
+  LevelTrack levels_;
+  double sum_ = 0, peak_ = 0;
+  std::int64_t count_ = 0;
+};
+
+/// The same of a whole signal.
+SignalAnalysis analyse_signal(const Eigen::VectorXd& x, double sample_rate_hz);
+
+/// What the actuator of one leg did over a run.
+struct LegAnalysis {
+  std::string name;
+  double applied_rms = 0, applied_peak = 0;  ///< N, what acted
+  double command_peak = 0;                   ///< N, what was asked for
+  double sigma_rms = 0, sigma_peak = 0;      ///< N, what the force sensor read
+  page::Envelope applied;                    ///< N
+};
+
+/// Takes one leg. Set-up.
+class LegAnalyser {
+ public:
+  LegAnalyser(std::string name, double sample_rate_hz);
+  /// n samples each; a command of NaN is none.
+  void add(const Eigen::Ref<const Eigen::VectorXd>& applied,
+           const Eigen::Ref<const Eigen::VectorXd>& sigma,
+           const Eigen::Ref<const Eigen::VectorXd>& command);
+  void skip(std::int64_t n);
+  LegAnalysis finish() const;
+
+ private:
+  LegAnalysis result_;
+  page::EnvelopeBuilder envelope_;
+  double applied_sum_ = 0, sigma_sum_ = 0;
+  std::int64_t count_ = 0;
+};
+
+}  // namespace stillframe::report

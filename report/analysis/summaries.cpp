@@ -1,0 +1,196 @@
+#include "report/analysis/summaries.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "report/identification/confidence.hpp"
+#include "report/spectra/vibration_criteria.hpp"
+
+namespace stillframe::report {
+
+using Eigen::Index;
+
+namespace {
+
+constexpr double lowest_hz = 1, highest_hz = 80;  ///< of every rms that people compare
+
+TimingSummary::Quantiles quantiles_of(const DurationHistogram& histogram) {
+  return {.p50_us = histogram.quantile_us(0.5),
+          .p99_us = histogram.quantile_us(0.99),
+          .p999_us = histogram.quantile_us(0.999)};
+}
+
+/// Root of the integral of a density over lowest_hz to highest_hz, on straight lines between its
+/// points; beyond them it goes on as at the nearest.
+double rms_of(const std::vector<double>& frequencies_hz, const Eigen::VectorXd& density) {
+  double power = 0, last_f = lowest_hz, last_d = std::nan("");
+  const auto step = [&](double f, double d) {
+    if (!std::isnan(last_d)) power += 0.5 * (d + last_d) * (f - last_f);
+    last_f = f;
+    last_d = d;
+  };
+  for (std::size_t l = 0; l < frequencies_hz.size(); ++l) {
+    const double f = frequencies_hz[l], d = density(static_cast<Index>(l));
+    if (std::isnan(d)) continue;
+    if (f >= lowest_hz && std::isnan(last_d)) step(lowest_hz, d);
+    if (f < lowest_hz) {
+      last_d = d;  // until one above it comes
+      continue;
+    }
+    if (f > highest_hz) break;
+    step(f, d);
+  }
+  if (!std::isnan(last_d) && last_f < highest_hz) step(highest_hz, last_d);
+  return std::sqrt(power);
+}
+
+}  // namespace
+
+RunSummary run_summary(const LogAnalysis& log) {
+  const LogScan& scan = log.scan;
+  const auto& info = scan.info;
+  RunSummary run{.scene_name = info.scene_name,
+                 .scene_hash = info.scene_hash,
+                 .program_version = info.program_version,
+                 .mode = info.mode,
+                 .loop = info.loop,
+                 .sample_rate_hz = info.sample_rate_hz,
+                 .delay_samples = info.delay_samples,
+                 .n_samples = scan.measurements.n_received,
+                 .n_lost = scan.measurements.n_lost,
+                 .n_duplicates = scan.measurements.n_duplicates,
+                 .n_commands = scan.commands.n_received,
+                 .n_saturated = scan.n_saturated,
+                 .n_damaged = scan.n_damaged + scan.n_undecodable,
+                 .unread_bytes = scan.unread_bytes,
+                 .n_other_version = scan.n_other_version,
+                 .n_foreign = 0,
+                 .n_clock_steps = scan.n_clock_steps};
+  for (const auto& [name, count] : scan.foreign) run.n_foreign += count;
+  const double plant_time =
+      static_cast<double>(scan.measurements.n_received + scan.measurements.n_lost - 1) /
+      info.sample_rate_hz;
+  const double wall_time = scan.plant_timing
+                               ? 1e-9 * static_cast<double>(scan.plant_timing->wall_time_ns)
+                               : scan.log_duration_s;
+  if (wall_time > 0) run.real_time_factor = plant_time / wall_time;
+  return run;
+}
+
+std::vector<TimingSummary> timing_summaries(const LogAnalysis& log) {
+  std::vector<TimingSummary> lines;
+  for (const auto* timing : {&log.scan.plant_timing, &log.scan.controller_timing}) {
+    if (!*timing) continue;
+    const auto& t = **timing;
+    lines.push_back({.loop = log.scan.info.loop,
+                     .source = t.source,
+                     .n_periods = t.n_periods,
+                     .n_late = t.n_late,
+                     .n_lost = t.n_lost,
+                     .n_duplicates = t.n_duplicate,
+                     .n_listened = t.n_listened,
+                     .worst_wake_up_us = 1e-3 * static_cast<double>(t.worst_wake_up_ns),
+                     .worst_compute_us = 1e-3 * static_cast<double>(t.worst_compute_ns),
+                     .wake_up = {},
+                     .compute = {}});
+    if (t.source == "controller" && log.wake_up.count() > 0) {
+      lines.back().wake_up = quantiles_of(log.wake_up);
+      lines.back().compute = quantiles_of(log.compute);
+    }
+  }
+  return lines;
+}
+
+MotionLevel motion_level(const SignalAnalysis& signal) {
+  MotionLevel level;
+  level.peak_acceleration = signal.peak;
+  if (signal.third_octaves.size() == 0) return level;
+  Index band = 0;
+  level.rms_acceleration = band_rms(signal.density, lowest_hz, highest_hz);
+  level.largest_band_velocity = signal.third_octaves.maxCoeff(&band);
+  level.largest_band_hz = third_octave_bands()[static_cast<std::size_t>(band)].nominal_hz;
+  level.vibration_class = vibration_class(signal.third_octaves);
+  return level;
+}
+
+MotionSpectra motion_spectra(const SignalAnalysis& signal) {
+  MotionSpectra spectra;
+  if (signal.third_octaves.size() == 0) return spectra;
+  spectra.velocity.assign(signal.third_octaves.begin(), signal.third_octaves.end());
+  for (const OctaveBand& band : third_octave_bands()) {
+    spectra.cumulative_rms.push_back(band_rms(signal.density, 0, band.upper_hz));
+  }
+  return spectra;
+}
+
+std::vector<ShockSummary> shock_summaries(const LogAnalysis& log) {
+  std::vector<ShockSummary> summaries;
+  for (const AxisAnalysis& axis : log.axes) {
+    for (const Shock& shock : axis.shocks) {
+      summaries.push_back({.axis = axis.name,
+                           .loop = log.scan.info.loop,
+                           .time_s = shock.time_s,
+                           .floor_level = shock.floor_level,
+                           .frame_level = shock.frame_level,
+                           .settling_s = shock.settling_s});
+    }
+  }
+  return summaries;
+}
+
+std::vector<EffortSummary> effort_summaries(const LogAnalysis& log, std::optional<double> limit) {
+  std::vector<EffortSummary> summaries;
+  for (const LegAnalysis& leg : log.legs) {
+    if (leg.applied_peak == 0 && leg.command_peak == 0) continue;
+    summaries.push_back({.loop = log.scan.info.loop,
+                         .leg = leg.name,
+                         .applied_rms = leg.applied_rms,
+                         .applied_peak = leg.applied_peak,
+                         .command_peak = leg.command_peak,
+                         .limit = limit});
+  }
+  return summaries;
+}
+
+std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log,
+                                          const FrequencyResponse& axis_matrix) {
+  std::vector<NoiseSummary> summaries;
+  for (std::size_t a = 0; a < log.axes.size(); ++a) {
+    const double rms =
+        rms_of(axis_matrix.frequencies_hz, axis_matrix.noise_density.col(static_cast<Index>(a)));
+    const double whole = motion_level(log.axes[a].frame).rms_acceleration;
+    summaries.push_back({.axis = log.axes[a].name,
+                         .loop = log.scan.info.loop,
+                         .rms_acceleration = rms,
+                         .share = whole > 0 ? rms / whole : 0});
+  }
+  return summaries;
+}
+
+std::vector<Transmissibility> transmissibilities(const LogAnalysis& log,
+                                                 const FrequencyResponse& axis_matrix) {
+  std::vector<Transmissibility> summaries;
+  for (std::size_t a = 0; a < log.axes.size(); ++a) {
+    const auto i = static_cast<Index>(a);
+    Transmissibility t{.axis = log.axes[a].name,
+                       .loop = log.scan.info.loop,
+                       .frequencies_hz = axis_matrix.frequencies_hz,
+                       .value = {},
+                       .lower = {},
+                       .upper = {},
+                       .coherence = {}};
+    for (Index l = 0; l < axis_matrix.n_frequencies(); ++l) {
+      const double value = std::abs(axis_matrix.T[static_cast<std::size_t>(l)](i, i));
+      const double radius = entry_radii(axis_matrix, l, 0.95)(i, i);
+      t.value.push_back(value);
+      t.lower.push_back(std::max(value - radius, 0.0));
+      t.upper.push_back(value + radius);
+      t.coherence.push_back(axis_matrix.coherence(l, i));
+    }
+    summaries.push_back(std::move(t));
+  }
+  return summaries;
+}
+
+}  // namespace stillframe::report

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "report/analysis/log_analyser.hpp"
+#include "report/verdict/verdict.hpp"
+
+namespace stillframe::report {
+
+// What the verdict says of the parts of an analysed log.
+
+/// What ran, and how whole its log is.
+RunSummary run_summary(const LogAnalysis& log);
+/// What plant and controller published of their own deadlines, with quantiles of the periods that
+/// the log holds.
+std::vector<TimingSummary> timing_summaries(const LogAnalysis& log);
+/// Zeros and no class for a signal without a spectrum.
+MotionLevel motion_level(const SignalAnalysis& signal);
+MotionSpectra motion_spectra(const SignalAnalysis& signal);
+std::vector<ShockSummary> shock_summaries(const LogAnalysis& log);
+/// Of the legs that did anything. limit: N of every leg, if there is one.
+std::vector<EffortSummary> effort_summaries(const LogAnalysis& log, std::optional<double> limit);
+/// What the inputs of a response leave unexplained of its outputs, one a direction; frame: the
+/// spectra of these outputs.
+std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log,
+                                          const FrequencyResponse& axis_matrix);
+/// One a direction, |T_ii| with 95 % bands from the circles about T_ii.
+std::vector<Transmissibility> transmissibilities(const LogAnalysis& log,
+                                                 const FrequencyResponse& axis_matrix);
+
+}  // namespace stillframe::report

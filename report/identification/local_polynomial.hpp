@@ -1,0 +1,86 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "report/identification/frequency_response.hpp"
+
+namespace stillframe::report {
+
+/// What a broadband identification is to find, and how finely.
+struct BroadbandPlan {
+  double sample_rate_hz = 0;
+  Eigen::Index n_inputs = 0, n_outputs = 0;
+  std::vector<double> frequencies_hz;  ///< Hz, above 0 and below half the rate
+  /// s, of the stretches that are transformed one by one. The longer, the finer the resolution.
+  double segment_s = 64;
+  /// Of the whole record, as far as it is known: more segments need fewer bins of each.
+  double expected_s = 0;
+};
+
+/// The largest number of samples that may be missing in a row and are put in on the straight line
+/// between their neighbours; where more are missing, a new segment begins.
+inline constexpr std::int64_t largest_filled_gap = 3;
+
+/// An input whose power in 1 Hz is below this share of its whole power excites nothing there that a
+/// converter of 20 bits could tell from its own noise: no response is given.
+inline constexpr double least_excitation = 1e-12;
+
+/// Frequency responses from records of any excitation that moves all inputs independently, by the
+/// local polynomial method. In a few bins about each frequency f_0 the transforms of a segment obey
+///   Y(f) = sum_r T_r (f - f_0)^r W(f) + sum_r t_r (f - f_0)^r + N(f),   r = 0 .. 2,
+/// where t is the transient, what the beginning and the end of the segment leave behind: no window
+/// is needed and no leakage is left but what a parabola does not follow. t_r belongs to each
+/// segment, T_r to all of them. Least squares, orthogonal factors carried from segment to segment,
+/// so that memory does not grow with the record; what the equations leave is noise C, with dof
+/// equations more than unknowns. Source: R. Pintelon, J. Schoukens, G. Vandersteen, K. Barbe,
+/// Mechanical Systems and Signal Processing 24 (2010) 573-595. Set-up.
+class LocalPolynomial {
+ public:
+  /// Errors: std::invalid_argument for a plan that cannot be.
+  explicit LocalPolynomial(BroadbandPlan plan);
+
+  /// Takes rows that follow one another, n x n_inputs and n x n_outputs; first_seq is the sample of
+  /// the first one, later than those of the calls before. Errors: std::invalid_argument on shapes.
+  void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs);
+  /// Takes what the last segment has; nothing can be added after it.
+  void finish();
+
+  /// Where there are fewer equations than unknowns and a few more, or no excitation, T is NaN and
+  /// dof zero. Errors:
+  /// std::logic_error before finish().
+  FrequencyResponse estimate() const;
+
+  double half_width_hz() const { return half_width_hz_; }  ///< of the bins about a frequency
+  std::int64_t n_segments() const { return n_segments_; }  ///< used
+  std::int64_t n_used() const { return n_used_; }          ///< samples in them
+  std::int64_t n_filled() const { return n_filled_; }      ///< of these, put in
+  std::int64_t n_left_out() const { return n_left_out_; }  ///< samples in no segment
+
+ private:
+  struct Equations {
+    Eigen::MatrixXcd factor;     ///< triangular, of [regressors, outputs]
+    Eigen::Index n = 0;          ///< equations, those of the transients taken off
+    Eigen::MatrixXcd power;      ///< sum of y y^H over these
+    Eigen::VectorXd excitation;  ///< n_inputs, sum of |w|^2 over these
+  };
+  void append(const Eigen::RowVectorXd& row);
+  void take_segment();
+  bool excited(const Equations& equations) const;
+  void take(Equations& equations, double frequency_hz, const Eigen::MatrixXcd& spectra,
+            double resolution_hz) const;
+
+  BroadbandPlan plan_;
+  double half_width_hz_ = 0;
+  Eigen::MatrixXd segment_;  ///< rows of inputs, then outputs
+  Eigen::Index n_rows_ = 0;  ///< of the segment, so far
+  std::int64_t next_seq_ = 0;
+  std::vector<Equations> equations_;  ///< one a frequency
+  std::int64_t n_segments_ = 0, n_used_ = 0, n_filled_ = 0, n_left_out_ = 0;
+  std::int64_t n_filled_here_ = 0;
+  Eigen::VectorXd input_power_;  ///< n_inputs, sum over segments of the mean square less the mean
+  bool finished_ = false;
+};
+
+}  // namespace stillframe::report

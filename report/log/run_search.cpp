@@ -1,0 +1,227 @@
+#include "report/log/run_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "core/yaml/input_error.hpp"
+#include "msgs/channels.hpp"
+#include "report/log/event_file.hpp"
+#include "stillframe_msgs/command_t.hpp"
+#include "stillframe_msgs/measurement_t.hpp"
+#include "stillframe_msgs/timing_t.hpp"
+
+namespace stillframe::report {
+
+using stillframe_msgs::command_t;
+using stillframe_msgs::measurement_t;
+using stillframe_msgs::run_info_t;
+using stillframe_msgs::timing_t;
+
+namespace {
+
+constexpr int our_format_version = 1;
+
+/// A damaged log may name any number of runs that are none.
+constexpr std::size_t most_runs = 1000;
+
+bool is_sound(const run_info_t& info) {
+  return info.format_version == our_format_version && std::isfinite(info.sample_rate_hz) &&
+         info.sample_rate_hz > 0;
+}
+
+void require_sound(const run_info_t& info, const std::string& place) {
+  if (info.format_version != our_format_version) {
+    throw InputError(place + ": format_version: found " + std::to_string(info.format_version) +
+                     ", this program reads " + std::to_string(our_format_version));
+  }
+  if (!is_sound(info)) {
+    throw InputError(place + ": sample_rate_hz: found " + std::to_string(info.sample_rate_hz) +
+                     ", allowed are positive numbers");
+  }
+}
+
+/// The copies of one run's run_info, told apart by their bytes.
+class Copies {
+ public:
+  void add(std::string_view payload) {
+    for (Copy& copy : copies_) {
+      if (copy.payload == payload) {
+        ++copy.count;
+        return;
+      }
+    }
+    if (copies_.size() < 16) copies_.push_back({std::string(payload), 1});
+  }
+
+  run_info_t best() const {
+    run_info_t best;
+    std::pair<bool, int> rank{false, 0};
+    for (const Copy& copy : copies_) {
+      run_info_t info;
+      if (!decode(copy.payload, info)) continue;
+      const std::pair<bool, int> own{is_sound(info), copy.count};
+      if (own <= rank) continue;
+      best = std::move(info);
+      rank = own;
+    }
+    return best;
+  }
+
+ private:
+  struct Copy {
+    std::string payload;
+    int count = 0;
+  };
+  std::vector<Copy> copies_;
+};
+
+class Search {
+ public:
+  explicit Search(std::optional<std::int64_t> run_id) : wanted_(run_id) {}
+
+  /// Answers whether the run is found.
+  bool take(const LogEvent& event) {
+    if (event.channel == channels::run_info) {
+      note<run_info_t>(event);
+      return take_info(event);
+    }
+    if (event.channel == channels::command) note<command_t>(event);
+    if (event.channel == channels::timing) note<timing_t>(event);
+    if (event.channel != channels::measurement) return false;
+    note<measurement_t>(event);
+    measurement_t message;
+    if (!decode(event.payload, message)) return false;
+    if (runs_.contains(message.run_id)) return is_chosen(message.run_id);
+    if (measured_.size() < most_runs) measured_.insert(message.run_id);
+    return false;
+  }
+
+  run_info_t result(const std::string& place) const {
+    if (!chosen_) explain(place);
+    run_info_t info = runs_.at(*chosen_).best();
+    require_sound(info, place);
+    return info;
+  }
+
+ private:
+  bool take_info(const LogEvent& event) {
+    run_info_t info;
+    if (!decode(event.payload, info)) return false;
+    if (runs_.size() < most_runs || runs_.contains(info.run_id)) {
+      runs_[info.run_id].add(event.payload);
+      // A log that was begun after the run: its measurements came first.
+      if (measured_.contains(info.run_id)) return is_chosen(info.run_id);
+    }
+    return false;
+  }
+
+  bool is_chosen(std::int64_t run_id) {
+    if (wanted_ && *wanted_ != run_id) return false;
+    chosen_ = run_id;
+    return true;
+  }
+
+  template <typename Message>
+  void note(const LogEvent& event) {
+    const Fit found = fit<Message>(event.payload);
+    if (found == Fit::other_version) ++n_other_version_;
+    if (found == Fit::whole) has_any_ = true;
+  }
+
+  [[noreturn]] void explain(const std::string& place) const {
+    std::string known;
+    for (const auto& [id, copies] : runs_) {
+      known += (known.empty() ? "" : ", ") + std::to_string(id);
+    }
+    if (known.empty()) explain_nothing(place);
+    if (wanted_ && !runs_.contains(*wanted_)) {
+      throw InputError(place + ": run_id: found none with " + std::to_string(*wanted_) +
+                       ", this log holds " + known);
+    }
+    const std::int64_t id = wanted_ ? *wanted_ : runs_.begin()->first;
+    require_sound(runs_.at(id).best(), place);
+    throw InputError(place + ": run " + std::to_string(id) + " has a " + channels::run_info +
+                     " but no " + channels::measurement + " message");
+  }
+
+  [[noreturn]] void explain_nothing(const std::string& place) const {
+    std::string text = place + (has_any_ ? ": no " + std::string(channels::run_info) +
+                                               " message, so the others cannot be read"
+                                         : ": no message of a stillframe run in this log");
+    if (n_other_version_ > 0) {
+      text += "; " + std::to_string(n_other_version_) +
+              " messages on its channels are of other versions of their types";
+    }
+    if (has_any_) {
+      text += "; of a log that was split, put the parts together first (cat LOG.* > whole.lcm)";
+    }
+    throw InputError(text);
+  }
+
+  std::optional<std::int64_t> wanted_, chosen_;
+  std::map<std::int64_t, Copies> runs_;
+  std::set<std::int64_t> measured_;
+  std::int64_t n_other_version_ = 0;
+  bool has_any_ = false;
+};
+
+/// The length of the UTF-8 character at the beginning of a text, 0 if there is none.
+std::size_t character_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const auto follows = [&](std::size_t i) { return i < text.size() && (byte(i) & 0xC0) == 0x80; };
+  if (byte(0) < 0x80) return 1;
+  if (byte(0) >= 0xC2 && byte(0) < 0xE0) return follows(1) ? 2 : 0;
+  if (byte(0) >= 0xE0 && byte(0) < 0xF0) {
+    if (!follows(1) || !follows(2)) return 0;
+    const bool is_overlong = byte(0) == 0xE0 && byte(1) < 0xA0;
+    const bool is_surrogate = byte(0) == 0xED && byte(1) >= 0xA0;
+    return is_overlong || is_surrogate ? 0 : 3;
+  }
+  if (byte(0) < 0xF0 || byte(0) > 0xF4 || !follows(1) || !follows(2) || !follows(3)) return 0;
+  const bool is_overlong = byte(0) == 0xF0 && byte(1) < 0x90;
+  const bool is_too_large = byte(0) == 0xF4 && byte(1) >= 0x90;
+  return is_overlong || is_too_large ? 0 : 4;
+}
+
+}  // namespace
+
+std::string as_utf8(const std::string& text) {
+  std::string result;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t length = character_length(rest);
+    result += length > 0 ? rest.substr(0, length) : std::string_view("\xEF\xBF\xBD");
+    rest.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return result;
+}
+
+run_info_t find_run_info(const std::filesystem::path& path, std::optional<std::int64_t> run_id,
+                         const std::function<void(double)>& progress) {
+  EventFile file(path);
+  Search search(run_id);
+  LogEvent event;
+  std::int64_t told = 0;
+  constexpr std::int64_t tell_every = std::int64_t{16} << 20;
+  while (file.next(event) && !search.take(event)) {
+    if (progress && file.position() - told >= tell_every) {
+      told = file.position();
+      progress(static_cast<double>(told) / static_cast<double>(file.size()));
+    }
+  }
+  run_info_t info = search.result(path.string());
+  for (std::string* text :
+       {&info.program_version, &info.scene_name, &info.scene_hash, &info.scene_text,
+        &info.floor_text, &info.gains_text, &info.mode, &info.loop}) {
+    *text = as_utf8(*text);
+  }
+  for (auto* names : {&info.floor_names, &info.leg_names, &info.frame_names}) {
+    for (std::string& name : *names) name = as_utf8(name);
+  }
+  return info;
+}
+
+}  // namespace stillframe::report

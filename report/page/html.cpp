@@ -1,0 +1,129 @@
+#include "report/page/html.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace stillframe::page {
+
+namespace {
+
+constexpr std::string_view replacement = "\xEF\xBF\xBD";
+
+/// Length of the UTF-8 character at the front, 0 if there is none. Source: RFC 3629, section 4.
+std::size_t character_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned lead = byte(0);
+  if (lead < 0x80) return 1;
+  const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+  if (lead < 0xC2 || lead > 0xF4 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0) != 0x80) return 0;
+  }
+  const unsigned second = byte(1);
+  const bool overlong = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
+  const bool surrogate = lead == 0xED && second > 0x9F;
+  const bool beyond = lead == 0xF4 && second > 0x8F;
+  return overlong || surrogate || beyond ? 0 : length;
+}
+
+std::string_view escaped_ascii(char character) {
+  switch (character) {
+    case '&':
+      return "&amp;";
+    case '<':
+      return "&lt;";
+    case '>':
+      return "&gt;";
+    case '"':
+      return "&quot;";
+    case '\'':
+      return "&#39;";
+    default:
+      return {};
+  }
+}
+
+std::string with_minus_signs(std::string_view text) {
+  std::string result;
+  for (const char character : text) {
+    if (character == '-') {
+      result += "\u2212";
+    } else {
+      result += character;
+    }
+  }
+  return result;
+}
+
+std::string superscript(int exponent) {
+  static constexpr const char* digits[] = {"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074",
+                                           "\u2075", "\u2076", "\u2077", "\u2078", "\u2079"};
+  std::string text;
+  for (const char character : std::to_string(exponent)) {
+    text += character == '-' ? "\u207b" : digits[character - '0'];
+  }
+  return text;
+}
+
+bool is_control(char character) {
+  const auto code = static_cast<unsigned char>(character);
+  return (code < 0x20 && character != '\n' && character != '\t') || code == 0x7F;
+}
+
+}  // namespace
+
+std::string escape(std::string_view text) {
+  std::string result;
+  result.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t length = character_length(text);
+    if (length == 0 || is_control(text.front())) {
+      result += replacement;
+    } else if (const std::string_view safe = escaped_ascii(text.front()); !safe.empty()) {
+      result += safe;
+    } else {
+      result += text.substr(0, length);
+    }
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  return result;
+}
+
+std::string element(std::string_view name, Attributes attributes, std::string_view content) {
+  std::string result = "<" + std::string(name);
+  for (const auto& [key, value] : attributes) {
+    if (value.empty()) continue;
+    result += " " + std::string(key) + "=\"" + escape(value) + "\"";
+  }
+  return result + ">" + std::string(content) + "</" + std::string(name) + ">\n";
+}
+
+std::string text_element(std::string_view name, Attributes attributes, std::string_view text) {
+  return element(name, attributes, escape(text));
+}
+
+std::string number_text(double value, int digits) {
+  if (!std::isfinite(value)) return "\u2013";
+  if (value == 0) return "0";
+  char buffer[64];
+  // Rounded first, so that 999.96 has the digits of 1000.
+  std::snprintf(buffer, sizeof buffer, "%.*e", digits - 1, value);
+  const int exponent =
+      std::atoi(std::string_view(buffer).substr(std::string_view(buffer).find('e') + 1).data());
+  if (exponent >= -3 && exponent < 6) {
+    std::snprintf(buffer, sizeof buffer, "%.*f", std::max(0, digits - 1 - exponent), value);
+  }
+  const std::string text = with_minus_signs(buffer);
+  const std::size_t end = text.find('e');
+  return end == std::string::npos ? text : text.substr(0, end) + "\u00b710" + superscript(exponent);
+}
+
+std::string short_number(double value) {
+  if (!std::isfinite(value)) return number_text(value);
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return with_minus_signs(buffer);
+}
+
+}  // namespace stillframe::page

@@ -1,0 +1,59 @@
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+#include "report/live/rolling_window.hpp"
+
+namespace stillframe::live {
+namespace {
+
+TEST(RollingWindow, HoldsTheNewestInTheirOrderWhereverTheRingBegins) {
+  RollingWindow window(2, 5);
+  for (int k = 0; k < 23; ++k) {
+    window.push(std::vector<double>{1. * k, -10. * k});
+    const Eigen::Index size = std::min(k + 1, 5);
+    ASSERT_EQ(window.size(), size);
+    for (Eigen::Index n = 0; n <= size; ++n) {
+      const Eigen::VectorXd first = window.newest(0, n), second = window.newest(1, n);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        EXPECT_EQ(first(i), k - n + 1 + i);
+        EXPECT_EQ(second(i), -10 * (k - n + 1 + i));
+      }
+    }
+    EXPECT_EQ(window.last(0), k);
+    EXPECT_EQ(window.last(1), -10 * k);
+  }
+  window.clear();
+  EXPECT_EQ(window.size(), 0);
+  EXPECT_EQ(window.newest(0, 0).size(), 0);
+}
+
+TEST(RollingWindow, RefusesWhatItCannotBe) {
+  EXPECT_THROW(RollingWindow(1, 0), std::invalid_argument);
+  EXPECT_THROW(RollingWindow(-1, 4), std::invalid_argument);
+  RollingWindow window(1, 4);
+  window.push(std::vector<double>{1});
+  EXPECT_THROW(window.newest(0, 2), std::invalid_argument);
+  EXPECT_THROW(window.newest(1, 1), std::invalid_argument);
+  EXPECT_THROW(window.newest(-1, 1), std::invalid_argument);
+}
+
+/// Against a list made by multiplying.
+TEST(RollingWindow, SmoothLengthsAreProductsOf2And3And5) {
+  std::vector<bool> smooth(2001);
+  for (int a = 1; a <= 2000; a *= 2) {
+    for (int b = a; b <= 2000; b *= 3) {
+      for (int c = b; c <= 2000; c *= 5) smooth[static_cast<std::size_t>(c)] = true;
+    }
+  }
+  Eigen::Index newest = 1;
+  for (Eigen::Index n = 1; n <= 2000; ++n) {
+    if (smooth[static_cast<std::size_t>(n)]) newest = n;
+    EXPECT_EQ(smooth_length(n), newest);
+  }
+  EXPECT_EQ(smooth_length(16000), 16000);  // 16 s at 1 kHz is whole
+}
+
+}  // namespace
+}  // namespace stillframe::live

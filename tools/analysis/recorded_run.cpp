@@ -1,0 +1,107 @@
+#include "tools/analysis/recorded_run.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/frequency_response.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "core/yaml/input_error.hpp"
+#include "plant_sim/floor/floor_block.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+/// The scene's text with a controller block of its own: the path that may stand there leads nowhere
+/// from a log. Targets are not known of gains; nothing asks for them.
+std::string with_controller(const std::string& scene_text, const controller::Gains& gains) {
+  YAML::Node scene = YAML::Load(scene_text);
+  YAML::Node block;
+  block["legs"] = gains.legs;
+  block["target_hz"] = 1;
+  block["damping_ratio"] = 1;
+  block["realisation"] = std::string(controller::to_text(gains.realisation));
+  block["sample_rate_hz"] = gains.sample_rate_hz;
+  block["delay_samples"] = gains.delay_samples;
+  block["leak_hz"] = gains.leak_hz;
+  scene["controller"] = block;
+  scene.remove("floor");
+  return YAML::Dump(scene);
+}
+
+std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec) {
+  if (const auto* plan = std::get_if<MultisinePlan>(&spec.kind)) return *plan;
+  if (const auto* sum = std::get_if<floor::SumSpec>(&spec.kind)) {
+    for (const floor::FloorSpec& part : sum->parts) {
+      if (auto plan = multisine_in(part)) return plan;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains& gains,
+                          const std::string& source_name) {
+  LoopDesign design;
+  try {
+    design.scene = parse_scene(with_controller(scene_text, gains), source_name);
+  } catch (const YAML::Exception& error) {
+    throw InputError(source_name + ": the scene is no YAML: " + error.what());
+  }
+  design.scene.hash = gains.scene_hash;
+  design.model = make_model(design.scene);
+  design.loop.plant = loop_model(design.scene, design.model);
+  design.loop.n_w = static_cast<Eigen::Index>(design.scene.inputs.size());
+  design.loop.n_y = static_cast<Eigen::Index>(design.scene.outputs.size());
+  design.loop.n_legs = gains.n_legs();
+  design.loop.gains = gains.feedback();
+  design.gains = gains;
+  sample(design);
+  return design;
+}
+
+RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::string& source_name) {
+  RecordedRun run;
+  try {
+    const controller::Gains gains =
+        controller::parse_gains(info.gains_text, source_name + ": gains_text");
+    run.design = loop_design_of(info.scene_text, gains, source_name + ": scene_text");
+  } catch (const std::exception& error) {
+    run.unreadable = error.what();
+  }
+  try {
+    const auto block = YamlReader::from_text(info.floor_text, source_name + ": floor_text");
+    run.multisine = multisine_in(
+        floor::read_floor_block(block, info.sample_rate_hz, floor::FloorInputs(info.floor_names)));
+  } catch (const std::exception& error) {
+    if (run.unreadable.empty()) run.unreadable = error.what();
+  }
+  return run;
+}
+
+report::AnalysisPlan analysis_plan(const RecordedRun& run,
+                                   const stillframe_msgs::run_info_t& info) {
+  report::AnalysisPlan plan;
+  plan.multisine = run.multisine;
+  const double highest = std::min(200.0, 0.4 * info.sample_rate_hz);
+  const Eigen::VectorXd frequencies = logarithmic_frequencies(0.5, std::max(highest, 1.0), 50);
+  plan.frequencies_hz.assign(frequencies.begin(), frequencies.end());
+  if (!run.design) return plan;
+  const auto known = [&](const std::string& name) {
+    return std::find(info.frame_names.begin(), info.frame_names.end(), name) !=
+           info.frame_names.end();
+  };
+  for (const SceneComparison& comparison : run.design->scene.comparisons) {
+    // Multisines move the floor inputs, each on its own: no floor goes with that.
+    if (run.multisine) break;
+    if (!known(comparison.floor) || !known(comparison.frame)) continue;
+    plan.axes.push_back({comparison.name, comparison.floor, comparison.frame});
+  }
+  plan.n_outputs = std::min<Eigen::Index>(run.design->loop.n_y, info.n_frame);
+  return plan;
+}
+
+}  // namespace stillframe::tools

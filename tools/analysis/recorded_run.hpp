@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/linear/multisine_plan.hpp"
+#include "report/analysis/log_analyser.hpp"
+#include "stillframe_msgs/run_info_t.hpp"
+#include "tools/loop_design.hpp"
+
+namespace stillframe::tools {
+
+/// What the run_info of a log says of the run, taken apart. A part that another version of the
+/// program wrote may not be readable; then the numbers that need no model are still there.
+struct RecordedRun {
+  std::optional<LoopDesign> design;        ///< the scene with the gains that were used
+  std::string unreadable;                  ///< why there is none
+  std::optional<MultisinePlan> multisine;  ///< that moved the floor, alone or beside other motions
+};
+
+/// The loop of a scene with gains that are given, whatever they were designed for. Errors:
+/// InputError and Refusal of the steps.
+LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains& gains,
+                          const std::string& source_name);
+
+/// source_name: of the log, for messages.
+RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::string& source_name);
+
+/// What there is to look for in the log of a run: the scene's comparisons, but on a multisine, the
+/// matrix from floor
+/// inputs to the scene's outputs, the lines of a multisine or else frequencies from 0.5 to 200 Hz
+/// (below 0.4 of the rate).
+report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info);
+
+}  // namespace stillframe::tools

@@ -1,0 +1,112 @@
+#include "tools/analysis/response_prediction.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+#include "controller/law.hpp"
+#include "core/state_space.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::tools {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+const SceneSignal& signal_of(const Scene& scene, const std::string& name) {
+  for (const auto* list : {&scene.outputs, &scene.monitors}) {
+    for (const SceneSignal& signal : *list) {
+      if (signal.name == name) return signal;
+    }
+  }
+  throw InputError("the scene has no output and no monitor '" + name + "'");
+}
+
+bool are_the_inputs(const Scene& scene, const std::vector<std::string>& names) {
+  return std::equal(
+      names.begin(), names.end(), scene.inputs.begin(), scene.inputs.end(),
+      [](const std::string& name, const SceneSignal& signal) { return name == signal.name; });
+}
+
+/// Every prescribed translation as an input of its own.
+std::vector<SceneSignal> prescribed_translations(const Scene& scene) {
+  std::vector<SceneSignal> inputs;
+  for (const SceneConstraint& constraint : scene.prescribed) {
+    if (constraint.rotation || !constraint.element.empty()) continue;
+    for (const Eigen::Vector3d& direction : constraint.directions) {
+      SceneSignal signal;
+      signal.name = constraint.node + " " + std::to_string(inputs.size());
+      signal.place = constraint.place;
+      signal.node = constraint.node;
+      signal.quantity = Quantity::acceleration;
+      signal.direction = direction;
+      inputs.push_back(signal);
+    }
+  }
+  return inputs;
+}
+
+MatrixXd directions_of(const std::vector<SceneSignal>& signals) {
+  MatrixXd directions(static_cast<Index>(signals.size()), 3);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    directions.row(static_cast<Index>(i)) = signals[i].direction.transpose();
+  }
+  return directions;
+}
+
+std::vector<SceneSignal> floor_signals(const Scene& scene, const std::vector<std::string>& names) {
+  std::set<std::string> on_floor;
+  for (const SceneConstraint& constraint : scene.prescribed) on_floor.insert(constraint.node);
+  std::vector<SceneSignal> signals;
+  for (const std::string& name : names) {
+    signals.push_back(signal_of(scene, name));
+    if (signals.back().quantity != Quantity::acceleration ||
+        !on_floor.contains(signals.back().node)) {
+      throw InputError("'" + name + "' is no acceleration of a node that the floor moves");
+    }
+  }
+  return signals;
+}
+
+}  // namespace
+
+ResponsePrediction::ResponsePrediction(const LoopDesign& design,
+                                       const report::ResponseSignals& signals) {
+  Scene scene = design.scene;
+  std::vector<SceneSignal> outputs;
+  for (const std::string& name : signals.outputs) outputs.push_back(signal_of(scene, name));
+  if (are_the_inputs(scene, signals.inputs)) {
+    E_ = MatrixXd::Identity(static_cast<Index>(scene.inputs.size()),
+                            static_cast<Index>(scene.inputs.size()));
+  } else {
+    const MatrixXd D = directions_of(floor_signals(scene, signals.inputs));
+    scene.inputs = prescribed_translations(scene);
+    E_ = directions_of(scene.inputs) * D.completeOrthogonalDecomposition().pseudoInverse();
+  }
+  scene.outputs = outputs;
+  loop_ = design.loop;
+  loop_.plant = loop_model(scene, design.model);
+  loop_.n_w = static_cast<Index>(scene.inputs.size());
+  loop_.n_y = static_cast<Index>(scene.outputs.size());
+  const LoopPlant plant = loop_plant(loop_.plant, loop_.n_w, loop_.n_y);
+  const SampledPlant sampled = sample_and_hold(plant, design.gains.sampling());
+  open_ = open_loop(sampled);
+  closed_ = close_loop(sampled, controller::law_from_gains(design.gains));
+}
+
+PredictedResponse ResponsePrediction::at(const std::vector<double>& frequencies_hz,
+                                         bool active) const {
+  PredictedResponse response{frequencies_hz, {}, {}};
+  for (const double frequency : frequencies_hz) {
+    const double omega = 2 * std::numbers::pi * frequency;
+    const std::complex<double> s(0, omega);
+    response.sampled.push_back(transfer(active ? closed_ : open_, omega) * E_);
+    response.continuous.push_back((active ? loop_.closed(s) : loop_.open(s)) * E_);
+  }
+  return response;
+}
+
+}  // namespace stillframe::tools

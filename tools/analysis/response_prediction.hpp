@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "report/analysis/response_analyser.hpp"
+#include "tools/loop_design.hpp"
+
+namespace stillframe::tools {
+
+/// T between signals of a log as the model has it, at one frequency each, n_y x n_w.
+struct PredictedResponse {
+  std::vector<double> frequencies_hz;
+  std::vector<Eigen::MatrixXcd> sampled;     ///< what a log must show
+  std::vector<Eigen::MatrixXcd> continuous;  ///< of the continuous loop, without sampling
+};
+
+/// Predicts T between accelerations of a loop's scene. Inputs are either the scene's inputs, all of
+/// them in their order, or accelerations of floor nodes; the latter speak for a floor that does not
+/// turn, whose translation a follows from them, m = D a, D the rows of their directions. Set-up.
+class ResponsePrediction {
+ public:
+  /// Errors: InputError for a signal that the scene has not, for an input that is no acceleration
+  /// of a prescribed node.
+  ResponsePrediction(const LoopDesign& design, const report::ResponseSignals& signals);
+
+  /// With the law, or with zero commands.
+  PredictedResponse at(const std::vector<double>& frequencies_hz, bool active) const;
+
+ private:
+  ControlLoop loop_;
+  SampledLoop open_, closed_;
+  Eigen::MatrixXd E_;  ///< loop inputs x signals: w = E m
+};
+
+}  // namespace stillframe::tools

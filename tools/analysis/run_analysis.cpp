@@ -1,0 +1,66 @@
+#include "tools/analysis/run_analysis.hpp"
+
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+std::optional<JudgedResponse> judged(std::optional<report::IdentifiedResponse>& measured,
+                                     const RecordedRun& run, bool active) {
+  if (!measured) return std::nullopt;
+  JudgedResponse result{.measured = std::move(*measured), .predicted = {}, .unpredicted = {}};
+  measured.reset();
+  if (!run.design) {
+    result.unpredicted = run.unreadable;
+    return result;
+  }
+  if (!result.measured.response) return result;
+  try {
+    result.predicted = ResponsePrediction(*run.design, result.measured.signals)
+                           .at(result.measured.response->frequencies_hz, active);
+  } catch (const std::exception& error) {
+    result.unpredicted = error.what();
+  }
+  return result;
+}
+
+}  // namespace
+
+RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings& settings) {
+  RunAnalysis result;
+  result.log = log;
+  report::ScanSettings scan;
+  scan.run_id = settings.run_id;
+  scan.progress = settings.progress;
+  result.data = report::analyse_log(log, scan, [&](const stillframe_msgs::run_info_t& info) {
+    result.run = recorded_run(info, log.string());
+    report::AnalysisPlan plan = analysis_plan(result.run, info);
+    plan.segment_s = settings.segment_s;
+    return plan;
+  });
+  result.matrix = judged(result.data.matrix, result.run, result.active());
+  result.axes = judged(result.data.axis_matrix, result.run, result.active());
+  return result;
+}
+
+void RunAnalyses::add(RunAnalysis run) {
+  auto& place = run.active() ? active : passive;
+  const auto& other = run.active() ? passive : active;
+  if (place) {
+    throw InputError(run.log.string() + ": a second log of the " + run.data.scan.info.loop +
+                     " loop, beside " + place->log.string());
+  }
+  if (other) {
+    const auto &a = run.data.scan.info, &b = other->data.scan.info;
+    if (a.scene_hash != b.scene_hash || a.sample_rate_hz != b.sample_rate_hz) {
+      throw InputError(run.log.string() + ": scene " + a.scene_hash + " at " +
+                       std::to_string(a.sample_rate_hz) + " Hz cannot be set beside scene " +
+                       b.scene_hash + " at " + std::to_string(b.sample_rate_hz) + " Hz of " +
+                       other->log.string());
+    }
+  }
+  place = std::move(run);
+}
+
+}  // namespace stillframe::tools

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "report/analysis/log_analyser.hpp"
+#include "tools/analysis/recorded_run.hpp"
+#include "tools/analysis/response_prediction.hpp"
+
+namespace stillframe::tools {
+
+/// An identified response beside what the log's own model has for it.
+struct JudgedResponse {
+  report::IdentifiedResponse measured;
+  std::optional<PredictedResponse> predicted;  ///< at the same frequencies, of the loop that ran
+  std::string unpredicted;                     ///< why there is none
+};
+
+/// One log, taken apart and set against its own model.
+struct RunAnalysis {
+  std::filesystem::path log;
+  report::LogAnalysis data;  ///< its responses have gone to the two below
+  RecordedRun run;
+  std::optional<JudgedResponse> matrix;  ///< floor inputs to the scene's outputs
+  std::optional<JudgedResponse> axes;    ///< floors to frames of the scene's comparisons
+
+  bool active() const { return data.scan.info.loop == "active"; }
+};
+
+/// A log with zero commands and one with the law, or one of them.
+struct RunAnalyses {
+  std::optional<RunAnalysis> passive, active;
+
+  const RunAnalysis& any() const { return active ? *active : *passive; }
+  /// Puts a run where it belongs. Errors: InputError if there is one of its kind already, or if it
+  /// is of another scene or rate than the other.
+  void add(RunAnalysis run);
+};
+
+/// How a log is analysed.
+struct AnalysisSettings {
+  std::optional<std::int64_t> run_id;
+  double segment_s = 64;                 ///< of broadband identification
+  std::function<void(double)> progress;  ///< share of the file, 0 to 1
+};
+
+/// Errors: as scan_log.
+RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings& settings = {});
+
+}  // namespace stillframe::tools

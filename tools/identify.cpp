@@ -1,0 +1,216 @@
+#include <iostream>
+#include <memory>
+
+#include "core/yaml/input_error.hpp"
+#include "report/export/mat_file.hpp"
+#include "report/identification/confidence.hpp"
+#include "report/table.hpp"
+#include "tools/analysis/loop_comparison.hpp"
+#include "tools/json.hpp"
+#include "tools/patience.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using report::cell;
+
+struct Options {
+  std::filesystem::path log;
+  std::optional<std::int64_t> run_id;
+  double segment_s = 64, level = 0.95;
+  bool json = false;
+};
+
+struct Shown {
+  const char* key;  ///< in the JSON
+  const char* title;
+  const JudgedResponse* response;
+};
+
+std::vector<Shown> shown(const RunAnalysis& run) {
+  std::vector<Shown> list;
+  if (run.matrix) list.push_back({"matrix", "Floor inputs to outputs", &*run.matrix});
+  if (run.axes) list.push_back({"axes", "Floor to frame, axis by axis", &*run.axes});
+  return list;
+}
+
+Json json_of(const std::vector<MatrixXcd>& matrices) {
+  Json list = Json::array();
+  for (const MatrixXcd& matrix : matrices) {
+    Json rows = Json::array();
+    for (Index i = 0; i < matrix.rows(); ++i) {
+      rows.push_back(to_json(Eigen::VectorXcd(matrix.row(i).transpose())));
+    }
+    list.push_back(rows);
+  }
+  return list;
+}
+
+Json json_of(const JudgedResponse& judged, double level) {
+  const report::IdentifiedResponse& measured = judged.measured;
+  Json json{{"inputs", measured.signals.inputs},
+            {"outputs", measured.signals.outputs},
+            {"method", measured.method},
+            {"missing", measured.missing},
+            {"unpredicted", judged.unpredicted},
+            {"n_segments", measured.n_segments},
+            {"n_filled", measured.n_filled},
+            {"n_left_out", measured.n_left_out},
+            {"resolution_hz", measured.resolution_hz}};
+  if (!measured.response) return json;
+  const report::FrequencyResponse& response = *measured.response;
+  const report::Bands bands = report::singular_value_bands(response, level);
+  Json radii = Json::array();
+  for (Index l = 0; l < response.n_frequencies(); ++l) {
+    radii.push_back(to_json(report::entry_radii(response, l, level)));
+  }
+  json["frequencies_hz"] = response.frequencies_hz;
+  json["T"] = json_of(response.T);
+  json["T_radius"] = radii;
+  json["singular_values"] = to_json(response.singular_values);
+  json["singular_values_lower"] = to_json(bands.lower);
+  json["singular_values_upper"] = to_json(bands.upper);
+  json["coherence"] = to_json(response.coherence);
+  json["directional_coherence"] = to_json(response.directional_coherence);
+  json["dof"] = to_json(response.dof);
+  json["input_condition"] = to_json(response.input_condition);
+  json["noise_density"] = to_json(response.noise_density);
+  if (const auto errors = prediction_errors(judged)) {
+    json["T_sampled"] = json_of(judged.predicted->sampled);
+    json["T_continuous"] = json_of(judged.predicted->continuous);
+    json["sampled_singular_values"] = to_json(errors->sampled_values);
+    json["continuous_singular_values"] = to_json(errors->continuous_values);
+    json["sampled_error_db"] = to_json(errors->sampled.difference_db);
+    json["continuous_error_db"] = to_json(errors->continuous.difference_db);
+  }
+  return json;
+}
+
+/// The largest magnitude of a row, NaN left out; a dash if there is none.
+std::string largest_in(const MatrixXd& values, Index row) {
+  double found = -1;
+  for (Index i = 0; i < values.cols(); ++i) found = std::max(found, std::abs(values(row, i)));
+  return found >= 0 ? cell("%.4f", found) : "-";
+}
+
+void print_table(const Shown& item, double level) {
+  const report::IdentifiedResponse& measured = item.response->measured;
+  std::cout << item.title << ": "
+            << cell("%zu x %zu, %s", measured.signals.outputs.size(),
+                    measured.signals.inputs.size(), measured.method.c_str());
+  if (!measured.response) {
+    std::cout << ": not identified: " << measured.missing << "\n\n";
+    return;
+  }
+  std::cout << cell(", resolution %.3g Hz, %lld %s", measured.resolution_hz,
+                    static_cast<long long>(measured.n_segments),
+                    measured.method == "multisine" ? "steady parts" : "segments");
+  if (measured.n_filled > 0) {
+    std::cout << cell(", %lld lost samples filled in", static_cast<long long>(measured.n_filled));
+  }
+  std::cout << "\n";
+  const report::FrequencyResponse& response = *measured.response;
+  const report::Bands bands = report::singular_value_bands(response, level);
+  const auto errors = prediction_errors(*item.response);
+  report::Table table({"Hz", "largest", "lower", "upper", "smallest", "lower", "upper",
+                       "least coherence", "sampled dB", "continuous dB"},
+                      0);
+  const Index last = response.singular_values.cols() - 1;
+  for (Index l = 0; l < response.n_frequencies(); ++l) {
+    const auto value = [&](const MatrixXd& values, Index i) { return cell("%.4e", values(l, i)); };
+    table.add({cell("%.4g", response.frequencies_hz[static_cast<std::size_t>(l)]),
+               value(response.singular_values, 0), value(bands.lower, 0), value(bands.upper, 0),
+               value(response.singular_values, last), value(bands.lower, last),
+               value(bands.upper, last),
+               cell("%.5f", response.directional_coherence.row(l).minCoeff()),
+               errors ? largest_in(errors->sampled.difference_db, l) : "-",
+               errors ? largest_in(errors->continuous.difference_db, l) : "-"});
+  }
+  std::cout << table.print();
+  if (errors) {
+    std::cout << cell(
+        "Largest error of %td values of coherence above 0.99: %.4f dB of the sampled "
+        "prediction at %.4g Hz, %.4f dB of the continuous one at %.4g Hz\n\n",
+        errors->sampled.n_compared, errors->sampled.largest_db, errors->sampled.at_frequency_hz,
+        errors->continuous.largest_db, errors->continuous.at_frequency_hz);
+  } else {
+    std::cout << "No prediction: " << item.response->unpredicted << "\n\n";
+  }
+}
+
+int run(const Options& options) {
+  Patience patience("reading");
+  const RunAnalysis analysis = analyse_run(
+      options.log, {.run_id = options.run_id,
+                    .segment_s = options.segment_s,
+                    .progress = [&](double share) { patience.now("reading", 100 * share); }});
+  patience.now("confidence bands");
+  const auto list = shown(analysis);
+  if (list.empty()) {
+    throw InputError(options.log.string() + ": nothing to identify: " + analysis.run.unreadable);
+  }
+  bool identified = false;
+  Json document{{"scene", analysis.data.scan.info.scene_name},
+                {"loop", analysis.data.scan.info.loop},
+                {"sample_rate_hz", analysis.data.scan.info.sample_rate_hz},
+                {"n_samples", analysis.data.scan.measurements.n_received},
+                {"n_lost", analysis.data.scan.measurements.n_lost},
+                {"level", options.level}};
+  if (!options.json) {
+    std::cout << analysis.data.scan.info.scene_name << ", " << analysis.data.scan.info.loop
+              << " loop: singular values with " << cell("%g", 100 * options.level)
+              << " % bands\n\n";
+  }
+  for (const Shown& item : list) {
+    identified = identified || item.response->measured.response.has_value();
+    if (options.json) {
+      document[item.key] = json_of(*item.response, options.level);
+    } else {
+      print_table(item, options.level);
+    }
+  }
+  if (options.json) print(document);
+  return identified ? exit_done : exit_failed;
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "identify", "Frequency responses from a log, with confidence bands, against the predictions");
+  verb->add_option("log", options->log, "LCM log of one run")->required()->type_name("LOG");
+  verb->add_option("--run-id", options->run_id, "The run to take from a log that holds several");
+  verb->add_option("--segment", options->segment_s,
+                   "Broadband identification: s of what is transformed at once; longer is finer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--level", options->level, "Probability with which the bands hold the truth")
+      ->check(CLI::Range(0.5, 0.999))
+      ->capture_default_str();
+  verb->add_flag("--json", options->json, "Print JSON (keys below)");
+  verb->footer(
+      "On a multisine floor by its lines (docs/identification.md), on any other by the local\n"
+      "polynomial method: the matrix from all floor inputs to the scene's outputs if the floor\n"
+      "moves them independently, and the matrix of the scene's comparisons, floor to frame.\n"
+      "Errors in dB are the largest of the singular values with a coherence above 0.99.\n"
+      "Keys of --json:\n"
+      "  scene, loop, sample_rate_hz, n_samples, n_lost, level\n"
+      "  matrix, axes: inputs, outputs, method, missing, unpredicted, n_segments, n_filled,\n"
+      "    n_left_out, resolution_hz, and if identified\n"
+      "    frequencies_hz, T (pairs re, im), T_radius, singular_values, singular_values_lower,\n"
+      "    singular_values_upper, coherence (an output), directional_coherence (a singular\n"
+      "    value), dof, input_condition, noise_density (output unit^2 / Hz), and if predicted\n"
+      "    T_sampled, T_continuous, sampled_singular_values, continuous_singular_values,\n"
+      "    sampled_error_db, continuous_error_db\n"
+      "Exit code 4: nothing could be identified.\n"
+      "Example: stillframe identify runs/identification/active.lcm");
+  verb->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace stillframe::tools

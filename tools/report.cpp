@@ -1,0 +1,104 @@
+#include <iostream>
+#include <memory>
+
+#include "core/yaml/input_error.hpp"
+#include "report/page/write_page.hpp"
+#include "tools/analysis/page_of.hpp"
+#include "tools/analysis/verdict_of.hpp"
+#include "tools/patience.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+struct Options {
+  std::vector<std::filesystem::path> paths;
+  std::optional<std::filesystem::path> out, verdict;
+  std::optional<std::int64_t> run_id;
+  double segment_s = 64;
+  bool json = false;
+};
+
+/// The logs of a run directory, or the log itself.
+std::vector<std::filesystem::path> logs_of(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::filesystem::path> logs;
+  for (const auto& path : paths) {
+    if (!std::filesystem::is_directory(path)) {
+      logs.push_back(path);
+      continue;
+    }
+    const std::size_t before = logs.size();
+    for (const char* name : {"passive.lcm", "active.lcm"}) {
+      if (std::filesystem::exists(path / name)) logs.push_back(path / name);
+    }
+    if (logs.size() == before) {
+      throw InputError(path.string() +
+                       ": no run directory, it holds neither passive.lcm nor active.lcm");
+    }
+  }
+  return logs;
+}
+
+/// Beside what it is made of: report.html in a run directory, NAME.html for NAME.lcm.
+std::filesystem::path place_of(const Options& options) {
+  if (options.out) return *options.out;
+  std::filesystem::path first = options.paths.front();
+  if (std::filesystem::is_directory(first)) return first / "report.html";
+  return first.replace_extension(".html");
+}
+
+int run(const Options& options) {
+  Patience patience("reading");
+  RunAnalyses runs;
+  for (const auto& log : logs_of(options.paths)) {
+    const std::string name = "reading " + log.filename().string();
+    patience.now(name, 0);
+    runs.add(
+        analyse_run(log, {.run_id = options.run_id,
+                          .segment_s = options.segment_s,
+                          .progress = [&](double share) { patience.now(name, 100 * share); }}));
+  }
+  patience.now("writing the report");
+  const report::Verdict verdict = verdict_of(runs);
+  const auto place = place_of(options);
+  page::write_page(page_of(runs, verdict), place);
+  if (options.verdict) report::write_json(verdict, *options.verdict);
+  std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
+  if (!options.json) std::cout << "Report: " << place.string() << "\n";
+  return verdict.pass() ? exit_done : exit_failed;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand(
+      "report", "One HTML file that shows what logs say and what was predicted; opens anywhere");
+  verb->add_option("paths", options->paths,
+                   "Run directory, or one or two LCM logs (passive and active loop of one scene)")
+      ->required()
+      ->type_name("DIR|LOG");
+  verb->add_option("--out", options->out,
+                   "The HTML file (default: report.html in the run directory, NAME.html beside "
+                   "NAME.lcm)")
+      ->type_name("FILE");
+  verb->add_option("--verdict", options->verdict, "Write the verdict as JSON too")
+      ->type_name("FILE");
+  verb->add_option("--run-id", options->run_id, "The run to take from a log that holds several");
+  verb->add_option("--segment", options->segment_s,
+                   "Broadband identification: s of what is transformed at once; longer is finer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_flag("--json", options->json, "Print the verdict as JSON");
+  verb->footer(
+      "Reads each log once, in memory that does not grow with it. Predictions and mode shapes are\n"
+      "those of the scene and the gains that the log holds; no other file is needed. Damaged logs\n"
+      "give what is readable, and the report says what was not.\n"
+      "Keys of --json: report/verdict/verdict.hpp.\n"
+      "Exit code 4: samples lost, a damaged log, or a loop that is not what was predicted.\n"
+      "Example: stillframe report runs/metrology_frame-20260101-120000");
+  verb->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace stillframe::tools
