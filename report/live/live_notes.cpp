@@ -86,7 +86,7 @@ class Notes {
   void say_of_samples() {
     if (!watcher_.run()->samples) return;
     const RunSamples& samples = *watcher_.run()->samples;
-    if (samples.n_missed() > 0) {
+    if (samples.missed_lately()) {
       say(
           cell("%lld measurements never came here; that says nothing of the controller, which "
                "counts its own",

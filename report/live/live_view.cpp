@@ -5,6 +5,7 @@
 
 #include "controller/policy.hpp"
 #include "controller/supervisor.hpp"
+#include "report/live/wrapping.hpp"
 #include "report/spectra/spectra.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 
@@ -98,7 +99,7 @@ std::optional<ControllerView> controller_of(const WatchedRun& run, std::int64_t 
   view.n_saturated = status.n_saturated;
   view.n_faults = status.n_faults;
   view.n_rejoins = status.n_rejoins;
-  view.n_dropped = status.n_commands_dropped + status.n_records_dropped;
+  view.n_dropped = wrapping_sum(status.n_commands_dropped, status.n_records_dropped);
   view.worst_wake_up_us = 1e-3 * static_cast<double>(status.worst_wake_up_ns);
   view.worst_compute_us = 1e-3 * static_cast<double>(status.worst_compute_ns);
   if (const auto recent = run.wake_ups.since(recent_seconds, now_ns)) {

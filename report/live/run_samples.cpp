@@ -93,6 +93,7 @@ RunSamples::Taken RunSamples::take(const measurement_t& message) {
   if (rate_ == 0) find_rate(message);
   time_s_ = time_of(message.seq, message.time_ns);
   n_missed_ += missed;
+  if (missed > 0) gap_seq_ = seq_;
   row_ = message.floor_acceleration;
   row_.insert(row_.end(), message.frame_acceleration.begin(), message.frame_acceleration.end());
   clean(row_, motion_);
@@ -126,8 +127,8 @@ void RunSamples::bridge(std::int64_t n) {
 
 bool RunSamples::take(const command_t& message) {
   if (message.n_legs != n_legs_) return false;
-  const bool from_the_future = seq_ >= 0 && message.seq > seq_ + command_ahead;
-  if (message.seq <= command_seq_ || from_the_future) return true;
+  if (message.seq <= command_seq_) return true;
+  if (seq_ >= 0 && message.seq - seq_ > command_ahead) return true;
   command_seq_ = message.seq;
   n_saturated_ += message.saturated ? 1 : 0;
   std::vector<double> force = message.force;

@@ -43,6 +43,10 @@ class RunSamples {
   std::int64_t seq() const noexcept { return seq_; }  ///< of the newest measurement, -1: none
   double time_s() const noexcept { return time_s_; }
   std::int64_t n_missed() const noexcept { return n_missed_; }  ///< that never came here
+  /// Whether some of them would be in the window.
+  bool missed_lately() const noexcept {
+    return n_missed_ > 0 && seq_ - gap_seq_ < motion_.capacity();
+  }
   std::int64_t n_not_finite() const noexcept { return n_not_finite_; }
   std::int64_t n_saturated() const noexcept { return n_saturated_; }  ///< commands
   Eigen::Index n_bridged() const noexcept { return n_bridged_; }      ///< samples that were made up
@@ -69,6 +73,7 @@ class RunSamples {
   int n_floor_, n_legs_, n_frame_;
   double rate_ = 0, time_s_ = 0;
   std::int64_t seq_ = -1, command_seq_ = -1, behind_seq_ = -1, n_behind_ = 0;
+  std::int64_t gap_seq_ = -1;  ///< of the first measurement after the newest gap
   std::int64_t n_missed_ = 0, n_not_finite_ = 0, n_saturated_ = 0;
   Eigen::Index n_bridged_ = 0;
   bool began_anew_ = false;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "report/live/wrapping.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 
 namespace stillframe::live {
@@ -26,8 +27,10 @@ class WakeUps {
     any_ = any_ || !message.records.empty();
     for (const auto& record : message.records) {
       Worst& worst = second.worst;
-      worst.wake_up_ns = std::max(worst.wake_up_ns, record.wake_up_ns - record.deadline_ns);
-      worst.compute_ns = std::max(worst.compute_ns, record.computed_ns - record.wake_up_ns);
+      worst.wake_up_ns =
+          std::max(worst.wake_up_ns, wrapping_difference(record.wake_up_ns, record.deadline_ns));
+      worst.compute_ns =
+          std::max(worst.compute_ns, wrapping_difference(record.computed_ns, record.wake_up_ns));
     }
   }
 

@@ -63,7 +63,7 @@ struct LogScan {
   std::int64_t first_us = 0;  ///< since the UNIX epoch, by the logger's clock, when the run began
   double log_duration_s = 0;  ///< by the logger's clock, its steps taken out
   std::int64_t n_clock_steps =
-      0;  ///< where the logger's clock went back, or ahead by over a second
+      0;  ///< where the logger's clock went back, or ahead by over a minute
   double largest_clock_step_s = 0;
   std::int64_t n_damaged = 0;      ///< places where the file could not be read
   std::int64_t n_undecodable = 0;  ///< events on our channels that are not whole messages of theirs

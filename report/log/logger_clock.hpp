@@ -7,8 +7,8 @@
 namespace stillframe::report {
 
 /// The time that passed by a logger's clock, which may be set while it logs: a step back, or ahead
-/// by over a second, is counted and left out. One time alone that is off is no step of the clock
-/// but damage to that time, and left out too.
+/// by over a minute (less may be silence), is counted and left out. One time alone that is off is
+/// no step of the clock but damage to that time, and left out too.
 class LoggerClock {
  public:
   void add(std::int64_t time_us) {
@@ -30,7 +30,7 @@ class LoggerClock {
   double largest_step_s() const { return largest_step_s_; }  ///< with its sign
 
  private:
-  static constexpr double longest_pause_s = 1;
+  static constexpr double longest_pause_s = 60;
 
   static double difference_s(std::int64_t to_us, std::int64_t from_us) {
     return 1e-6 * (static_cast<double>(to_us) - static_cast<double>(from_us));

@@ -69,6 +69,7 @@ async function goesOn(page) {
   const after = await rowOf(page, 'channels-table', 'SF_MEASUREMENT');
   check(Number(after[0][2]) > Number(before[0][2]), `the count of messages grows: ${before[0][2]}, ${after[0][2]}`);
   check((await page.evaluate(() => Object.values(window.stillframe.figures))).every(Boolean), 'all figures are drawn');
+  console.log(`drawing a view takes ${Math.round(await page.evaluate(() => window.stillframe.drawingMs))} ms`);
 }
 
 async function run(url) {

@@ -158,6 +158,16 @@ TEST_F(LiveViewTest, SaysWhatAPersonShouldKnow) {
   EXPECT_TRUE(says(view(), "the run is over (failed: it fell over)"));
 }
 
+/// The number stays, the note goes with the samples that are missing.
+TEST_F(LiveViewTest, WhatWasMissedLongAgoIsNoNews) {
+  hear_run(100);
+  hear_samples(7, 103, 103 + 15'999);
+  EXPECT_TRUE(says(view(), "2 measurements never came here"));
+  hear_samples(7, 103 + 16'000, 103 + 16'000);
+  EXPECT_FALSE(says(view(), "never came here"));
+  EXPECT_EQ(view().n_missed, 2);
+}
+
 TEST_F(LiveViewTest, AClockRunWithoutControllerIsSaidToHaveNone) {
   hear_info(7);
   hear_samples(7, 0, 2500);

@@ -163,11 +163,28 @@ TEST(RunSamples, AMinuteOfBucketsIsKept) {
   EXPECT_EQ(samples.history().front().number, 280);
 }
 
+/// The largest numbers there are: nothing overflows, and the run that goes on is found again.
+TEST(RunSamples, TheLargestNumbersDoNoHarm) {
+  RunSamples samples = samples_at(1000);
+  samples.take(flat(10, 1));
+  auto message = flat(11, 1);
+  message.seq = message.time_ns = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ(samples.take(message), Taken::fresh);
+  auto command = sample::command(1, 10);
+  command.seq = std::numeric_limits<std::int64_t>::min();
+  EXPECT_TRUE(samples.take(command));
+  std::int64_t seq = 11;
+  while (seq < 100 && samples.take(flat(seq, 1)) == Taken::old) ++seq;
+  EXPECT_EQ(seq, 30);
+}
+
 /// A number out of all bounds must not keep what comes after it from being seen.
 TEST(RunSamples, ACommandFromTheFutureIsPassedOver) {
   RunSamples samples = samples_at(1000);
   samples.take(flat(10, 1));
-  EXPECT_TRUE(samples.take(sample::command(1, std::int64_t{1} << 60)));
+  auto command = sample::command(1, 10);
+  command.seq = std::numeric_limits<std::int64_t>::max();
+  EXPECT_TRUE(samples.take(command));
   EXPECT_EQ(samples.force().size(), 0);
   EXPECT_TRUE(samples.take(sample::command(1, 10)));
   EXPECT_EQ(samples.force().size(), 1);

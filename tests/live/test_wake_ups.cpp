@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "report/live/wake_ups.hpp"
 #include "tests/live/sample_messages.hpp"
 
@@ -40,6 +42,15 @@ TEST(WakeUps, ForgetsAfterAMinute) {
   EXPECT_FALSE(wake_ups.ago(60, now).has_value());
   EXPECT_FALSE(wake_ups.since(10, now + 11 * second).has_value());
   EXPECT_TRUE(wake_ups.since(11, now + 11 * second).has_value());
+}
+
+TEST(WakeUps, TheLargestNumbersDoNoHarm) {
+  WakeUps wake_ups;
+  auto wild = record(5, 0, 0);
+  wild.wake_up_ns = std::numeric_limits<std::int64_t>::max();
+  wild.deadline_ns = wild.computed_ns = std::numeric_limits<std::int64_t>::min();
+  wake_ups.take(records(1, {wild}), day);
+  EXPECT_TRUE(wake_ups.any());
 }
 
 }  // namespace

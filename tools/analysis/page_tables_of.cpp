@@ -66,7 +66,7 @@ std::vector<std::string> reasons_of(const report::Verdict& verdict) {
              largest, id->n_frequencies, id->lowest_hz, id->highest_hz, id->allowed_db));
     reasons.push_back(
         cell("The closed loop lies below the open one at %d of the %d frequencies "
-             "above %.3g Hz where it is to.",
+             "above %.3g Hz where that is predicted.",
              id->n_closed_below_open, id->n_reduction_frequencies, id->reduction_above_hz));
   }
   for (const report::ResponseSummary& r : verdict.responses) {

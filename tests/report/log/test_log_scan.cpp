@@ -373,8 +373,8 @@ TEST_F(LogScanTest, StepsOfTheLoggersClockAreTakenOut) {
       {{t, t + 1000, t + hour, t + hour + 1000, t + hour + 2000}, 1, 3600 - 1e-3, 3e-3},
       {{t, t + 1000, t - hour, t - hour + 1000, t - hour + 2000}, 1, -3600 - 1e-3, 3e-3},
       {{t, t + hour, t + hour + 1000, t + 1000, t + 2000, t + 3000}, 2, 3600, 3e-3},
-      // A second is no step yet, a millisecond back is one.
-      {{t, t + 1'000'000, t + 1'001'000}, 0, 0, 1.001},
+      // A minute is no step yet, a millisecond back is one.
+      {{t, t + 60'000'000, t + 60'001'000}, 0, 0, 60.001},
       {{t, t + 5000, t + 4000, t + 4500}, 1, -1e-3, 5.5e-3},
       // Two damaged times that lie near each other, with sound ones between, are none.
       {{t, t + 1000, t + hour, t + 3000, t + hour + 2000, t + 5000}, 0, 0, 5e-3},

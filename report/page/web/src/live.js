@@ -7,7 +7,6 @@ import {schemeSwitch} from './theme.js';
 const at = (id) => document.getElementById(id);
 const figures = new Map();
 let view = null;
-let viewedAt = null;
 
 schemeSwitch(at('scheme'));
 
@@ -115,16 +114,29 @@ function show(next) {
 }
 
 /** What is shown is old once the program that serves it has gone. */
-function lose() {
+function sayLost() {
   const badge = at('state');
   badge.className = 'badge fail';
-  badge.textContent = viewedAt ? 'not connected: what is shown is old' : 'not connected';
+  badge.textContent = view ? 'not connected: what is shown is old' : 'not connected';
+}
+
+// Only the newest view is drawn: a browser that is slow, or in the background, skips the others.
+let newest = null, connected = false;
+function draw() {
+  const data = newest, began = performance.now();
+  newest = null;
+  show(JSON.parse(data));
+  window.stillframe.drawingMs = performance.now() - began;
+  if (!connected) sayLost();
 }
 
 const events = new EventSource('/events');
 events.onmessage = ({data}) => {
-  viewedAt = performance.now();
-  // A page in the background catches up when it is looked at.
-  if (!document.hidden || !view) show(JSON.parse(data));
+  connected = true;
+  if (newest === null) requestAnimationFrame(draw);
+  newest = data;
 };
-events.onerror = lose;
+events.onerror = () => {
+  connected = false;
+  sayLost();
+};

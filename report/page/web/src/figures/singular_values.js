@@ -64,7 +64,7 @@ function option(data, c, width) {
   const [, top] = extent(...families_.flatMap(({curves}) => curves.map((curve) => curve.map(decibel))),
     ...measured.flatMap((family) => family.measured.values.map((column) => column.map(decibel))));
   const bound = errorBound(data);
-  const left = 64, right = 26, legendRows = width < 760 ? 2 : 1;
+  const left = 72, right = 26, legendRows = width < 760 ? 2 : 1;
   const head = 12 + 22 * legendRows;
   const place = {left, right, top: head, bottom: 46};
   const grid = withError ? [{...place, bottom: null, height: 380}, {...place, top: head + 404}] : [place];
@@ -72,10 +72,10 @@ function option(data, c, width) {
     gridIndex: i, name: i === grid.length - 1 ? 'frequency, Hz' : '', nameGap: 26,
     axisLabel: {show: i === grid.length - 1},
   }));
-  const yAxis = [linearAxis(c, {name: 'singular values, dB', nameLocation: 'middle', nameGap: 40, min: lowestShown,
+  const yAxis = [linearAxis(c, {name: 'singular values, dB', nameLocation: 'middle', nameGap: 48, min: lowestShown,
     max: Math.ceil(top / 20) * 20, interval: 20})];
   if (withError) {
-    yAxis.push(linearAxis(c, {gridIndex: 1, name: 'error, dB', nameLocation: 'middle', nameGap: 40, min: -bound,
+    yAxis.push(linearAxis(c, {gridIndex: 1, name: 'error, dB', nameLocation: 'middle', nameGap: 48, min: -bound,
       max: bound, interval: bound / 2}));
   }
   const series = [];
