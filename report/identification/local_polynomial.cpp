@@ -23,9 +23,9 @@ namespace {
 
 constexpr Index n_terms = 3;  ///< constant, slope and curvature
 /// Equations beyond the unknowns that are aimed at: the noise is then known to 1 / sqrt(12) of its
-/// power, and 95 % bands are 1.1 times as wide as with a known one.
+/// power, and 95 % circles are 1.07 times as wide as with a known one.
 constexpr Index aimed_dof = 12;
-/// Fewer tell too little of the noise: with 4, bands are 1.4 times as wide as with a known one.
+/// Fewer tell too little of the noise: with 4, circles are 1.22 times as wide as with a known one.
 constexpr Index least_dof = 4;
 constexpr Index least_half_width = 4;  ///< bins
 

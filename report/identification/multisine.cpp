@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "core/yaml/input_error.hpp"
-#include "report/log/run_log.hpp"
 #include "report/spectra/fourier.hpp"
 
 namespace stillframe::report {
@@ -155,6 +153,57 @@ double condition_of(const MatrixXcd& W) {
 /// Beyond this the inputs of the blocks are one and the same experiment; the plan's own are at 1.
 constexpr double largest_condition = 1e6;
 
+bool is_lost(const MatrixXd& inputs, const MatrixXd& outputs, Index row) {
+  return !inputs.row(row).allFinite() || !outputs.row(row).allFinite();
+}
+
+[[noreturn]] void refuse_part(Index block, std::size_t missing, Index window,
+                              const std::string& why) {
+  throw InputError("multisine: the steady part of block " + std::to_string(block + 1) +
+                   " has lost " + std::to_string(missing) + " of " + std::to_string(window) +
+                   " samples, " + why);
+}
+
+/// Fills in the lost rows of one steady part from those a period away; answers how many.
+Index fill_part(Index block, Index begin, Index window, MatrixXd& inputs, MatrixXd& outputs) {
+  std::vector<Index> missing;
+  for (Index row = begin; row < begin + window; ++row) {
+    if (is_lost(inputs, outputs, row)) missing.push_back(row);
+  }
+  if (missing.empty()) return 0;
+  if (static_cast<double>(missing.size()) > largest_lost_share * static_cast<double>(window)) {
+    refuse_part(block, missing.size(), window,
+                "allowed is one in " + std::to_string(std::lround(1 / largest_lost_share)));
+  }
+  const Index period = window / 4;
+  if (period * 4 != window) {
+    refuse_part(block, missing.size(), window,
+                "and is not four whole periods to fill them in from");
+  }
+  // From what was there before anything is filled in.
+  const auto n_missing = static_cast<Index>(missing.size());
+  MatrixXd means(n_missing, inputs.cols() + outputs.cols());
+  for (Index i = 0; i < n_missing; ++i) {
+    int n = 0;
+    means.row(i).setZero();
+    const Index phase = (missing[static_cast<std::size_t>(i)] - begin) % period;
+    for (Index row = begin + phase; row < begin + window; row += period) {
+      if (is_lost(inputs, outputs, row)) continue;
+      means.row(i).head(inputs.cols()) += inputs.row(row);
+      means.row(i).tail(outputs.cols()) += outputs.row(row);
+      ++n;
+    }
+    if (n == 0) refuse_part(block, missing.size(), window, "one of them in all four periods");
+    means.row(i) /= n;
+  }
+  for (Index i = 0; i < n_missing; ++i) {
+    const Index row = missing[static_cast<std::size_t>(i)];
+    inputs.row(row) = means.row(i).head(inputs.cols());
+    outputs.row(row) = means.row(i).tail(outputs.cols());
+  }
+  return n_missing;
+}
+
 }  // namespace
 
 FrequencyResponse identify(const MultisinePlan& plan, const MatrixXd& inputs,
@@ -204,88 +253,20 @@ FrequencyResponse identify(const MultisinePlan& plan, const MatrixXd& inputs,
 Index fill_lost_rows(const MultisinePlan& plan, MatrixXd& inputs, MatrixXd& outputs,
                      Index first_row) {
   const Raster raster = raster_of(plan);
-  const auto lost = [&](Index row) {
-    return !inputs.row(row).allFinite() || !outputs.row(row).allFinite();
-  };
-  Index n_filled = 0;
   std::vector<bool> steady(static_cast<std::size_t>(inputs.rows()), false);
+  Index n_filled = 0;
   for (Index b = 0; b < raster.n_blocks; ++b) {
     const Index begin = first_row + raster.start_of(b);
     if (begin + raster.window > inputs.rows()) break;  // identify() says so
-    std::vector<Index> missing;
-    for (Index row = begin; row < begin + raster.window; ++row) {
-      steady[static_cast<std::size_t>(row)] = true;
-      if (lost(row)) missing.push_back(row);
-    }
-    if (missing.empty()) continue;
-    const auto refuse = [&](const std::string& why) {
-      throw InputError("multisine: the steady part of block " + std::to_string(b + 1) +
-                       " has lost " + std::to_string(missing.size()) + " of " +
-                       std::to_string(raster.window) + " samples, " + why);
-    };
-    if (static_cast<double>(missing.size()) >
-        largest_lost_share * static_cast<double>(raster.window)) {
-      refuse("allowed is one in " + std::to_string(std::lround(1 / largest_lost_share)));
-    }
-    const Index period = raster.window / 4;
-    if (period * 4 != raster.window) refuse("and is not four whole periods to fill them in from");
-    // From what was there before anything is filled in.
-    MatrixXd filled_in(static_cast<Index>(missing.size()), inputs.cols()),
-        filled_out(static_cast<Index>(missing.size()), outputs.cols());
-    filled_in.setZero();
-    filled_out.setZero();
-    for (std::size_t i = 0; i < missing.size(); ++i) {
-      const auto at = static_cast<Index>(i);
-      int n = 0;
-      for (Index row = begin + (missing[i] - begin) % period; row < begin + raster.window;
-           row += period) {
-        if (lost(row)) continue;
-        filled_in.row(at) += inputs.row(row);
-        filled_out.row(at) += outputs.row(row);
-        ++n;
-      }
-      if (n == 0) refuse("one of them in all four periods");
-      filled_in.row(at) /= n;
-      filled_out.row(at) /= n;
-    }
-    for (std::size_t i = 0; i < missing.size(); ++i) {
-      inputs.row(missing[i]) = filled_in.row(static_cast<Index>(i));
-      outputs.row(missing[i]) = filled_out.row(static_cast<Index>(i));
-    }
-    n_filled += static_cast<Index>(missing.size());
+    std::fill_n(steady.begin() + begin, raster.window, true);
+    n_filled += fill_part(b, begin, raster.window, inputs, outputs);
   }
   for (Index row = 0; row < inputs.rows(); ++row) {
-    if (steady[static_cast<std::size_t>(row)] || !lost(row)) continue;
+    if (steady[static_cast<std::size_t>(row)] || !is_lost(inputs, outputs, row)) continue;
     inputs.row(row).setZero();
     outputs.row(row).setZero();
   }
   return n_filled;
-}
-
-FrequencyResponse identify(const MultisinePlan& plan, const RunLog& log, Index n_outputs) {
-  const double rate = log.info.sample_rate_hz;
-  if (std::abs(plan.sample_rate_hz - rate) > 1e-9 * rate) {
-    throw InputError("multisine: sample_rate_hz: found " + std::to_string(plan.sample_rate_hz) +
-                     ", the log has " + std::to_string(rate));
-  }
-  const Index n = n_outputs < 0 ? log.frame_acceleration.cols() : n_outputs;
-  if (log.measurements.gaps.empty()) {
-    return identify(plan, log.floor_acceleration, log.frame_acceleration.leftCols(n), 1);
-  }
-  // A row a sequence number, as far as the plan goes.
-  const Raster raster = raster_of(plan);
-  const Index needed = 1 + plan.n_blocks * (raster.ramp + raster.window);
-  const double missing = std::numeric_limits<double>::quiet_NaN();
-  MatrixXd inputs = MatrixXd::Constant(needed, log.floor_acceleration.cols(), missing);
-  MatrixXd outputs = MatrixXd::Constant(needed, n, missing);
-  for (std::size_t k = 0; k < log.seq.size(); ++k) {
-    if (log.seq[k] < 0 || log.seq[k] >= needed) continue;
-    const auto row = static_cast<Index>(k);
-    inputs.row(log.seq[k]) = log.floor_acceleration.row(row);
-    outputs.row(log.seq[k]) = log.frame_acceleration.row(row).head(n);
-  }
-  fill_lost_rows(plan, inputs, outputs, 1);
-  return identify(plan, inputs, outputs, 1);
 }
 
 }  // namespace stillframe::report

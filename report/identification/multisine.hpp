@@ -7,8 +7,6 @@
 
 namespace stillframe::report {
 
-struct RunLog;
-
 /// T(f) = Y(f) W(f)^-1, columns the blocks, each entry one bin of a 4-term Blackman-Harris windowed
 /// DFT of a steady part. The window leaks less than -92 dB beyond 4 bins, so free motion of an
 /// undamped plant that stays 4 bins away from the lines does no harm.
@@ -37,10 +35,5 @@ inline constexpr double largest_lost_share = 0.05;
 /// of its places, or cannot be divided by four.
 Eigen::Index fill_lost_rows(const MultisinePlan& plan, Eigen::MatrixXd& inputs,
                             Eigen::MatrixXd& outputs, Eigen::Index first_row = 1);
-
-/// From floor acceleration to the first n_outputs frame accelerations of a log (all of them without
-/// a number), lost samples filled in. Errors: those above, and InputError if the rates differ.
-FrequencyResponse identify(const MultisinePlan& plan, const RunLog& log,
-                           Eigen::Index n_outputs = -1);
 
 }  // namespace stillframe::report

@@ -2,7 +2,6 @@
 
 #include "core/yaml/input_error.hpp"
 #include "report/identification/multisine.hpp"
-#include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/toy_frame.hpp"
 
@@ -230,39 +229,6 @@ TEST_F(Identification, RefusesDataThatAreNotFinite) {
   auto record = toy::simulate(open_, toy::multisine(plan_, amplitude), VectorXd::Zero(6));
   record.outputs(5, 1) = std::numeric_limits<double>::quiet_NaN();
   expect_error<InputError>([&] { identify(plan_, record.inputs, record.outputs); }, "not finite");
-}
-
-TEST_F(Identification, ReadsARunLogWithLostSamples) {
-  const auto record =
-      toy::simulate(closed_, toy::multisine(plan_, amplitude), VectorXd::Zero(closed_.A.rows()));
-  RunLog log;
-  log.info.sample_rate_hz = plan_.sample_rate_hz;
-  log.floor_acceleration = record.inputs;
-  log.frame_acceleration = record.outputs;
-  for (Eigen::Index k = 0; k < record.inputs.rows(); ++k) log.seq.push_back(k);
-  const FrequencyResponse whole = identify(plan_, record.inputs, record.outputs);
-  EXPECT_EQ(identify(plan_, log).singular_values, whole.singular_values);
-  EXPECT_EQ(identify(plan_, log, 2).T.front().rows(), 2);
-
-  const auto lose = [&](Eigen::Index first, Eigen::Index n) {
-    for (MatrixXd* table : {&log.floor_acceleration, &log.frame_acceleration}) {
-      MatrixXd rest(table->rows() - n, table->cols());
-      rest << table->topRows(first), table->bottomRows(table->rows() - first - n);
-      *table = rest;
-    }
-    log.seq.erase(log.seq.begin() + first, log.seq.begin() + first + n);
-    log.measurements.gaps.push_back({first, first + n - 1});
-  };
-  lose(4100, 2);
-  const FrequencyResponse filled = identify(plan_, log);
-  for (std::size_t l = 0; l < whole.T.size(); ++l) {
-    EXPECT_LT((filled.T[l] - whole.T[l]).norm(), 1e-6 * whole.T[l].norm()) << l;
-  }
-  lose(4200, 200);
-  expect_error<InputError>([&] { identify(plan_, log); },
-                           "the steady part of block 2 has lost 202");
-  log.info.sample_rate_hz = 1000;
-  expect_error<InputError>([&] { identify(plan_, log); }, "the log has 1000");
 }
 
 }  // namespace
