@@ -103,6 +103,12 @@ void LocalPolynomial::append(const RowVectorXd& row) {
 }
 
 void LocalPolynomial::finish() {
+  if (n_segments_ == 0 && n_rows_ > 0) {
+    // Less has come than was expected, as of a log that was cut off: wider bins, and more of them.
+    plan_.segment_s = plan_.expected_s =
+        static_cast<double>(fast_length(n_rows_)) / plan_.sample_rate_hz;
+    half_width_hz_ = (static_cast<double>(half_width(plan_)) + 0.5) / plan_.segment_s;
+  }
   take_segment();
   finished_ = true;
 }

@@ -44,7 +44,8 @@ class LocalPolynomial {
   /// Takes rows that follow one another, n x n_inputs and n x n_outputs; first_seq is the sample of
   /// the first one, later than those of the calls before. Errors: std::invalid_argument on shapes.
   void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs);
-  /// Takes what the last segment has; nothing can be added after it.
+  /// Takes what the last segment has; nothing can be added after it. If that is all there is, the
+  /// bins are as wide as so short a record needs them.
   void finish();
 
   /// Where there are fewer equations than unknowns and a few more, or no excitation, T is NaN and

@@ -202,6 +202,19 @@ TEST_F(Broadband, WhereNothingExcitesNothingIsSaid) {
   }
 }
 
+TEST_F(Broadband, ARecordThatWasCutOffHasWiderBins) {
+  const auto record = toy::simulate(closed_, white(8000), VectorXd::Zero(closed_.A.rows()));
+  plan_.expected_s = 3600;
+  LocalPolynomial estimator(plan_);
+  const double wanted = estimator.half_width_hz();
+  const FrequencyResponse response = estimate(record, estimator);
+  EXPECT_EQ(estimator.n_segments(), 1);
+  EXPECT_GT(estimator.half_width_hz(), 3 * wanted);
+  // A parabola over 0.8 Hz: sixteen times (test FindsTheClosedLoop has 0.4 Hz) by its fourth power.
+  EXPECT_LT(largest_error(response, closed_), 2.5e-2);
+  EXPECT_GE(response.dof.minCoeff(), 12);
+}
+
 TEST_F(Broadband, TooShortARecordGivesNoNumbers) {
   LocalPolynomial estimator(plan_);
   const MatrixXd w = white(50);
