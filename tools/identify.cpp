@@ -1,3 +1,4 @@
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -122,12 +123,14 @@ void print_table(const Shown& item, double level) {
                       0);
   const Index last = response.singular_values.cols() - 1;
   for (Index l = 0; l < response.n_frequencies(); ++l) {
-    const auto value = [&](const MatrixXd& values, Index i) { return cell("%.4e", values(l, i)); };
+    const auto value = [&](const MatrixXd& values, Index i) {
+      return std::isnan(values(l, i)) ? "-" : cell("%.4e", values(l, i));
+    };
+    const double coherence = response.directional_coherence.row(l).minCoeff();
     table.add({cell("%.4g", response.frequencies_hz[static_cast<std::size_t>(l)]),
                value(response.singular_values, 0), value(bands.lower, 0), value(bands.upper, 0),
                value(response.singular_values, last), value(bands.lower, last),
-               value(bands.upper, last),
-               cell("%.5f", response.directional_coherence.row(l).minCoeff()),
+               value(bands.upper, last), std::isnan(coherence) ? "-" : cell("%.5f", coherence),
                errors ? largest_in(errors->sampled.difference_db, l) : "-",
                errors ? largest_in(errors->continuous.difference_db, l) : "-"});
   }
