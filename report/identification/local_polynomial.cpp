@@ -28,6 +28,8 @@ constexpr Index aimed_dof = 12;
 /// Fewer tell too little of the noise: with 4, circles are 1.22 times as wide as with a known one.
 constexpr Index least_dof = 4;
 constexpr Index least_half_width = 4;  ///< bins
+/// No parabola follows a loop over more than this to either side.
+constexpr double widest_hz = 2;
 
 Index half_width(const BroadbandPlan& plan) {
   const double segments = std::max(1.0, std::floor(plan.expected_s / plan.segment_s + 1e-9));
@@ -107,7 +109,8 @@ void LocalPolynomial::finish() {
     // Less has come than was expected, as of a log that was cut off: wider bins, and more of them.
     plan_.segment_s = plan_.expected_s =
         static_cast<double>(fast_length(n_rows_)) / plan_.sample_rate_hz;
-    half_width_hz_ = (static_cast<double>(half_width(plan_)) + 0.5) / plan_.segment_s;
+    const double wider = (static_cast<double>(half_width(plan_)) + 0.5) / plan_.segment_s;
+    if (wider <= widest_hz) half_width_hz_ = wider;
   }
   take_segment();
   finished_ = true;

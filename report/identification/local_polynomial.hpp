@@ -45,7 +45,7 @@ class LocalPolynomial {
   /// the first one, later than those of the calls before. Errors: std::invalid_argument on shapes.
   void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs);
   /// Takes what the last segment has; nothing can be added after it. If that is all there is, the
-  /// bins are as wide as so short a record needs them.
+  /// bins are as wide as so short a record needs them, up to 2 Hz to either side.
   void finish();
 
   /// Where there are fewer equations than unknowns and a few more, or no excitation, T is NaN and
