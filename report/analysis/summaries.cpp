@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "report/identification/confidence.hpp"
-#include "report/spectra/vibration_criteria.hpp"
+#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::report {
 
@@ -13,18 +13,16 @@ using Eigen::Index;
 
 namespace {
 
-constexpr double lowest_hz = 1, highest_hz = 80;  ///< of every rms that people compare
-
 TimingSummary::Quantiles quantiles_of(const DurationHistogram& histogram) {
   return {.p50_us = histogram.quantile_us(0.5),
           .p99_us = histogram.quantile_us(0.99),
           .p999_us = histogram.quantile_us(0.999)};
 }
 
-/// Root of the integral of a density over lowest_hz to highest_hz, on straight lines between its
-/// points; beyond them it goes on as at the nearest.
+/// Root of the integral of a density over lowest_level_hz to highest_level_hz, on straight lines
+/// between its points; beyond them it goes on as at the nearest.
 double rms_of(const std::vector<double>& frequencies_hz, const Eigen::VectorXd& density) {
-  double power = 0, last_f = lowest_hz, last_d = std::nan("");
+  double power = 0, last_f = lowest_level_hz, last_d = std::nan("");
   const auto step = [&](double f, double d) {
     if (!std::isnan(last_d)) power += 0.5 * (d + last_d) * (f - last_f);
     last_f = f;
@@ -33,15 +31,15 @@ double rms_of(const std::vector<double>& frequencies_hz, const Eigen::VectorXd& 
   for (std::size_t l = 0; l < frequencies_hz.size(); ++l) {
     const double f = frequencies_hz[l], d = density(static_cast<Index>(l));
     if (std::isnan(d)) continue;
-    if (f >= lowest_hz && std::isnan(last_d)) step(lowest_hz, d);
-    if (f < lowest_hz) {
+    if (f >= lowest_level_hz && std::isnan(last_d)) step(lowest_level_hz, d);
+    if (f < lowest_level_hz) {
       last_d = d;  // until one above it comes
       continue;
     }
-    if (f > highest_hz) break;
+    if (f > highest_level_hz) break;
     step(f, d);
   }
-  if (!std::isnan(last_d) && last_f < highest_hz) step(highest_hz, last_d);
+  if (!std::isnan(last_d) && last_f < highest_level_hz) step(highest_level_hz, last_d);
   return std::sqrt(power);
 }
 
@@ -103,15 +101,12 @@ std::vector<TimingSummary> timing_summaries(const LogAnalysis& log) {
 }
 
 MotionLevel motion_level(const SignalAnalysis& signal) {
-  MotionLevel level;
-  level.peak_acceleration = signal.peak;
-  if (signal.third_octaves.size() == 0) return level;
-  Index band = 0;
-  level.rms_acceleration = band_rms(signal.density, lowest_hz, highest_hz);
-  level.largest_band_velocity = signal.third_octaves.maxCoeff(&band);
-  level.largest_band_hz = third_octave_bands()[static_cast<std::size_t>(band)].nominal_hz;
-  level.vibration_class = vibration_class(signal.third_octaves);
-  return level;
+  if (signal.third_octaves.size() == 0) {
+    MotionLevel level;
+    level.peak_acceleration = signal.peak;
+    return level;
+  }
+  return motion_level(signal.density, signal.third_octaves, signal.peak);
 }
 
 MotionSpectra motion_spectra(const SignalAnalysis& signal) {

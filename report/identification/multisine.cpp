@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "core/yaml/input_error.hpp"
 #include "report/spectra/fourier.hpp"
+#include "report/spectra/windows.hpp"
 
 namespace stillframe::report {
 
@@ -93,24 +93,6 @@ void check_data(const MultisinePlan& plan, const Raster& raster, const MatrixXd&
   if (!inputs.allFinite() || !outputs.allFinite()) {
     throw InputError("multisine: the data hold values that are not finite");
   }
-}
-
-/// 4-term Blackman-Harris window, periodic. Source: F. J. Harris, On the use of windows for
-/// harmonic analysis with the discrete Fourier transform, Proc. IEEE 66 (1978), table 1.
-VectorXd blackman_harris(Index n) {
-  const double step = 2 * std::numbers::pi / static_cast<double>(n);
-  return VectorXd::NullaryExpr(n, [step](Index k) {
-    const double phase = step * static_cast<double>(k);
-    return 0.35875 - 0.48829 * std::cos(phase) + 0.14128 * std::cos(2 * phase) -
-           0.01168 * std::cos(3 * phase);
-  });
-}
-
-/// Periodic Hann window: zero at whole bins but for three.
-VectorXd hann(Index n) {
-  const double step = 2 * std::numbers::pi / static_cast<double>(n);
-  return VectorXd::NullaryExpr(
-      n, [step](Index k) { return 0.5 - 0.5 * std::cos(step * static_cast<double>(k)); });
 }
 
 /// The steady parts of some signals, transformed: a matrix a block, bins x channels.

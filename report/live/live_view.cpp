@@ -6,8 +6,9 @@
 #include "controller/policy.hpp"
 #include "controller/supervisor.hpp"
 #include "report/live/wrapping.hpp"
+#include "report/spectra/fourier.hpp"
 #include "report/spectra/spectra.hpp"
-#include "report/spectra/vibration_criteria.hpp"
+#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::live {
 
@@ -112,13 +113,7 @@ std::optional<ControllerView> controller_of(const WatchedRun& run, std::int64_t 
 SignalView signal_of(const std::string& name, const VectorXd& acceleration, double rate_hz) {
   const report::Psd psd = report::welch(acceleration, rate_hz, acceleration.size());
   SignalView view{.name = name, .level = {}, .band_velocity = report::third_octave_velocity(psd)};
-  Index band = 0;
-  view.level.largest_band_velocity = view.band_velocity.maxCoeff(&band);
-  view.level.largest_band_hz =
-      report::third_octave_bands()[static_cast<std::size_t>(band)].nominal_hz;
-  view.level.rms_acceleration = report::band_rms(psd, 1, 80);
-  view.level.peak_acceleration = acceleration.cwiseAbs().maxCoeff();
-  view.level.vibration_class = report::vibration_class(view.band_velocity);
+  view.level = report::motion_level(psd, view.band_velocity, acceleration.cwiseAbs().maxCoeff());
   return view;
 }
 
@@ -159,7 +154,7 @@ void add_levels(const RunSamples& samples, const std::vector<Column>& columns, L
   const RollingWindow& motion = samples.motion();
   const double rate = samples.sample_rate_hz();
   if (rate <= 0 || static_cast<double>(motion.size()) < shortest_window_s * rate) return;
-  const Index n = smooth_length(motion.size());
+  const Index n = report::fast_length(motion.size());
   if (n < 2) return;
   view.window_s = static_cast<double>(n) / rate;
   for (const Column& column : columns) {

@@ -34,15 +34,4 @@ Eigen::VectorXd RollingWindow::newest(Index channel, Index n) const {
   return values;
 }
 
-Index smooth_length(Index n) {
-  const auto is_smooth = [](Index m) {
-    for (const Index prime : {2, 3, 5}) {
-      while (m % prime == 0) m /= prime;
-    }
-    return m == 1;
-  };
-  while (n > 1 && !is_smooth(n)) --n;
-  return std::max<Index>(n, 1);
-}
-
 }  // namespace stillframe::live

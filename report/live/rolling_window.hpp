@@ -34,8 +34,4 @@ class RollingWindow {
   Eigen::Index next_ = 0, size_ = 0;
 };
 
-/// The largest length up to n without a prime factor above 5, which a Fourier transform is fast
-/// for; n at least 1.
-Eigen::Index smooth_length(Eigen::Index n);
-
 }  // namespace stillframe::live

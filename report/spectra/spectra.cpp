@@ -9,18 +9,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "report/spectra/windows.hpp"
+
 namespace stillframe::report {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
-
-VectorXd periodic_hann(Index n) {
-  const double step = 2 * std::numbers::pi / static_cast<double>(n);
-  return VectorXd::NullaryExpr(
-      n, [step](Index k) { return 0.5 - 0.5 * std::cos(step * static_cast<double>(k)); });
-}
 
 /// The part of the axis that bin k stands for, within 0 and half the sample rate.
 struct BinExtent {
@@ -40,7 +36,7 @@ Index default_segment_length(Index n_samples, double sample_rate_hz) {
 
 struct RunningWelch::Transform {
   explicit Transform(Index n)
-      : window(periodic_hann(n)), fft(static_cast<std::size_t>(n), false), piece(n), spectrum(n) {}
+      : window(hann(n)), fft(static_cast<std::size_t>(n), false), piece(n), spectrum(n) {}
   VectorXd window;
   kissfft<double> fft;
   Eigen::VectorXcd piece, spectrum;

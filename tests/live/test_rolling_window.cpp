@@ -39,21 +39,5 @@ TEST(RollingWindow, RefusesWhatItCannotBe) {
   EXPECT_THROW(window.newest(-1, 1), std::invalid_argument);
 }
 
-/// Against a list made by multiplying.
-TEST(RollingWindow, SmoothLengthsAreProductsOf2And3And5) {
-  std::vector<bool> smooth(2001);
-  for (int a = 1; a <= 2000; a *= 2) {
-    for (int b = a; b <= 2000; b *= 3) {
-      for (int c = b; c <= 2000; c *= 5) smooth[static_cast<std::size_t>(c)] = true;
-    }
-  }
-  Eigen::Index newest = 1;
-  for (Eigen::Index n = 1; n <= 2000; ++n) {
-    if (smooth[static_cast<std::size_t>(n)]) newest = n;
-    EXPECT_EQ(smooth_length(n), newest);
-  }
-  EXPECT_EQ(smooth_length(16000), 16000);  // 16 s at 1 kHz is whole
-}
-
 }  // namespace
 }  // namespace stillframe::live

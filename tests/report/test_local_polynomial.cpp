@@ -241,6 +241,22 @@ TEST(Fourier, IsTheSum) {
   }
 }
 
+/// Against a list made by multiplying.
+TEST(Fourier, FastLengthsAreProductsOf2And3And5) {
+  std::vector<bool> smooth(2001);
+  for (int a = 1; a <= 2000; a *= 2) {
+    for (int b = a; b <= 2000; b *= 3) {
+      for (int c = b; c <= 2000; c *= 5) smooth[static_cast<std::size_t>(c)] = true;
+    }
+  }
+  Index newest = 1;
+  for (Index n = 1; n <= 2000; ++n) {
+    if (smooth[static_cast<std::size_t>(n)]) newest = n;
+    EXPECT_EQ(fast_length(n), newest);
+  }
+  EXPECT_EQ(fast_length(16000), 16000);  // 16 s at 1 kHz is whole
+}
+
 TEST(Fourier, FastLengthsHaveSmallFactorsOnly) {
   EXPECT_EQ(fast_length(60000), 60000);
   EXPECT_EQ(fast_length(60001), 60000);

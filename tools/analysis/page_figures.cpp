@@ -9,7 +9,7 @@
 #include "report/identification/confidence.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 #include "tools/analysis/loop_comparison.hpp"
-#include "tools/analysis/verdict_of.hpp"
+#include "tools/analysis/loop_target.hpp"
 
 namespace stillframe::tools {
 

@@ -1,15 +1,7 @@
 #include "tools/analysis/page_of.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include "core/frequency_response.hpp"
-#include "report/identification/confidence.hpp"
-#include "tools/analysis/loop_comparison.hpp"
 #include "tools/analysis/page_figures.hpp"
 #include "tools/analysis/page_tables_of.hpp"
-#include "tools/analysis/verdict_of.hpp"
 #include "tools/shapes.hpp"
 
 namespace stillframe::tools {

@@ -1,18 +1,11 @@
 #include "tools/analysis/verdict_of.hpp"
 
-#include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
 #include "report/analysis/summaries.hpp"
 #include "report/table.hpp"
 #include "tools/analysis/loop_comparison.hpp"
+#include "tools/analysis/loop_target.hpp"
 
 namespace stillframe::tools {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
 
 namespace {
 
@@ -106,32 +99,6 @@ std::optional<report::IdentificationSummary> judged(const RunAnalyses& runs,
 }
 
 }  // namespace
-
-std::optional<LoopTarget> target_of(const LoopDesign& design) {
-  const LinearModel& plant = design.loop.plant;
-  const Index n = design.loop.n_legs;
-  if (plant.M.rows() != n) return std::nullopt;
-  // The elongations of the legs are e = E q: the dofs may be others.
-  const MatrixXd E = -plant.B.rightCols(n).transpose();
-  const Eigen::FullPivLU<MatrixXd> lu(E);
-  if (!lu.isInvertible()) return std::nullopt;
-  const MatrixXd inverse = lu.inverse();
-  const MatrixXd M = inverse.transpose() * plant.M * inverse;
-  const MatrixXd K = inverse.transpose() * plant.stiffness() * inverse;
-  const MatrixXd X = MatrixXd::Identity(n, n) + design.loop.gains.K_P;
-  // K M^-1 = omega_d^2 X: one number for all entries.
-  const MatrixXd KM = M.transpose().partialPivLu().solve(K.transpose()).transpose();
-  const double omega_squared = (X.array() * KM.array()).sum() / X.squaredNorm();
-  const double damping = (X.array() * design.loop.gains.K_I.array()).sum() / X.squaredNorm();
-  constexpr double same = 1e-6;
-  if (!(omega_squared > 0) || !((KM - omega_squared * X).norm() <= same * KM.norm()) ||
-      !((design.loop.gains.K_I - damping * X).norm() <= same * damping * X.norm())) {
-    return std::nullopt;
-  }
-  const double omega = std::sqrt(omega_squared);
-  return LoopTarget{.frequency_hz = omega / (2 * std::numbers::pi),
-                    .damping_ratio = damping / (2 * omega)};
-}
 
 report::Verdict verdict_of(const RunAnalyses& runs, std::optional<double> target_hz) {
   report::Verdict verdict;

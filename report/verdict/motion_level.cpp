@@ -1,0 +1,17 @@
+#include "report/verdict/motion_level.hpp"
+
+#include "report/spectra/vibration_criteria.hpp"
+
+namespace stillframe::report {
+
+MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocity, double peak) {
+  Eigen::Index band = 0;
+  const double largest = band_velocity.maxCoeff(&band);
+  return {.rms_acceleration = band_rms(density, lowest_level_hz, highest_level_hz),
+          .peak_acceleration = peak,
+          .largest_band_velocity = largest,
+          .largest_band_hz = third_octave_bands()[static_cast<std::size_t>(band)].nominal_hz,
+          .vibration_class = vibration_class(band_velocity)};
+}
+
+}  // namespace stillframe::report

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "report/spectra/spectra.hpp"
+#include "report/verdict/verdict.hpp"
+
+namespace stillframe::report {
+
+/// The rms that people compare is of these frequencies, Hz.
+inline constexpr double lowest_level_hz = 1, highest_level_hz = 80;
+
+/// What an acceleration comes to. density: its PSD, (m/s^2)^2 / Hz; band_velocity:
+/// third_octave_velocity() of it, m/s rms; peak: largest sample, m/s^2. Errors: as vibration_class.
+MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocity, double peak);
+
+}  // namespace stillframe::report
