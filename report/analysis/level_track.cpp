@@ -8,13 +8,26 @@ namespace stillframe::report {
 
 namespace {
 
-/// The level that so large a share of the levels is below.
-double quantile(std::vector<double> values, double share) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return 0;
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
+/// What rms a Gaussian motion of this median level has; levels that are missing left out.
+double usual(std::vector<double> levels) {
+  std::erase_if(levels, [](double value) { return std::isnan(value); });
+  if (levels.empty()) return 0;
+  const auto middle = levels.begin() + static_cast<std::ptrdiff_t>(levels.size() / 2);
+  std::nth_element(levels.begin(), middle, levels.end());
+  constexpr double median_of_gaussian = 0.6745;  // of |x|, of unit variance
+  return *middle / median_of_gaussian;
+}
+
+/// Root of the mean square of those that are there; 0 if none is.
+double rms(const std::vector<double>& levels, std::size_t begin, std::size_t end) {
+  double sum = 0;
+  int n = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (std::isnan(levels[i])) continue;
+    sum += levels[i] * levels[i];
+    ++n;
+  }
+  return n > 0 ? std::sqrt(sum / n) : 0;
 }
 
 double largest(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -25,12 +38,21 @@ double largest(const std::vector<double>& values, std::size_t begin, std::size_t
   return found;
 }
 
-/// Where one of the signals is far above its usual level.
+/// Where one of the signals is far above its usual level and what was before.
 std::vector<bool> loud(const std::vector<double>& levels, const ShockCriteria& criteria) {
-  const double limit = std::max(criteria.times_median * quantile(levels, 0.5),
+  const double limit = std::max(criteria.times_usual * usual(levels),
                                 criteria.share_of_largest * largest(levels, 0, levels.size()));
+  const auto back = static_cast<std::size_t>(std::lround(criteria.before_s / LevelTrack::step_s));
   std::vector<bool> result(levels.size());
-  for (std::size_t i = 0; i < levels.size(); ++i) result[i] = levels[i] > limit;
+  std::size_t rest = 0;  // behind the last that was loud
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    // Within a shock, what was before is what was before it.
+    const std::size_t begin = std::max(rest, i > back ? i - back : 0);
+    const bool goes_on = i > 0 && result[i - 1];
+    result[i] =
+        levels[i] > limit && (goes_on || levels[i] > criteria.times_before * rms(levels, begin, i));
+    if (result[i]) rest = i + 1;
+  }
   return result;
 }
 
@@ -65,7 +87,7 @@ void LevelTrack::skip(std::int64_t n) {
 }
 
 std::vector<Shock> find_shocks(const std::vector<double>& floor, const std::vector<double>& frame,
-                               const ShockCriteria& criteria) {
+                               double first_time_s, const ShockCriteria& criteria) {
   const std::size_t n = std::min(floor.size(), frame.size());
   const auto floor_loud = loud(floor, criteria), frame_loud = loud(frame, criteria);
   const auto apart = static_cast<std::size_t>(std::lround(criteria.apart_s / LevelTrack::step_s));
@@ -79,8 +101,9 @@ std::vector<Shock> find_shocks(const std::vector<double>& floor, const std::vect
       spans.emplace_back(i, i);
     }
   }
-  const double quiet = quantile(frame, 0.1);
+  const auto back = static_cast<std::size_t>(std::lround(criteria.before_s / LevelTrack::step_s));
   std::vector<Shock> shocks;
+  std::size_t rest_begin = 0;  // where the frame was at rest after the last shock
   for (std::size_t s = 0; s < spans.size(); ++s) {
     const auto [first, last] = spans[s];
     const std::size_t end = s + 1 < spans.size() ? spans[s + 1].first : n;
@@ -93,17 +116,23 @@ std::vector<Shock> find_shocks(const std::vector<double>& floor, const std::vect
     for (std::size_t i = first; i <= last; ++i) {
       if (cause[i] > cause[peak] || std::isnan(cause[peak])) peak = i;
     }
-    Shock shock{.time_s = (static_cast<double>(peak) + 0.5) * LevelTrack::step_s,
+    Shock shock{.time_s = first_time_s + (static_cast<double>(peak) + 0.5) * LevelTrack::step_s,
                 .floor_level = largest(floor, first, last + 1),
                 .frame_level = largest(frame, first, end),
                 .settling_s = {}};
+    const double before = rms(frame, std::max(rest_begin, first > back ? first - back : 0), first);
     const double rest =
-        std::max(criteria.rest_times_quiet * quiet, criteria.rest_share * shock.frame_level);
-    std::size_t settled = end;
-    while (settled > peak && !(frame[settled - 1] > rest)) --settled;
+        std::max(criteria.rest_times_before * before, criteria.rest_share * shock.frame_level);
+    // The first tenth from which on the frame is quiet for as long as levels are one shock.
+    std::size_t settled = peak, quiet = peak;
+    while (quiet < end && quiet < settled + apart) {
+      if (!(frame[quiet] <= rest)) settled = quiet + 1;
+      ++quiet;
+    }
     if (settled < end) {
       shock.settling_s = static_cast<double>(settled - peak) * LevelTrack::step_s;
     }
+    rest_begin = std::min(settled, end);
     shocks.push_back(shock);
   }
   return shocks;

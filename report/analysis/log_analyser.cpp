@@ -1,6 +1,8 @@
 #include "report/analysis/log_analyser.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "core/yaml/input_error.hpp"
 
@@ -8,6 +10,7 @@ namespace stillframe::report {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 using stillframe_msgs::run_info_t;
 
 namespace {
@@ -25,6 +28,62 @@ struct Axis {
   std::string name;
   Index floor_column, frame_column;
   SignalAnalyser floor, frame;
+  RunningPower unexplained;
+};
+
+/// What the model makes of the floor, sample by sample, and since when its state is that of the
+/// run: from the beginning of a run, which is at rest, or when what it did not know has died away.
+class FloorResponse {
+ public:
+  explicit FloorResponse(const SampledLoop& loop) : loop_(loop) {
+    state_.setZero(loop_.A.rows());
+    constexpr double forgotten = 1e-4;  // of the state
+    const double radius = loop_.n_exogenous > 0 ? 1 : spectral_radius(loop_);
+    if (radius < 1) settling_ = std::log(forgotten) / std::log(radius);
+  }
+
+  /// The next rows of floor inputs: what the outputs are.
+  MatrixXd follow(const MatrixXd& inputs) {
+    MatrixXd outputs(inputs.rows(), loop_.C.rows());
+    for (Index k = 0; k < inputs.rows(); ++k) {
+      input_ = inputs.row(k).transpose();
+      outputs.row(k).noalias() = (loop_.C * state_ + loop_.D * input_).transpose();
+      next_.noalias() = loop_.A * state_;
+      next_.noalias() += loop_.B * input_;
+      state_.swap(next_);
+    }
+    if (inputs.rows() > 0) last_ = inputs.bottomRows(1);
+    return outputs;
+  }
+
+  /// n samples are missing before a row of inputs: a few are put in as LocalPolynomial does.
+  void skip(std::int64_t n, const Eigen::RowVectorXd& behind) {
+    if (n > largest_filled_gap || last_.size() == 0) {
+      state_.setZero();
+      unknown_ = settling_;
+      return;
+    }
+    MatrixXd between(n, behind.size());
+    for (Index m = 0; m < n; ++m) {
+      between.row(m) =
+          last_ + (behind - last_) * (static_cast<double>(m + 1) / static_cast<double>(n + 1));
+    }
+    follow(between);
+  }
+
+  /// How many of the next n rows are not to be believed.
+  Index doubtful(Index n) {
+    const auto taken = static_cast<Index>(std::min(std::ceil(unknown_), static_cast<double>(n)));
+    unknown_ -= static_cast<double>(taken);
+    return taken;
+  }
+
+ private:
+  SampledLoop loop_;
+  VectorXd state_, next_, input_;
+  Eigen::RowVectorXd last_;
+  double settling_ = std::numeric_limits<double>::infinity();  ///< samples
+  double unknown_ = 0;                                         ///< samples still to come
 };
 
 class Analyser : public LogVisitor {
@@ -34,20 +93,22 @@ class Analyser : public LogVisitor {
 
   void begin(const run_info_t& info) override {
     plan_ = plan_of_(info);
-    const double rate = info.sample_rate_hz;
+    info_ = info;
     for (const AxisPlan& axis : plan_.axes) {
-      axes_.push_back({axis.name, column_of(info.frame_names, axis.floor),
-                       column_of(info.frame_names, axis.frame), SignalAnalyser(rate),
-                       SignalAnalyser(rate)});
+      column_of(info.frame_names, axis.floor);  // an error now and not behind the first block
+      column_of(info.frame_names, axis.frame);
     }
-    for (const std::string& leg : info.leg_names) legs_.emplace_back(leg, rate);
+    if (plan_.model && !plan_.multisine) model_.emplace(plan_.model->loop);
     plan_responses(info);
   }
 
   void samples(const SampleBlock& block) override {
+    const MatrixXd predicted = predict(block);
+    if (!started_) start(block.time_s(0));
     if (block.first_seq > next_seq_ && started_) skip(block.first_seq - next_seq_);
     started_ = true;
     next_seq_ = block.first_seq + block.n_samples();
+    if (model_) add_unexplained(block, predicted);
     for (Axis& axis : axes_) {
       axis.floor.add(block.frame_acceleration.col(axis.floor_column));
       axis.frame.add(block.frame_acceleration.col(axis.frame_column));
@@ -59,9 +120,10 @@ class Analyser : public LogVisitor {
     }
     if (matrix_) {
       matrix_->add(block.first_seq, block.floor_acceleration,
-                   block.frame_acceleration.leftCols(plan_.n_outputs));
+                   block.frame_acceleration.leftCols(plan_.n_outputs),
+                   predicted.leftCols(model_ ? plan_.n_outputs : 0));
     }
-    if (axis_matrix_) add_axes(block);
+    if (axis_matrix_) add_axes(block, predicted);
   }
 
   void period(const stillframe_msgs::loop_record_t& record) override {
@@ -73,11 +135,19 @@ class Analyser : public LogVisitor {
     LogAnalysis result;
     result.scan = std::move(scan);
     for (const Axis& axis : axes_) {
-      AxisAnalysis done{axis.name, axis.floor.finish(), axis.frame.finish(), {}};
-      if (!plan_.multisine) done.shocks = find_shocks(done.floor.levels, done.frame.levels);
+      AxisAnalysis done{axis.name, axis.floor.finish(), axis.frame.finish(), {}, {}};
+      if (has_unexplained()) done.unexplained = axis.unexplained.finish();
+      if (!plan_.multisine)
+        done.shocks = find_shocks(done.floor.levels, done.frame.levels, first_time_s_);
       result.axes.push_back(std::move(done));
     }
     for (const LegAnalyser& leg : legs_) result.legs.push_back(leg.finish());
+    if (!has_unexplained()) {
+      result.unexplained_missing =
+          model_ ? "the log has no beginning or has gaps, and what the loop did there it has not "
+                   "forgotten in over half of what is left"
+                 : plan_.unmodelled;
+    }
     if (matrix_) result.matrix = matrix_->finish();
     if (axis_matrix_) result.axis_matrix = axis_matrix_->finish();
     result.wake_up = std::move(wake_up_);
@@ -86,6 +156,18 @@ class Analyser : public LogVisitor {
   }
 
  private:
+  /// Histories are on plant time, which is known with the first samples.
+  void start(double first_time_s) {
+    first_time_s_ = first_time_s;
+    const double rate = info_.sample_rate_hz;
+    for (const AxisPlan& axis : plan_.axes) {
+      axes_.push_back({axis.name, column_of(info_.frame_names, axis.floor),
+                       column_of(info_.frame_names, axis.frame), SignalAnalyser(rate, first_time_s),
+                       SignalAnalyser(rate, first_time_s), RunningPower(rate)});
+    }
+    for (const std::string& leg : info_.leg_names) legs_.emplace_back(leg, rate, first_time_s);
+  }
+
   void plan_responses(const run_info_t& info) {
     BroadbandPlan broadband{
         .sample_rate_hz = info.sample_rate_hz,
@@ -103,17 +185,20 @@ class Analyser : public LogVisitor {
       if (plan_.multisine) {
         matrix_ = std::make_unique<ResponseAnalyser>(signals, *plan_.multisine);
       } else {
-        matrix_ = std::make_unique<ResponseAnalyser>(signals, broadband);
+        matrix_ = std::make_unique<ResponseAnalyser>(
+            signals, broadband,
+            plan_.model ? plan_.model->matrix : std::vector<Eigen::MatrixXcd>{});
       }
     }
-    if (!axes_.empty() && !plan_.multisine) {
+    if (!plan_.axes.empty() && !plan_.multisine) {
       ResponseSignals signals;
       for (const AxisPlan& axis : plan_.axes) {
         signals.inputs.push_back(axis.floor);
         signals.outputs.push_back(axis.frame);
       }
-      broadband.n_inputs = broadband.n_outputs = static_cast<Index>(axes_.size());
-      axis_matrix_ = std::make_unique<ResponseAnalyser>(signals, broadband);
+      broadband.n_inputs = broadband.n_outputs = static_cast<Index>(plan_.axes.size());
+      axis_matrix_ = std::make_unique<ResponseAnalyser>(
+          signals, broadband, plan_.model ? plan_.model->axes : std::vector<Eigen::MatrixXcd>{});
     }
   }
 
@@ -121,25 +206,54 @@ class Analyser : public LogVisitor {
     for (Axis& axis : axes_) {
       axis.floor.skip(n);
       axis.frame.skip(n);
+      axis.unexplained.skip(n);
     }
     for (LegAnalyser& leg : legs_) leg.skip(n);
   }
 
-  void add_axes(const SampleBlock& block) {
+  /// What the model makes of the block's floor, an output a column; nothing without a model.
+  MatrixXd predict(const SampleBlock& block) {
+    if (!model_) return {};
+    const std::int64_t missing = block.first_seq - next_seq_;  // 0 is the first
+    if (missing > 0) model_->skip(missing, block.floor_acceleration.row(0));
+    return model_->follow(block.floor_acceleration);
+  }
+
+  void add_unexplained(const SampleBlock& block, const MatrixXd& predicted) {
+    const Index doubtful = model_->doubtful(block.n_samples()), n = block.n_samples() - doubtful;
+    n_explained_ += n;
+    n_samples_ += block.n_samples();
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      axes_[a].unexplained.skip(doubtful);
+      const auto column = plan_.n_outputs + static_cast<Index>(a);
+      axes_[a].unexplained.add(block.frame_acceleration.col(axes_[a].frame_column).tail(n) -
+                               predicted.col(column).tail(n));
+    }
+  }
+
+  bool has_unexplained() const { return model_ && 2 * n_explained_ > n_samples_; }
+
+  void add_axes(const SampleBlock& block, const MatrixXd& predicted) {
     MatrixXd floors(block.n_samples(), static_cast<Index>(axes_.size())), frames = floors;
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       floors.col(static_cast<Index>(a)) = block.frame_acceleration.col(axes_[a].floor_column);
       frames.col(static_cast<Index>(a)) = block.frame_acceleration.col(axes_[a].frame_column);
     }
-    axis_matrix_->add(block.first_seq, floors, frames);
+    const bool about_model = model_ && !plan_.model->axes.empty();
+    axis_matrix_->add(block.first_seq, floors, frames,
+                      predicted.rightCols(about_model ? floors.cols() : 0));
   }
 
   const std::function<AnalysisPlan(const run_info_t&)>& plan_of_;
   AnalysisPlan plan_;
+  run_info_t info_;
+  double first_time_s_ = 0;  ///< plant time
   std::vector<Axis> axes_;
   std::vector<LegAnalyser> legs_;
   std::unique_ptr<ResponseAnalyser> matrix_, axis_matrix_;
   DurationHistogram wake_up_, compute_;
+  std::optional<FloorResponse> model_;
+  std::int64_t n_explained_ = 0, n_samples_ = 0;
   std::int64_t next_seq_ = 0;
   bool started_ = false;
 };

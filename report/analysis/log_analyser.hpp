@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/linear/multisine_plan.hpp"
+#include "core/linear/sampled_loop.hpp"
 #include "report/analysis/duration_histogram.hpp"
 #include "report/analysis/level_track.hpp"
 #include "report/analysis/response_analyser.hpp"
@@ -23,6 +24,16 @@ struct AxisPlan {
   std::string name, floor, frame;
 };
 
+/// The loop that ran, as its model has it.
+struct RunModel {
+  /// From the floor inputs to the first n_outputs frame accelerations and then the frames of the
+  /// axes.
+  SampledLoop loop;
+  /// T at the frequencies of broadband identification: of the outputs, and from the floors to the
+  /// frames of the axes; none if the floors of the axes do not tell how the floor moves.
+  std::vector<Eigen::MatrixXcd> matrix, axes;
+};
+
 /// What is looked for in a log.
 struct AnalysisPlan {
   std::vector<AxisPlan> axes;
@@ -31,12 +42,16 @@ struct AnalysisPlan {
   std::optional<MultisinePlan> multisine;  ///< that moved the floor, if one did
   std::vector<double> frequencies_hz;      ///< of broadband identification
   double segment_s = 64;                   ///< of broadband identification
+  std::optional<RunModel> model = {};
+  std::string unmodelled = {};  ///< why there is none
 };
 
 /// One direction over a run.
 struct AxisAnalysis {
   std::string name;
   SignalAnalysis floor, frame;
+  /// Of the frame's acceleration less what the model makes of the floor, (m/s^2)^2 / Hz.
+  std::optional<Psd> unexplained;
   std::vector<Shock> shocks;  ///< none are sought on a multisine floor
 };
 
@@ -45,6 +60,7 @@ struct LogAnalysis {
   LogScan scan;
   std::vector<AxisAnalysis> axes;
   std::vector<LegAnalysis> legs;
+  std::string unexplained_missing;                ///< why no axis has it
   std::optional<IdentifiedResponse> matrix;       ///< all floor inputs to the outputs
   std::optional<IdentifiedResponse> axis_matrix;  ///< floors to frames of all axes
   DurationHistogram wake_up, compute;             ///< wall-clock runs, of the controller

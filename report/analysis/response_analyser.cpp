@@ -23,17 +23,32 @@ ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const MultisinePlan&
   result_.method = "multisine";
 }
 
-ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan)
-    : method_(std::in_place_type<LocalPolynomial>, plan) {
+namespace {
+
+/// With a model, what it leaves of the outputs stands before the outputs.
+BroadbandPlan with_residual(BroadbandPlan plan, bool model) {
+  if (model) plan.n_outputs *= 2;
+  return plan;
+}
+
+}  // namespace
+
+ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan,
+                                   std::vector<Eigen::MatrixXcd> model)
+    : model_(std::move(model)),
+      density_(2 / plan.sample_rate_hz),
+      method_(std::in_place_type<LocalPolynomial>, with_residual(plan, !model_.empty())) {
   result_.signals = std::move(signals);
   result_.method = "broadband";
 }
 
-void ResponseAnalyser::add(std::int64_t first_seq, const MatrixXd& inputs,
-                           const MatrixXd& outputs) {
+void ResponseAnalyser::add(std::int64_t first_seq, const MatrixXd& inputs, const MatrixXd& outputs,
+                           const MatrixXd& predicted) {
   if (auto* broadband = std::get_if<LocalPolynomial>(&method_)) {
-    broadband->add(first_seq, inputs, outputs);
-    return;
+    if (model_.empty()) return broadband->add(first_seq, inputs, outputs);
+    MatrixXd both(outputs.rows(), 2 * outputs.cols());
+    both << outputs - predicted, outputs;
+    return broadband->add(first_seq, inputs, both);
   }
   auto& lines = std::get<Lines>(method_);
   const Index n = std::min<Index>(inputs.rows(), lines.inputs.rows() - first_seq);
@@ -61,15 +76,10 @@ IdentifiedResponse ResponseAnalyser::finish() {
   result.n_left_out = broadband.n_left_out();
   result.n_segments = broadband.n_segments();
   result.resolution_hz = broadband.half_width_hz();
+  result.missing = broadband.missing();
+  if (!result.missing.empty()) return result;
   FrequencyResponse response = broadband.estimate();
-  if (response.dof.size() == 0 || response.dof.maxCoeff() == 0) {
-    result.missing = "no stretch of the log without a gap is long enough";
-    // Dependent inputs leave no dof either, but they have a condition.
-    if (response.input_condition.size() > 0 && response.input_condition.minCoeff() < 1e300) {
-      result.missing = "the inputs do not move independently";
-    }
-    return result;
-  }
+  if (!model_.empty()) response = about_model(response, model_, density_);
   Eigen::VectorXd conditions = response.input_condition;
   std::sort(conditions.begin(), conditions.end());
   const double median = conditions(conditions.size() / 2);

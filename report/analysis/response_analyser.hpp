@@ -36,10 +36,15 @@ class ResponseAnalyser {
  public:
   /// By the plan's lines; memory of the plan's length.
   ResponseAnalyser(ResponseSignals signals, const MultisinePlan& plan);
-  ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan);
+  /// model: T of the loop that runs at the plan's frequencies, about which is identified; none: it
+  /// is not known.
+  ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan,
+                   std::vector<Eigen::MatrixXcd> model = {});
 
-  /// Rows that follow one another; seq as LocalPolynomial::add.
-  void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs);
+  /// Rows that follow one another; seq as LocalPolynomial::add. predicted: what the model makes of
+  /// the floor, as outputs, if there is one.
+  void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
+           const Eigen::MatrixXd& predicted = {});
   IdentifiedResponse finish();
 
  private:
@@ -48,6 +53,8 @@ class ResponseAnalyser {
     Eigen::MatrixXd inputs, outputs;  ///< a row a sample of the plan and one before; NaN: missing
   };
   IdentifiedResponse result_;
+  std::vector<Eigen::MatrixXcd> model_;
+  double density_ = 0;  ///< output unit^2 / Hz, of noise of variance 1 in each equation
   std::variant<Lines, LocalPolynomial> method_;
 };
 

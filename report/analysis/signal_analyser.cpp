@@ -19,14 +19,16 @@ Eigen::Index segment_of(double sample_rate_hz) {
 
 }  // namespace
 
-SignalAnalyser::SignalAnalyser(double sample_rate_hz)
+SignalAnalyser::SignalAnalyser(double sample_rate_hz, double first_time_s)
     : density_(sample_rate_hz, segment_of(sample_rate_hz)),
-      envelope_(1 / sample_rate_hz),
+      power_(sample_rate_hz),
+      envelope_(1 / sample_rate_hz, first_time_s),
       levels_(sample_rate_hz) {}
 
 void SignalAnalyser::add(const Eigen::Ref<const Eigen::VectorXd>& x) {
   if (x.size() == 0) return;
   density_.add(x);
+  power_.add(x);
   envelope_.add(x);
   levels_.add(x);
   sum_ += x.squaredNorm();
@@ -36,6 +38,7 @@ void SignalAnalyser::add(const Eigen::Ref<const Eigen::VectorXd>& x) {
 
 void SignalAnalyser::skip(std::int64_t n) {
   density_.interrupt();
+  power_.skip(n);
   envelope_.skip(n);
   levels_.skip(n);
 }
@@ -44,11 +47,12 @@ SignalAnalysis SignalAnalyser::finish() const {
   SignalAnalysis result{.rms = root_mean(sum_, count_),
                         .peak = peak_,
                         .density = density_.finish(),
+                        .power = power_.finish(),
                         .third_octaves = {},
                         .envelope = envelope_.finish(),
                         .levels = levels_.levels()};
   if (result.density.density.size() > 0) {
-    result.third_octaves = third_octave_velocity(result.density);
+    result.third_octaves = third_octave_velocity(result.power);
   }
   return result;
 }
@@ -59,8 +63,8 @@ SignalAnalysis analyse_signal(const Eigen::VectorXd& x, double sample_rate_hz) {
   return analyser.finish();
 }
 
-LegAnalyser::LegAnalyser(std::string name, double sample_rate_hz)
-    : envelope_(1 / sample_rate_hz, 0, page::EnvelopeBuilder::default_parts / 4) {
+LegAnalyser::LegAnalyser(std::string name, double sample_rate_hz, double first_time_s)
+    : envelope_(1 / sample_rate_hz, first_time_s, page::EnvelopeBuilder::default_parts / 4) {
   result_.name = std::move(name);
 }
 

@@ -15,6 +15,7 @@ struct SignalAnalysis {
   double rms = 0;                 ///< of the samples, mean included
   double peak = 0;                ///< largest magnitude of a sample
   Psd density;                    ///< Welch, (m/s^2)^2 / Hz; empty for a run without two samples
+  Psd power;                      ///< RunningPower, what levels are of; empty with the density
   Eigen::VectorXd third_octaves;  ///< m/s rms in third_octave_bands(), empty with the density
   page::Envelope envelope;
   std::vector<double> levels;  ///< rms in tenths of a second, LevelTrack
@@ -23,7 +24,8 @@ struct SignalAnalysis {
 /// Takes one acceleration sample by sample. Set-up.
 class SignalAnalyser {
  public:
-  explicit SignalAnalyser(double sample_rate_hz);
+  /// first_time_s: s of plant time, of the first sample.
+  explicit SignalAnalyser(double sample_rate_hz, double first_time_s = 0);
   void add(const Eigen::Ref<const Eigen::VectorXd>& x);
   /// The next n samples are missing.
   void skip(std::int64_t n);
@@ -31,6 +33,7 @@ class SignalAnalyser {
 
  private:
   RunningWelch density_;
+  RunningPower power_;
   page::EnvelopeBuilder envelope_;
   LevelTrack levels_;
   double sum_ = 0, peak_ = 0;
@@ -52,7 +55,7 @@ struct LegAnalysis {
 /// Takes one leg. Set-up.
 class LegAnalyser {
  public:
-  LegAnalyser(std::string name, double sample_rate_hz);
+  LegAnalyser(std::string name, double sample_rate_hz, double first_time_s = 0);
   /// n samples each; a command of NaN is none.
   void add(const Eigen::Ref<const Eigen::VectorXd>& applied,
            const Eigen::Ref<const Eigen::VectorXd>& sigma,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "report/identification/confidence.hpp"
 #include "report/verdict/motion_level.hpp"
@@ -17,30 +16,6 @@ TimingSummary::Quantiles quantiles_of(const DurationHistogram& histogram) {
   return {.p50_us = histogram.quantile_us(0.5),
           .p99_us = histogram.quantile_us(0.99),
           .p999_us = histogram.quantile_us(0.999)};
-}
-
-/// Root of the integral of a density over lowest_level_hz to highest_level_hz, on straight lines
-/// between its points; beyond them it goes on as at the nearest.
-double rms_of(const std::vector<double>& frequencies_hz, const Eigen::VectorXd& density) {
-  double power = 0, last_f = lowest_level_hz, last_d = std::nan("");
-  const auto step = [&](double f, double d) {
-    if (!std::isnan(last_d)) power += 0.5 * (d + last_d) * (f - last_f);
-    last_f = f;
-    last_d = d;
-  };
-  for (std::size_t l = 0; l < frequencies_hz.size(); ++l) {
-    const double f = frequencies_hz[l], d = density(static_cast<Index>(l));
-    if (std::isnan(d)) continue;
-    if (f >= lowest_level_hz && std::isnan(last_d)) step(lowest_level_hz, d);
-    if (f < lowest_level_hz) {
-      last_d = d;  // until one above it comes
-      continue;
-    }
-    if (f > highest_level_hz) break;
-    step(f, d);
-  }
-  if (!std::isnan(last_d) && last_f < highest_level_hz) step(highest_level_hz, last_d);
-  return std::sqrt(power);
 }
 
 }  // namespace
@@ -106,7 +81,7 @@ MotionLevel motion_level(const SignalAnalysis& signal) {
     level.peak_acceleration = signal.peak;
     return level;
   }
-  return motion_level(signal.density, signal.third_octaves, signal.peak);
+  return motion_level(signal.power, signal.third_octaves, signal.peak);
 }
 
 MotionSpectra motion_spectra(const SignalAnalysis& signal) {
@@ -114,7 +89,9 @@ MotionSpectra motion_spectra(const SignalAnalysis& signal) {
   if (signal.third_octaves.size() == 0) return spectra;
   spectra.velocity.assign(signal.third_octaves.begin(), signal.third_octaves.end());
   for (const OctaveBand& band : third_octave_bands()) {
-    spectra.cumulative_rms.push_back(band_rms(signal.density, 0, band.upper_hz));
+    spectra.cumulative_rms.push_back(band.upper_hz <= 0.5 * signal.power.sample_rate_hz
+                                         ? band_rms(signal.power, 0, band.upper_hz)
+                                         : std::nan(""));
   }
   return spectra;
 }
@@ -148,17 +125,20 @@ std::vector<EffortSummary> effort_summaries(const LogAnalysis& log, std::optiona
   return summaries;
 }
 
-std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log,
-                                          const FrequencyResponse& axis_matrix) {
+std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log) {
   std::vector<NoiseSummary> summaries;
-  for (std::size_t a = 0; a < log.axes.size(); ++a) {
-    const double rms =
-        rms_of(axis_matrix.frequencies_hz, axis_matrix.noise_density.col(static_cast<Index>(a)));
-    const double whole = motion_level(log.axes[a].frame).rms_acceleration;
-    summaries.push_back({.axis = log.axes[a].name,
-                         .loop = log.scan.info.loop,
-                         .rms_acceleration = rms,
-                         .share = whole > 0 ? rms / whole : 0});
+  for (const AxisAnalysis& axis : log.axes) {
+    NoiseSummary noise{.axis = axis.name,
+                       .loop = log.scan.info.loop,
+                       .rms_acceleration = {},
+                       .share = {},
+                       .missing = log.unexplained_missing};
+    const double whole = motion_level(axis.frame).rms_acceleration;
+    if (axis.unexplained && axis.unexplained->density.size() > 0) {
+      noise.rms_acceleration = band_rms(*axis.unexplained, lowest_level_hz, highest_level_hz);
+      if (whole > 0) noise.share = *noise.rms_acceleration / whole;
+    }
+    summaries.push_back(std::move(noise));
   }
   return summaries;
 }
@@ -176,11 +156,10 @@ std::vector<Transmissibility> transmissibilities(const LogAnalysis& log,
                        .upper = {},
                        .coherence = {}};
     for (Index l = 0; l < axis_matrix.n_frequencies(); ++l) {
-      const double value = std::abs(axis_matrix.T[static_cast<std::size_t>(l)](i, i));
-      const double radius = entry_radii(axis_matrix, l, 0.95)(i, i);
-      t.value.push_back(value);
-      t.lower.push_back(std::max(value - radius, 0.0));
-      t.upper.push_back(value + radius);
+      const Interval band = magnitude_band(axis_matrix, l, i, i, 0.95);
+      t.value.push_back(std::abs(axis_matrix.T[static_cast<std::size_t>(l)](i, i)));
+      t.lower.push_back(band.lower);
+      t.upper.push_back(band.upper);
       t.coherence.push_back(axis_matrix.coherence(l, i));
     }
     summaries.push_back(std::move(t));

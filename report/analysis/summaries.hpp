@@ -18,11 +18,9 @@ MotionSpectra motion_spectra(const SignalAnalysis& signal);
 std::vector<ShockSummary> shock_summaries(const LogAnalysis& log);
 /// Of the legs that did anything. limit: N of every leg, if there is one.
 std::vector<EffortSummary> effort_summaries(const LogAnalysis& log, std::optional<double> limit);
-/// What the inputs of a response leave unexplained of its outputs, one a direction; frame: the
-/// spectra of these outputs.
-std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log,
-                                          const FrequencyResponse& axis_matrix);
-/// One a direction, |T_ii| with 95 % bands from the circles about T_ii.
+/// What the model, driven by the measured floor, leaves of the frame's motion, one a direction.
+std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log);
+/// One a direction, |T_ii| with its 95 % bands.
 std::vector<Transmissibility> transmissibilities(const LogAnalysis& log,
                                                  const FrequencyResponse& axis_matrix);
 

@@ -135,6 +135,22 @@ MatrixXd entry_radii(const FrequencyResponse& response, Index frequency, double 
   return (F * C * G.transpose()).cwiseSqrt();
 }
 
+Interval magnitude_band(const FrequencyResponse& response, Index frequency, Index i, Index j,
+                        double level) {
+  check_level(level);
+  const auto at = static_cast<std::size_t>(frequency);
+  const double value = std::abs(response.T[at](i, j)), dof = response.dof(frequency);
+  if (!std::isfinite(value)) return {value, value};  // nothing was identified
+  const double variance = (response.noise[at](i, i) * response.input_weight[at](j, j)).real();
+  const double half = student_quantile(level, 2 * dof) * std::sqrt(0.5 * variance);
+  // Noise adds half of its power to the square, on the average, what it adds across.
+  const double centre = std::sqrt(std::max(value * value - 0.5 * variance, 0.0));
+  const double noise_alone = entry_radii(response, frequency, level)(i, j);
+  if (value <= noise_alone) return {0, std::max(centre + half, noise_alone)};
+  // The value itself is within but for rounding.
+  return {std::clamp(centre - half, 0.0, value), std::max(centre + half, value)};
+}
+
 Bands singular_value_bands(const FrequencyResponse& response, double level, int draws) {
   check_level(level);
   if (draws < 2) throw std::invalid_argument("singular_value_bands: draws must be 2 or more");

@@ -22,6 +22,19 @@ double student_quantile(double level, double dof);
 Eigen::MatrixXd entry_radii(const FrequencyResponse& response, Eigen::Index frequency,
                             double level);
 
+/// A band of the magnitude of one entry of T at one frequency that holds the true one with
+/// probability `level`. Far above its noise, v = C_ii G_jj, the measured one is real with Gaussian
+/// noise of half the power along T_ij, and the half across adds to its square:
+///   sqrt(|T_ij|^2 - v / 2) +- t sqrt(v / 2),  t Student's quantile with 2 dof degrees of freedom;
+/// within the circle of entry_radii it may as well be zero. For 95 %, any magnitude and 4 degrees
+/// of freedom or more that holds in 93.5 to 97.2 % of all cases (test_confidence). (The circle
+/// itself, as a band of the magnitude, would be 25 % too wide.)
+struct Interval {
+  double lower = 0, upper = 0;
+};
+Interval magnitude_band(const FrequencyResponse& response, Eigen::Index frequency, Eigen::Index i,
+                        Eigen::Index j, double level);
+
 /// Bands that hold each true singular value with probability `level`, n_f x n_s, not below zero.
 /// Singular values are no smooth functions of T where they meet, as those of symmetric frames do in
 /// pairs: noise drives such a pair apart, and the smallest ones up. So the bands come from draws:

@@ -41,7 +41,7 @@ MatrixXd singular_values(const std::vector<MatrixXcd>& matrices) {
   return values;
 }
 
-void complete(FrequencyResponse& response, const std::vector<MatrixXcd>& power, double density) {
+void complete(FrequencyResponse& response, double density) {
   response.singular_values = singular_values(response.T);
   const Index n_f = response.n_frequencies();
   if (n_f == 0) return;
@@ -51,7 +51,7 @@ void complete(FrequencyResponse& response, const std::vector<MatrixXcd>& power, 
   response.noise_density.resize(n_f, n_y);
   for (Index l = 0; l < n_f; ++l) {
     const auto at = static_cast<std::size_t>(l);
-    const MatrixXcd &C = response.noise[at], &P = power[at];
+    const MatrixXcd &C = response.noise[at], &P = response.output_power[at];
     response.noise_density.row(l) = density * C.diagonal().real().transpose();
     if (!response.T[at].allFinite()) {
       response.coherence.row(l).setConstant(unknown);
@@ -68,6 +68,19 @@ void complete(FrequencyResponse& response, const std::vector<MatrixXcd>& power, 
       response.directional_coherence(l, i) = share_explained(along(u, C), along(u, P));
     }
   }
+}
+
+FrequencyResponse about_model(const FrequencyResponse& residual,
+                              const std::vector<MatrixXcd>& model, double density) {
+  FrequencyResponse response = residual;
+  for (std::size_t l = 0; l < model.size(); ++l) {
+    const Index n_y = model[l].rows();
+    response.T[l] = model[l] + residual.T[l].topRows(n_y);
+    response.noise[l] = residual.noise[l].topLeftCorner(n_y, n_y);
+    response.output_power[l] = residual.output_power[l].bottomRightCorner(n_y, n_y);
+  }
+  complete(response, density);
+  return response;
 }
 
 }  // namespace stillframe::report

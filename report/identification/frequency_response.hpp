@@ -16,7 +16,9 @@ struct FrequencyResponse {
   Eigen::MatrixXd singular_values;             ///< n_f x n_s, largest first
   std::vector<Eigen::MatrixXcd> noise;         ///< n_f matrices C, n_y x n_y, Hermitian
   std::vector<Eigen::MatrixXcd> input_weight;  ///< n_f matrices G, n_w x n_w, Hermitian
-  Eigen::VectorXd dof;                         ///< n_f
+  /// n_f matrices n_y x n_y, Hermitian, the mean of y y^H over the equations.
+  std::vector<Eigen::MatrixXcd> output_power;
+  Eigen::VectorXd dof;  ///< n_f
   /// n_f x n_y, output unit^2 / Hz, one-sided: what the outputs do that the inputs do not explain.
   Eigen::MatrixXd noise_density;
   Eigen::MatrixXd coherence;  ///< n_f x n_y, the share of an output's power that the inputs explain
@@ -33,10 +35,17 @@ struct FrequencyResponse {
 /// finite. All of one shape.
 Eigen::MatrixXd singular_values(const std::vector<Eigen::MatrixXcd>& matrices);
 
-/// Fills singular_values, coherence, directional_coherence and noise_density of a response whose T
-/// and noise are there. power: n_f matrices n_y x n_y, the mean of y y^H over the equations.
-/// density: output unit^2 / Hz, one-sided, of noise of variance 1 in each equation.
-void complete(FrequencyResponse& response, const std::vector<Eigen::MatrixXcd>& power,
-              double density);
+/// Fills singular_values, coherence, directional_coherence and noise_density of a response whose T,
+/// noise and output_power are there. density: output unit^2 / Hz, one-sided, of noise of variance 1
+/// in each equation.
+void complete(FrequencyResponse& response, double density);
+
+/// A response that was identified about a model: what estimators leave of T where it bends, near
+/// resonances above all, they leave of the difference to the model alone, which is small where the
+/// model is right. residual: of the outputs less what the model makes of the inputs, the first half
+/// of its outputs, and of the outputs themselves, the second; model: its T at the frequencies;
+/// density: as in complete(). Answers T = model + residual T with the residual's noise.
+FrequencyResponse about_model(const FrequencyResponse& residual,
+                              const std::vector<Eigen::MatrixXcd>& model, double density);
 
 }  // namespace stillframe::report

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "report/spectra/fourier.hpp"
+#include "report/table.hpp"
 
 namespace stillframe::report {
 
@@ -28,6 +29,8 @@ constexpr Index aimed_dof = 12;
 /// Fewer tell too little of the noise: with 4, circles are 1.22 times as wide as with a known one.
 constexpr Index least_dof = 4;
 constexpr Index least_half_width = 4;  ///< bins
+/// Beyond this the inputs are one and the same to half of the digits.
+constexpr double largest_condition = 1e8;
 /// No parabola follows a loop over more than this to either side.
 constexpr double widest_hz = 2;
 
@@ -59,10 +62,10 @@ LocalPolynomial::LocalPolynomial(BroadbandPlan plan) : plan_(std::move(plan)) {
         "LocalPolynomial: rate, inputs, outputs and segment must be positive, frequencies below "
         "half the rate");
   }
-  const auto length = fast_length(std::llround(plan_.segment_s * rate));
-  plan_.segment_s = static_cast<double>(length) / rate;
+  length_ = fast_length(std::llround(plan_.segment_s * rate));
+  plan_.segment_s = static_cast<double>(length_) / rate;
   half_width_hz_ = (static_cast<double>(half_width(plan_)) + 0.5) / plan_.segment_s;
-  segment_.resize(length, plan_.n_inputs + plan_.n_outputs);
+  segment_.resize(0, plan_.n_inputs + plan_.n_outputs);
   equations_.resize(plan_.frequencies_hz.size());
   for (Equations& e : equations_) {
     e.factor.resize(0, n_terms * plan_.n_inputs + plan_.n_outputs);
@@ -82,8 +85,9 @@ void LocalPolynomial::add(std::int64_t first_seq, const MatrixXd& inputs, const 
     row << inputs.row(k), outputs.row(k);
     const std::int64_t seq = first_seq + k, missing = seq - next_seq_;
     if (n_rows_ > 0 && missing > 0) {
-      const auto room = static_cast<std::int64_t>(segment_.rows() - n_rows_);
+      const auto room = static_cast<std::int64_t>(length_ - n_rows_);
       if (missing > largest_filled_gap || missing >= room) {
+        gap_ = true;
         take_segment();
       } else {
         const RowVectorXd before = segment_.row(n_rows_ - 1);
@@ -100,8 +104,12 @@ void LocalPolynomial::add(std::int64_t first_seq, const MatrixXd& inputs, const 
 }
 
 void LocalPolynomial::append(const RowVectorXd& row) {
+  // Not at once: a rate that is damage would ask for any memory.
+  if (n_rows_ == segment_.rows()) {
+    segment_.conservativeResize(std::min(length_, 2 * n_rows_ + 1024), Eigen::NoChange);
+  }
   segment_.row(n_rows_++) = row;
-  if (n_rows_ == segment_.rows()) take_segment();
+  if (n_rows_ == length_) take_segment();
 }
 
 void LocalPolynomial::finish() {
@@ -117,6 +125,7 @@ void LocalPolynomial::finish() {
 }
 
 void LocalPolynomial::take_segment() {
+  n_longest_ = std::max<std::int64_t>(n_longest_, n_rows_);
   const Index n = fast_length(n_rows_);
   const double resolution_hz = plan_.sample_rate_hz / static_cast<double>(n);
   // A segment with less than a few bins for its own transient tells nothing of T.
@@ -185,6 +194,39 @@ bool LocalPolynomial::excited(const Equations& equations) const {
   return (density.array() > least_excitation * power.array()).all();
 }
 
+std::string LocalPolynomial::missing() const {
+  const Index unknowns = n_terms * plan_.n_inputs;
+  const auto enough = [&](const Equations& e) { return e.n >= unknowns + least_dof; };
+  if (std::none_of(equations_.begin(), equations_.end(), enough)) {
+    BroadbandPlan one = plan_;
+    one.expected_s = one.segment_s;
+    const double needed_s =
+        (static_cast<double>(half_width(one)) + 0.5) / std::max(widest_hz, half_width_hz_);
+    const double longest_s = static_cast<double>(n_longest_) / plan_.sample_rate_hz;
+    return std::string(gap_ ? "the longest stretch of the log without a gap" : "the log") +
+           " has " + cell("%.3g", longest_s) + " s, a response of " +
+           std::to_string(plan_.n_inputs) + " inputs needs " + cell("%.3g", needed_s) + " s";
+  }
+  const auto moved = [&](const Equations& e) { return enough(e) && excited(e); };
+  if (std::none_of(equations_.begin(), equations_.end(), moved)) {
+    return "the inputs do not move at any of the frequencies";
+  }
+  const auto known = [&](const Equations& e) {
+    return moved(e) && condition_of(e) < largest_condition;
+  };
+  if (std::none_of(equations_.begin(), equations_.end(), known)) {
+    return "the inputs do not move independently";
+  }
+  return {};
+}
+
+double LocalPolynomial::condition_of(const Equations& equations) const {
+  const Index p = n_terms * plan_.n_inputs;
+  const MatrixXcd R = equations.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
+  const VectorXd sizes = Eigen::JacobiSVD<MatrixXcd>(R.leftCols(plan_.n_inputs)).singularValues();
+  return sizes(0) / sizes(plan_.n_inputs - 1);
+}
+
 FrequencyResponse LocalPolynomial::estimate() const {
   if (!finished_) throw std::logic_error("LocalPolynomial: finish() comes before estimate()");
   const Index n_w = plan_.n_inputs, n_y = plan_.n_outputs, p = n_terms * n_w;
@@ -193,19 +235,17 @@ FrequencyResponse LocalPolynomial::estimate() const {
   response.frequencies_hz = plan_.frequencies_hz;
   response.dof = VectorXd::Zero(n_f);
   response.input_condition = VectorXd::Constant(n_f, std::numeric_limits<double>::infinity());
-  std::vector<MatrixXcd> power;
   for (Index l = 0; l < n_f; ++l) {
     const Equations& e = equations_[static_cast<std::size_t>(l)];
     const double missing = std::numeric_limits<double>::quiet_NaN();
     response.T.push_back(MatrixXcd::Constant(n_y, n_w, missing));
     response.noise.push_back(MatrixXcd::Constant(n_y, n_y, missing));
     response.input_weight.push_back(MatrixXcd::Constant(n_w, n_w, missing));
-    power.push_back(e.power / static_cast<double>(std::max<Index>(e.n, 1)));
+    response.output_power.push_back(e.power / static_cast<double>(std::max<Index>(e.n, 1)));
     if (e.n < p + least_dof || !excited(e)) continue;
     const auto R = e.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
-    const VectorXd sizes = Eigen::JacobiSVD<MatrixXcd>(MatrixXcd(R).leftCols(n_w)).singularValues();
-    response.input_condition(l) = sizes(0) / sizes(n_w - 1);
-    if (!(response.input_condition(l) < 1e8)) continue;
+    response.input_condition(l) = condition_of(e);
+    if (!(response.input_condition(l) < largest_condition)) continue;
     const MatrixXcd theta = R.solve(e.factor.topRightCorner(p, n_y));
     const MatrixXcd inverse = R.solve(MatrixXcd::Identity(p, p));
     const MatrixXcd left = e.factor.bottomRightCorner(e.factor.rows() - p, n_y);
@@ -214,7 +254,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
     response.noise.back() = (left.adjoint() * left).transpose() / response.dof(l);
     response.input_weight.back() = (inverse * inverse.adjoint()).topLeftCorner(n_w, n_w);
   }
-  complete(response, power, 2 / plan_.sample_rate_hz);
+  complete(response, 2 / plan_.sample_rate_hz);
   return response;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "report/identification/frequency_response.hpp"
@@ -54,6 +55,8 @@ class LocalPolynomial {
   FrequencyResponse estimate() const;
 
   double half_width_hz() const { return half_width_hz_; }  ///< of the bins about a frequency
+  /// Why estimate() knows no T at any frequency; empty if it does.
+  std::string missing() const;
   std::int64_t n_segments() const { return n_segments_; }  ///< used
   std::int64_t n_used() const { return n_used_; }          ///< samples in them
   std::int64_t n_filled() const { return n_filled_; }      ///< of these, put in
@@ -69,16 +72,20 @@ class LocalPolynomial {
   void append(const Eigen::RowVectorXd& row);
   void take_segment();
   bool excited(const Equations& equations) const;
+  double condition_of(const Equations& equations) const;  ///< of the inputs
   void take(Equations& equations, double frequency_hz, const Eigen::MatrixXcd& spectra,
             double resolution_hz) const;
 
   BroadbandPlan plan_;
   double half_width_hz_ = 0;
-  Eigen::MatrixXd segment_;  ///< rows of inputs, then outputs
+  Eigen::Index length_ = 0;  ///< rows of a whole segment
+  Eigen::MatrixXd segment_;  ///< rows of inputs, then outputs; grows to that
   Eigen::Index n_rows_ = 0;  ///< of the segment, so far
   std::int64_t next_seq_ = 0;
   std::vector<Equations> equations_;  ///< one a frequency
   std::int64_t n_segments_ = 0, n_used_ = 0, n_filled_ = 0, n_left_out_ = 0;
+  std::int64_t n_longest_ = 0;  ///< rows of the longest stretch
+  bool gap_ = false;            ///< a stretch ended before the record did
   std::int64_t n_filled_here_ = 0;
   Eigen::VectorXd input_power_;  ///< n_inputs, sum over segments of the mean square less the mean
   bool finished_ = false;

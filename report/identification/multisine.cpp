@@ -204,7 +204,6 @@ FrequencyResponse identify(const MultisinePlan& plan, const MatrixXd& inputs,
   response.frequencies_hz = plan.frequencies_hz;
   response.dof.resize(n_lines);
   response.input_condition.resize(n_lines);
-  std::vector<MatrixXcd> power;
   for (Index l = 0; l < n_lines; ++l) {
     const Index bin = raster.bins[static_cast<std::size_t>(l)];
     const MatrixXcd W = bin_of_blocks(W_all, bin), Y = bin_of_blocks(Y_all, bin);
@@ -226,9 +225,9 @@ FrequencyResponse identify(const MultisinePlan& plan, const MatrixXd& inputs,
     response.noise.push_back(noise * (noise_ratio / response.dof(l)));
     response.input_weight.push_back((W * W.adjoint()).inverse().conjugate());
     response.T.push_back(T);
-    power.push_back(Y * Y.adjoint() / static_cast<double>(raster.n_blocks));
+    response.output_power.push_back(Y * Y.adjoint() / static_cast<double>(raster.n_blocks));
   }
-  complete(response, power, 2 / (plan.sample_rate_hz * window.squaredNorm()));
+  complete(response, 2 / (plan.sample_rate_hz * window.squaredNorm()));
   return response;
 }
 

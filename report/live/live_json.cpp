@@ -122,7 +122,8 @@ Json json_of(const HistoryView& history) {
   for (const auto& criterion : report::vibration_criteria()) {
     Json limits = Json::array();
     for (const auto& band : report::third_octave_bands()) {
-      limits.push_back(criterion.limit(band.centre_hz));
+      limits.push_back(criterion.applies(band.centre_hz) ? Json(criterion.limit(band.centre_hz))
+                                                         : Json(nullptr));
     }
     criteria.push_back({{"name", criterion.name}, {"velocity", limits}});
   }

@@ -203,8 +203,8 @@ class Screen {
               padded(significant(1e3 * signal.level.peak_acceleration), 10, false) +
               padded(significant(1e6 * level.largest_band_velocity), 10, false) +
               padded(significant(level.largest_band_hz), 10, false));
-    const bool above = level.vibration_class.starts_with("above");
-    text_.add(padded(level.vibration_class, 12, false), above ? Style::warning : Style::good);
+    const bool met = level.vibration_class.starts_with("VC");
+    text_.add(padded(level.vibration_class, 12, false), met ? Style::good : Style::warning);
     if (bar_width > 0) {
       text_.add("  " + bar(level.largest_band_velocity, bar_width),
                 which == "floor" ? Style::faint : Style::plain);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <vector>
@@ -24,6 +25,12 @@ namespace {
 
 constexpr int our_format_version = 1;
 
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
 /// A damaged log may name any number of runs that are none.
 constexpr std::size_t most_runs = 1000;
 
@@ -32,7 +39,40 @@ bool is_sound(const run_info_t& info) {
          info.sample_rate_hz > 0;
 }
 
-void require_sound(const run_info_t& info, const std::string& place) {
+/// How far apart the samples of a run are by their own time, s of plant time: the median of some,
+/// so that damage to one of them does no harm.
+class SamplePeriod {
+ public:
+  void add(const measurement_t& m) {
+    const double samples = static_cast<double>(m.seq) - last_seq_;
+    if (any_ && samples > 0) {
+      periods_.push_back(1e-9 * (static_cast<double>(m.time_ns) - last_ns_) / samples);
+    }
+    last_seq_ = static_cast<double>(m.seq);
+    last_ns_ = static_cast<double>(m.time_ns);
+    any_ = true;
+  }
+  bool is_enough() const { return periods_.size() >= 32; }
+
+  /// A sender's clock drifts by far less; a single sample says nothing.
+  bool agrees(double sample_rate_hz) const {
+    return periods_.empty() || std::abs(median() * sample_rate_hz - 1) <= 0.01;
+  }
+  double median() const {
+    std::vector<double> periods = periods_;
+    std::nth_element(periods.begin(), periods.begin() + middle(), periods.end());
+    return periods[static_cast<std::size_t>(middle())];
+  }
+
+ private:
+  std::ptrdiff_t middle() const { return static_cast<std::ptrdiff_t>(periods_.size() / 2); }
+
+  std::vector<double> periods_;
+  double last_seq_ = 0, last_ns_ = 0;
+  bool any_ = false;
+};
+
+void require_sound(const run_info_t& info, const SamplePeriod& period, const std::string& place) {
   if (info.format_version != our_format_version) {
     throw InputError(place + ": format_version: found " + std::to_string(info.format_version) +
                      ", this program reads " + std::to_string(our_format_version));
@@ -40,6 +80,11 @@ void require_sound(const run_info_t& info, const std::string& place) {
   if (!is_sound(info)) {
     throw InputError(place + ": sample_rate_hz: found " + std::to_string(info.sample_rate_hz) +
                      ", allowed are positive numbers");
+  }
+  if (!period.agrees(info.sample_rate_hz)) {
+    throw InputError(place + ": sample_rate_hz: found " + number(info.sample_rate_hz) +
+                     ", but its samples are " + number(period.median()) +
+                     " s apart: the log is damaged");
   }
 }
 
@@ -56,13 +101,14 @@ class Copies {
     if (copies_.size() < 16) copies_.push_back({std::string(payload), 1});
   }
 
-  run_info_t best() const {
+  run_info_t best(const SamplePeriod& period) const {
     run_info_t best;
     std::pair<bool, int> rank{false, 0};
     for (const Copy& copy : copies_) {
       run_info_t info;
       if (!decode(copy.payload, info)) continue;
-      const std::pair<bool, int> own{is_sound(info), copy.count};
+      const std::pair<bool, int> own{is_sound(info) && period.agrees(info.sample_rate_hz),
+                                     copy.count};
       if (own <= rank) continue;
       best = std::move(info);
       rank = own;
@@ -82,6 +128,8 @@ class Search {
  public:
   explicit Search(std::optional<std::int64_t> run_id) : wanted_(run_id) {}
 
+  bool has_found() const { return chosen_.has_value(); }
+
   /// Answers whether the run is found.
   bool take(const LogEvent& event) {
     if (event.channel == channels::run_info) {
@@ -94,15 +142,29 @@ class Search {
     note<measurement_t>(event);
     measurement_t message;
     if (!decode(event.payload, message)) return false;
-    if (runs_.contains(message.run_id)) return is_chosen(message.run_id);
+    if (runs_.contains(message.run_id)) {
+      if (is_chosen(message.run_id)) period_.add(message);
+      return chosen_.has_value();
+    }
     if (measured_.size() < most_runs) measured_.insert(message.run_id);
     return false;
   }
 
+  /// Listens on behind what take() found; answers whether enough is known of the chosen run.
+  bool listen(const LogEvent& event) {
+    if (event.channel == channels::run_info) take_info(event);
+    measurement_t message;
+    if (event.channel == channels::measurement && decode(event.payload, message) &&
+        message.run_id == *chosen_) {
+      period_.add(message);
+    }
+    return period_.is_enough();
+  }
+
   run_info_t result(const std::string& place) const {
     if (!chosen_) explain(place);
-    run_info_t info = runs_.at(*chosen_).best();
-    require_sound(info, place);
+    run_info_t info = runs_.at(*chosen_).best(period_);
+    require_sound(info, period_, place);
     return info;
   }
 
@@ -142,7 +204,7 @@ class Search {
                        ", this log holds " + known);
     }
     const std::int64_t id = wanted_ ? *wanted_ : runs_.begin()->first;
-    require_sound(runs_.at(id).best(), place);
+    require_sound(runs_.at(id).best(period_), period_, place);
     throw InputError(place + ": run " + std::to_string(id) + " has a " + channels::run_info +
                      " but no " + channels::measurement + " message");
   }
@@ -162,6 +224,7 @@ class Search {
   }
 
   std::optional<std::int64_t> wanted_, chosen_;
+  SamplePeriod period_;
   std::map<std::int64_t, Copies> runs_;
   std::set<std::int64_t> measured_;
   std::int64_t n_other_version_ = 0;
@@ -211,6 +274,11 @@ run_info_t find_run_info(const std::filesystem::path& path, std::optional<std::i
       told = file.position();
       progress(static_cast<double>(told) / static_cast<double>(file.size()));
     }
+  }
+  // The samples behind the first tell whether the rate is theirs, before memory is taken by it.
+  constexpr int most_events = 1000;
+  for (int n = 0; n < most_events && search.has_found() && file.next(event); ++n) {
+    if (search.listen(event)) break;
   }
   run_info_t info = search.result(path.string());
   for (std::string* text :

@@ -55,6 +55,7 @@ std::string criteria_lines(const Range& range) {
   int tag = 10;
   for (const VibrationCriterion& criterion : vibration_criteria()) {
     for (const OctaveBand& band : third_octave_bands()) {
+      if (!criterion.applies(band.centre_hz)) continue;
       block += plot_number(band.centre_hz) + " " +
                plot_number(um_per_m * criterion.limit(band.centre_hz)) + "\n";
     }

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <complex>
 #include <kissfft/kissfft.hh>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "report/spectra/fourier.hpp"
 #include "report/spectra/windows.hpp"
 
 namespace stillframe::report {
@@ -43,15 +45,12 @@ struct RunningWelch::Transform {
 };
 
 RunningWelch::RunningWelch(double sample_rate_hz, Index segment_length)
-    : sample_rate_hz_(sample_rate_hz) {
+    : sample_rate_hz_(sample_rate_hz), length_(segment_length) {
   if (segment_length < 2 || !(sample_rate_hz > 0)) {
     throw std::invalid_argument("RunningWelch: segment_length must be 2 or more, got " +
                                 std::to_string(segment_length) + ", at a rate of " +
                                 std::to_string(sample_rate_hz));
   }
-  transform_ = std::make_unique<Transform>(segment_length);
-  segment_.resize(segment_length);
-  power_.setZero(segment_length / 2 + 1);
 }
 
 RunningWelch::~RunningWelch() = default;
@@ -67,13 +66,20 @@ void RunningWelch::take(const Eigen::Ref<const VectorXd>& piece, Transform& tran
 }
 
 void RunningWelch::add(const Eigen::Ref<const VectorXd>& x) {
-  const Index n = segment_.size(), step = n - n / 2;
+  const Index n = length_, step = n - n / 2;
   for (Index begin = 0; begin < x.size();) {
     const Index part = std::min(x.size() - begin, n - filled_);
+    if (segment_.size() < filled_ + part) {
+      segment_.conservativeResize(std::min(n, std::max(filled_ + part, 2 * filled_)));
+    }
     segment_.segment(filled_, part) = x.segment(begin, part);
     filled_ += part;
     begin += part;
     if (filled_ < n) break;
+    if (!transform_) {
+      transform_ = std::make_unique<Transform>(n);
+      power_.setZero(n / 2 + 1);
+    }
     take(segment_, *transform_, power_);
     ++n_segments_;
     segment_.head(n - step) = segment_.tail(n - step).eval();
@@ -88,9 +94,11 @@ void RunningWelch::interrupt() {
 
 Psd RunningWelch::finish() const {
   VectorXd power = power_;
-  double norm = transform_->window.squaredNorm();
-  Index n = segment_.size();
-  if (n_segments_ == 0) {
+  Index n = length_;
+  double norm = 0;
+  if (n_segments_ > 0) {
+    norm = transform_->window.squaredNorm();
+  } else {
     const VectorXd piece = filled_ > longest_.size() ? VectorXd(segment_.head(filled_)) : longest_;
     n = piece.size();
     if (n < 2) return {.sample_rate_hz = sample_rate_hz_, .resolution_hz = 0, .density = {}};
@@ -116,6 +124,122 @@ Psd welch(const VectorXd& x, double sample_rate_hz, Index segment_length) {
   RunningWelch estimate(sample_rate_hz, segment_length);
   estimate.add(x);
   return estimate.finish();
+}
+
+/// The windows over one signal, of which the last n samples are held.
+class RunningPower::Windows {
+ public:
+  Windows(Index n, const std::vector<double>& first)
+      : window_(hann(n)),
+        fft_(static_cast<std::size_t>(n), false),
+        held_(VectorXd::Zero(n)),
+        filled_(n - n / 4),
+        piece_(n),
+        spectrum_(n),
+        power_(VectorXd::Zero(n / 2 + 1)) {
+    const Eigen::Map<const VectorXd> x(first.data(), static_cast<Index>(first.size()));
+    mean_ = x.mean();
+    add(x);
+  }
+
+  void add(const Eigen::Ref<const VectorXd>& x) {
+    count_ += x.size();
+    for (Index begin = 0; begin < x.size();) {
+      const Index part = std::min(x.size() - begin, held_.size() - filled_);
+      held_.segment(filled_, part) = x.segment(begin, part).array() - mean_;
+      begin += part;
+      move_on(part);
+    }
+  }
+
+  /// Zeros; behind a whole window of them nothing is left to be said.
+  void add_nothing(std::int64_t n) {
+    for (Index rest = std::min<std::int64_t>(n, held_.size()); rest > 0;) {
+      const Index part = std::min(rest, held_.size() - filled_);
+      held_.segment(filled_, part).setZero();
+      rest -= part;
+      move_on(part);
+    }
+  }
+
+  Psd finish(double sample_rate_hz) const {
+    Windows last = *this;
+    last.add_nothing(held_.size());
+    const Index n = held_.size();
+    Psd psd{.sample_rate_hz = sample_rate_hz,
+            .resolution_hz = sample_rate_hz / static_cast<double>(n),
+            .density = last.power_ * (2 / (sample_rate_hz * 1.5 * static_cast<double>(count_)))};
+    psd.density(0) *= 0.5;
+    psd.density(n / 2) *= 0.5;
+    return psd;
+  }
+
+ private:
+  void move_on(Index part) {
+    filled_ += part;
+    if (filled_ < held_.size()) return;
+    piece_ = (held_.array() * window_.array()).cast<std::complex<double>>();
+    fft_.transform(piece_.data(), spectrum_.data());
+    power_ += spectrum_.head(power_.size()).cwiseAbs2();
+    const Index step = held_.size() / 4;
+    filled_ -= step;
+    held_.head(filled_) = held_.tail(filled_).eval();
+  }
+
+  VectorXd window_;
+  kissfft<double> fft_;
+  VectorXd held_;
+  Index filled_, count_ = 0;
+  double mean_ = 0;
+  Eigen::VectorXcd piece_, spectrum_;
+  VectorXd power_;
+};
+
+RunningPower::RunningPower(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {
+  if (!(sample_rate_hz > 0)) {
+    throw std::invalid_argument("RunningPower: sample rate " + std::to_string(sample_rate_hz));
+  }
+  const double quarter = 0.25 * default_segment_s * sample_rate_hz;
+  n_ = 4 * fast_length(std::max<Index>(1, std::llround(quarter)));
+}
+
+RunningPower::~RunningPower() = default;
+RunningPower::RunningPower(RunningPower&&) noexcept = default;
+RunningPower& RunningPower::operator=(RunningPower&&) noexcept = default;
+
+void RunningPower::add(const Eigen::Ref<const VectorXd>& x) {
+  Index begin = 0;
+  if (!windows_) {
+    begin = std::min<Index>(x.size(), n_ - static_cast<Index>(first_.size()));
+    first_.insert(first_.end(), x.begin(), x.begin() + begin);
+    if (static_cast<Index>(first_.size()) < n_) return;
+    windows_ = std::make_unique<Windows>(n_, first_);
+    first_ = {};
+  }
+  windows_->add(x.tail(x.size() - begin));
+}
+
+void RunningPower::skip(std::int64_t n) {
+  if (n <= 0) return;
+  if (!windows_) {
+    if (first_.empty()) return;
+    windows_ = std::make_unique<Windows>(n_, first_);
+    first_ = {};
+  }
+  windows_->add_nothing(n);
+}
+
+Psd RunningPower::finish() const {
+  if (windows_) return windows_->finish(sample_rate_hz_);
+  if (first_.size() < 2)
+    return {.sample_rate_hz = sample_rate_hz_, .resolution_hz = 0, .density = {}};
+  return Windows(n_, first_).finish(sample_rate_hz_);
+}
+
+Psd power_of(const VectorXd& x, double sample_rate_hz) {
+  RunningPower power(sample_rate_hz);
+  power.add(x);
+  return power.finish();
 }
 
 Psd velocity_from_acceleration(const Psd& acceleration) {
@@ -169,7 +293,9 @@ VectorXd third_octave_velocity(const Psd& acceleration) {
   const std::vector<OctaveBand> bands = third_octave_bands();
   VectorXd rms(static_cast<Index>(bands.size()));
   for (std::size_t i = 0; i < bands.size(); ++i) {
-    rms(static_cast<Index>(i)) = band_rms(velocity, bands[i].lower_hz, bands[i].upper_hz);
+    const bool observed = bands[i].upper_hz <= 0.5 * acceleration.sample_rate_hz;
+    rms(static_cast<Index>(i)) = observed ? band_rms(velocity, bands[i].lower_hz, bands[i].upper_hz)
+                                          : std::numeric_limits<double>::quiet_NaN();
   }
   return rms;
 }

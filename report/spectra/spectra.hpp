@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -54,15 +55,51 @@ class RunningWelch {
             Eigen::VectorXd& power) const;
 
   double sample_rate_hz_;
-  std::unique_ptr<Transform> transform_;
-  Eigen::VectorXd segment_, power_;
-  Eigen::VectorXd longest_;  ///< stretch before the first whole segment
+  Eigen::Index length_;                   ///< of a segment
+  std::unique_ptr<Transform> transform_;  ///< none before the first
+  Eigen::VectorXd segment_, power_;       ///< grow to what is there
+  Eigen::VectorXd longest_;               ///< stretch before the first whole segment
   Eigen::Index filled_ = 0, n_segments_ = 0;
 };
 
 /// The same of a whole signal x. Errors: std::invalid_argument for a segment shorter than 2 or
 /// longer than x, or a rate that is not positive.
 Psd welch(const Eigen::VectorXd& x, double sample_rate_hz, Eigen::Index segment_length);
+
+/// How the power of a signal that comes in parts is spread over frequency, every sample weighing
+/// the same, in memory of one segment. (Welch's segments weigh the ends of a record less: that is
+/// an estimate of a stationary density and not of what one record held.) The signal, zero before
+/// its beginning, behind its end and where samples are missing, less the mean of its first
+/// default_segment_s, is cut by Hann windows w a quarter of their length n apart, whose squares add
+/// up to 3/2 everywhere:
+///   S(f_k) = 2 / (f_s 3/2 N) sum over windows |sum_i w_i x_i e^{-2 pi j i k / n}|^2,
+/// whose integral is the mean square of the N samples to rounding (Parseval), and that over a band
+/// the mean square of the band but for the two bins, 1/8 Hz, to which an edge is known. Set-up.
+class RunningPower {
+ public:
+  /// Errors: std::invalid_argument for a rate that is not positive.
+  explicit RunningPower(double sample_rate_hz);
+  ~RunningPower();
+  RunningPower(RunningPower&&) noexcept;
+  RunningPower& operator=(RunningPower&&) noexcept;
+
+  /// The next samples, any unit.
+  void add(const Eigen::Ref<const Eigen::VectorXd>& x);
+  /// The next n samples are missing.
+  void skip(std::int64_t n);
+  /// The power so far; an empty density before there are 2 samples.
+  Psd finish() const;
+
+ private:
+  class Windows;
+  double sample_rate_hz_;
+  Eigen::Index n_;  ///< samples in a window, a multiple of 4
+  std::vector<double> first_;
+  std::unique_ptr<Windows> windows_;  ///< none while the first samples are waited for
+};
+
+/// The same of a whole signal.
+Psd power_of(const Eigen::VectorXd& x, double sample_rate_hz);
 
 /// S_v = S_a / (2 pi f)^2, zero at f = 0.
 Psd velocity_from_acceleration(const Psd& acceleration);
@@ -85,7 +122,8 @@ struct OctaveBand {
 /// The twenty bands from 1 to 80 Hz.
 std::vector<OctaveBand> third_octave_bands();
 
-/// Rms velocity in each of third_octave_bands(), m/s, from the PSD of an acceleration in m/s^2.
+/// Rms velocity in each of third_octave_bands(), m/s, from the PSD of an acceleration in m/s^2; NaN
+/// of a band that reaches beyond half the sample rate: it was not observed.
 Eigen::VectorXd third_octave_velocity(const Psd& acceleration);
 
 }  // namespace stillframe::report

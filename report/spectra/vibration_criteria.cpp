@@ -1,5 +1,7 @@
 #include "report/spectra/vibration_criteria.hpp"
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "report/spectra/spectra.hpp"
@@ -8,29 +10,40 @@ namespace stillframe::report {
 
 namespace {
 
-bool meets(const Eigen::VectorXd& band_velocity, const std::vector<OctaveBand>& bands,
-           const VibrationCriterion& criterion) {
+/// The exact centres of the bands of 4 and 8 Hz are 3.981 and 7.943 Hz.
+constexpr double nominal = 0.99;
+
+enum class Judgement { met, exceeded, unknown };
+
+Judgement judge(const Eigen::VectorXd& band_velocity, const std::vector<OctaveBand>& bands,
+                const VibrationCriterion& criterion) {
+  Judgement judgement = Judgement::met;
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const double velocity = band_velocity(static_cast<Eigen::Index>(i));
-    if (!(velocity <= criterion.limit(bands[i].centre_hz))) return false;
+    if (!criterion.applies(bands[i].centre_hz)) continue;
+    if (velocity > criterion.limit(bands[i].centre_hz)) return Judgement::exceeded;
+    if (std::isnan(velocity)) judgement = Judgement::unknown;
   }
-  return true;
+  return judgement;
 }
 
 }  // namespace
 
+bool VibrationCriterion::applies(double frequency_hz) const {
+  return frequency_hz >= nominal * lowest_hz;
+}
+
 double VibrationCriterion::limit(double frequency_hz) const {
-  // The exact centre of the 8 Hz band is 7.943 Hz; that band belongs to the flat part.
-  const double corner_hz = 8;
-  const bool below = frequency_hz < 0.99 * corner_hz;
-  return relaxed_below_8_hz && below ? velocity * corner_hz / frequency_hz : velocity;
+  constexpr double corner_hz = 8;
+  if (!applies(frequency_hz)) return std::numeric_limits<double>::infinity();
+  const bool relaxed = lowest_hz > 1 && frequency_hz < nominal * corner_hz;
+  return relaxed ? velocity * corner_hz / frequency_hz : velocity;
 }
 
 const std::vector<VibrationCriterion>& vibration_criteria() {
   static const std::vector<VibrationCriterion> criteria = {
-      {"VC-A", 50e-6, true},    {"VC-B", 25e-6, true},    {"VC-C", 12.5e-6, false},
-      {"VC-D", 6.25e-6, false}, {"VC-E", 3.12e-6, false}, {"VC-F", 1.56e-6, false},
-      {"VC-G", 0.78e-6, false}};
+      {"VC-A", 50e-6, 4},   {"VC-B", 25e-6, 4},   {"VC-C", 12.5e-6, 1}, {"VC-D", 6.25e-6, 1},
+      {"VC-E", 3.12e-6, 1}, {"VC-F", 1.56e-6, 1}, {"VC-G", 0.78e-6, 1}};
   return criteria;
 }
 
@@ -42,7 +55,10 @@ std::string vibration_class(const Eigen::VectorXd& band_velocity) {
   }
   std::string met = "above VC-A";
   for (const VibrationCriterion& criterion : vibration_criteria()) {
-    if (meets(band_velocity, bands, criterion)) met = criterion.name;
+    const Judgement judgement = judge(band_velocity, bands, criterion);
+    if (judgement == Judgement::exceeded) continue;
+    if (judgement == Judgement::unknown) return "not known";
+    met = criterion.name;
   }
   return met;
 }

@@ -6,7 +6,10 @@ namespace stillframe::report {
 
 MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocity, double peak) {
   Eigen::Index band = 0;
-  const double largest = band_velocity.maxCoeff(&band);
+  for (Eigen::Index i = 1; i < band_velocity.size(); ++i) {
+    if (band_velocity(i) > band_velocity(band)) band = i;  // never so for one not observed
+  }
+  const double largest = band_velocity(band);
   return {.rms_acceleration = band_rms(density, lowest_level_hz, highest_level_hz),
           .peak_acceleration = peak,
           .largest_band_velocity = largest,

@@ -163,8 +163,9 @@ ordered_json json_of(const ShockSummary& shock) {
 ordered_json json_of(const NoiseSummary& noise) {
   return {{"axis", noise.axis},
           {"loop", noise.loop},
-          {"rms_acceleration", noise.rms_acceleration},
-          {"share", noise.share}};
+          {"rms_acceleration", json_of(noise.rms_acceleration)},
+          {"share", json_of(noise.share)},
+          {"missing", noise.missing}};
 }
 
 ordered_json json_of(const EffortSummary& effort) {

@@ -108,11 +108,14 @@ struct ShockSummary {
   std::optional<double> settling_s;  ///< none: not before the next shock or the end
 };
 
-/// What of the frame's motion the floor does not explain, 1-80 Hz.
+/// What of the frame's motion the floor does not explain, 1-80 Hz: the motion less what the model
+/// of the loop that ran makes of the measured floor, sample by sample. Noise is at most that: what
+/// the model is not right in, distortion and forces that were limited are in it too.
 struct NoiseSummary {
   std::string axis, loop;
-  double rms_acceleration = 0;  ///< m/s^2
-  double share = 0;             ///< of the frame's rms
+  std::optional<double> rms_acceleration;  ///< m/s^2; none: not known
+  std::optional<double> share;             ///< of the frame's rms
+  std::string missing = {};                ///< why it is not known
 };
 
 /// What one leg's actuator did.
@@ -171,8 +174,9 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     continuous_largest_db continuous_at_hz n_segments n_filled n_left_out resolution_hz
 ///   transmissibility[]: axis loop frequencies_hz value lower upper coherence
 ///   shocks[]: axis loop time_s floor_level frame_level (m/s^2 rms of 0.1 s) settling_s (null:
-///   never) noise[]: axis loop rms_acceleration (m/s^2, 1-80 Hz) share effort[]: loop leg
-///   applied_rms applied_peak command_peak limit (N; null: none)
+///   never)
+///   noise[]: axis loop rms_acceleration (m/s^2, 1-80 Hz) share (null: not known) missing (why)
+///   effort[]: loop leg applied_rms applied_peak command_peak limit (N; null: none)
 std::string to_json(const Verdict& verdict);
 
 /// The verdict as a page of text with aligned tables, units in the headers.

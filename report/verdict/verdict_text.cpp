@@ -157,10 +157,15 @@ std::string shocks_text(const std::vector<ShockSummary>& shocks) {
 
 std::string noise_text(const std::vector<NoiseSummary>& noise) {
   Table table({"axis", "loop", "rms mm/s^2", "of the frame's"}, 2);
+  std::string notes;
   for (const NoiseSummary& n : noise) {
-    table.add({n.axis, n.loop, level(1e3 * n.rms_acceleration), cell("%.4f", n.share)});
+    table.add({n.axis, n.loop, n.rms_acceleration ? level(1e3 * *n.rms_acceleration) : "not known",
+               n.share ? cell("%.5f", *n.share) : "-"});
+    const std::string note = "  " + n.loop + ": " + n.missing + "\n";
+    if (!n.missing.empty() && notes.find(note) == std::string::npos) notes += note;
   }
-  return "Noise: motion of the frame that the floor does not explain, 1-80 Hz\n" + table.print();
+  return "Noise at most: motion of the frame that the model does not make of the floor, 1-80 Hz\n" +
+         table.print() + notes;
 }
 
 std::string effort_text(const std::vector<EffortSummary>& effort) {

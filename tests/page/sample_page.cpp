@@ -240,6 +240,7 @@ std::vector<page::Curve> criteria() {
   for (const auto& criterion : report::vibration_criteria()) {
     page::Curve curve{.name = criterion.name, .frequencies_hz = {}, .values = {}};
     for (const auto& band : report::third_octave_bands()) {
+      if (!criterion.applies(band.centre_hz)) continue;
       curve.frequencies_hz.push_back(band.nominal_hz);
       curve.values.push_back(criterion.limit(band.centre_hz));
     }

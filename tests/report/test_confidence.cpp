@@ -27,7 +27,7 @@ struct Tally {
 };
 
 struct Coverage {
-  Tally entries, singular_values, coherent;
+  Tally entries, magnitudes, singular_values, coherent;
 
   void add(const FrequencyResponse& response, const SampledLoop& loop) {
     const Bands bands = singular_value_bands(response, 0.95, 400);
@@ -36,6 +36,10 @@ struct Coverage {
       const MatrixXcd exact = transfer(loop, 2 * toy::pi * frequency);
       const MatrixXd distance = (response.T[static_cast<std::size_t>(l)] - exact).cwiseAbs();
       const MatrixXd radii = entry_radii(response, l, 0.95);
+      for (Index i = 0; i < exact.rows(); ++i) {
+        const Interval band = magnitude_band(response, l, i, i, 0.95);
+        magnitudes.add(band.lower <= std::abs(exact(i, i)) && std::abs(exact(i, i)) <= band.upper);
+      }
       for (Index i = 0; i < distance.size(); ++i) {
         entries.add(distance.reshaped()(i) <= radii.reshaped()(i));
       }
@@ -98,11 +102,14 @@ Coverage multisine_coverage(const toy::Frame& frame, double sensor) {
 // told neither from one another nor from zero, as those of incoherent directions.
 void expect_held(const Coverage& coverage) {
   std::cout << "held: entries " << coverage.entries.share() << " of " << coverage.entries.n
+            << ", magnitudes " << coverage.magnitudes.share() << " of " << coverage.magnitudes.n
             << ", singular values " << coverage.singular_values.share() << " of "
             << coverage.singular_values.n << ", those of coherence above 0.99 "
             << coverage.coherent.share() << " of " << coverage.coherent.n << "\n";
   EXPECT_GE(coverage.entries.share(), 0.93);
   EXPECT_LE(coverage.entries.share(), 0.97);
+  EXPECT_GE(coverage.magnitudes.share(), 0.93);
+  EXPECT_LE(coverage.magnitudes.share(), 0.97);
   EXPECT_GE(coverage.singular_values.share(), 0.93);
   EXPECT_GT(coverage.coherent.n, 1000);
   EXPECT_GE(coverage.coherent.share(), 0.93);
@@ -158,6 +165,41 @@ TEST(Confidence, RadiiOfKnownNoiseAreThoseOfRayleigh) {
   const MatrixXd radii = entry_radii(response, 0, 0.95);
   EXPECT_NEAR(radii(0, 0), std::sqrt(-std::log(0.05) * 4 * 0.25), 1e-9);
   EXPECT_NEAR(radii(1, 0), std::sqrt(-std::log(0.05) * 9 * 0.25), 1e-9);
+}
+
+/// Magnitudes from none to far above the noise, with few degrees of freedom and with many.
+TEST(Confidence, BandsOfAMagnitudeHoldWhereverItIs) {
+  std::mt19937_64 random(23);
+  std::normal_distribution<double> normal(0, std::sqrt(0.5));
+  FrequencyResponse response;
+  response.frequencies_hz = {1};
+  response.input_weight = {MatrixXcd::Identity(1, 1)};
+  constexpr int n = 20000;
+  for (const double dof : {4.0, 12.0, 200.0}) {
+    response.dof = VectorXd::Constant(1, dof);
+    std::gamma_distribution<double> level(dof, 1 / dof);
+    for (const double exact : {0.0, 0.3, 1.0, 1.5, 2.0, 3.0, 10.0, 1e6}) {
+      Tally held;
+      for (int i = 0; i < n; ++i) {
+        const double re = exact + normal(random), im = normal(random);
+        response.T = {MatrixXcd::Constant(1, 1, {re, im})};
+        response.noise = {MatrixXcd::Constant(1, 1, level(random))};
+        const Interval band = magnitude_band(response, 0, 0, 0, 0.95);
+        held.add(band.lower <= exact && exact <= band.upper);
+        EXPECT_LE(band.lower, std::hypot(re, im));
+        EXPECT_GE(band.upper, std::hypot(re, im));
+      }
+      // 93.5 to 97.2 %, a share of n scatters by 0.15 %: four times that.
+      EXPECT_GE(held.share(), 0.929) << dof << " " << exact;
+      EXPECT_LE(held.share(), 0.978) << dof << " " << exact;
+      if (exact >= 3) {
+        EXPECT_NEAR(held.share(), 0.95, 0.006) << dof << " " << exact;
+      }
+    }
+  }
+  response.T = {MatrixXcd::Constant(1, 1, std::nan(""))};
+  response.dof.setZero();
+  EXPECT_TRUE(std::isnan(magnitude_band(response, 0, 0, 0, 0.95).upper));
 }
 
 TEST(Confidence, SingleValuesHaveStudentsBands) {

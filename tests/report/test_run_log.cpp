@@ -148,6 +148,10 @@ TEST_F(RunLogTest, RefusesMessagesThatContradictEachOther) {
   expect_error<InputError>(
       [&] { read(with([](auto& info, auto&, auto&) { info.sample_rate_hz = 0; })); },
       "sample_rate_hz");
+  // Before any memory is taken by it.
+  expect_error<InputError>(
+      [&] { read(with([](auto& info, auto&, auto&) { info.sample_rate_hz = 1e9; })); },
+      "sample_rate_hz: found 1e+09, but its samples are 0.001 s apart");
   expect_error<InputError>(
       [&] {
         read(with([](auto& info, auto&, auto&) {

@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "report/spectra/fourier.hpp"
 #include "report/spectra/spectra.hpp"
 #include "tests/report/expect_error.hpp"
 
@@ -113,6 +114,83 @@ TEST(Welch, RefusesSegmentsThatDoNotFit) {
   EXPECT_EQ(default_segment_length(100000, 1000), 16000);
 }
 
+/// The root of what a transform of the whole record has in a band, per sample.
+double direct_band_rms(const VectorXd& x, double rate, double lower_hz, double upper_hz) {
+  const Eigen::VectorXcd X = fourier(x);
+  double power = 0;
+  for (Index k = 0; k < X.size(); ++k) {
+    const double f = rate * static_cast<double>(k) / static_cast<double>(x.size());
+    if (f >= lower_hz && f < upper_hz) power += 2 * std::norm(X(k));
+  }
+  return std::sqrt(power) / static_cast<double>(x.size());
+}
+
+/// A second or two, less than a window, and records that are no whole number of its quarters.
+TEST(Power, ItsIntegralIsTheMeanSquareOfTheSamples) {
+  const double rate = 200;
+  for (const Index n : {2, 300, 3199, 3200, 3201, 12345}) {
+    VectorXd x = noise(n, 1, 5).array() + 0.5;
+    x.head(n / 4) *= 7;
+    const double mean = x.head(std::min<Index>(n, 3200)).mean();
+    const Psd power = power_of(x, rate);
+    // Sums of some 10^4 terms in another order.
+    EXPECT_NEAR(band_rms(power, 0, 100), std::sqrt((x.array() - mean).square().mean()),
+                1e-11 * x.norm())
+        << n;
+    EXPECT_NEAR(cumulative_rms(power).tail(1)(0), band_rms(power, 0, 100), 1e-11 * x.norm());
+  }
+}
+
+/// Ends that are livelier than the middle, offsets and slow motion: all that Welch's segments would
+/// get wrong.
+TEST(Power, BandsAreThoseOfATransformOfTheWholeRecord) {
+  const double rate = 500;
+  const Index n = 30000;
+  VectorXd x = noise(n, 1, 3);
+  for (Index k = 0; k < n; ++k) {
+    const double t = static_cast<double>(k) / rate;
+    x(k) *= 1 + 5 * std::exp(-t / 4) + 4 * std::exp((t - 60) / 2);
+    x(k) += 3 * std::exp(-t / 10) * std::sin(2 * pi * 7.3 * t);
+  }
+  x.array() += 100;
+  const double welch_rms = band_rms(welch(x, rate, 8000), 1, 80);
+  const Psd power = power_of(x, rate);
+  for (const auto& [lower, upper] : {std::pair(1.0, 80.0), {0.5, 5.0}, {5.0, 9.0}, {80.0, 200.0}}) {
+    // An edge is known to two bins of 1/16 Hz: of white noise 1/8 Hz of the band's width each, half
+    // of that in the rms, less as both sides blur; a factor of two is left.
+    EXPECT_NEAR(band_rms(power, lower, upper) / direct_band_rms(x, rate, lower, upper), 1,
+                0.125 / (upper - lower) + 1e-3)
+        << lower;
+  }
+  EXPECT_LT(welch_rms, 0.95 * direct_band_rms(x, rate, 1, 80));
+}
+
+TEST(Power, PartsAreTheWholeAndMissingSamplesHoldNothing) {
+  const double rate = 100;
+  const VectorXd x = noise(20000, 1, 8);
+  const Psd whole = power_of(x, rate);
+  RunningPower parts(rate);
+  for (Index begin = 0, n = 1; begin < x.size();
+       begin += n, n = std::min(2 * n, x.size() - begin)) {
+    parts.add(x.segment(begin, n));
+  }
+  EXPECT_EQ(parts.finish().density, whole.density);
+  RunningPower gapped(rate);
+  gapped.skip(10);
+  gapped.add(x.head(1000));  // less than a window
+  gapped.skip(3);
+  gapped.add(x.segment(1003, 9000));
+  gapped.skip(1'000'000'000'000);
+  gapped.add(x.tail(5000));
+  const double mean = x.head(1000).mean();
+  const double sum = (x.head(1000).array() - mean).square().sum() +
+                     (x.segment(1003, 9000).array() - mean).square().sum() +
+                     (x.tail(5000).array() - mean).square().sum();
+  EXPECT_NEAR(band_rms(gapped.finish(), 0, 50), std::sqrt(sum / 15000), 1e-11);
+  EXPECT_EQ(power_of(x.head(1), rate).density.size(), 0);
+  expect_error<std::invalid_argument>([] { RunningPower(std::nan("")); }, "sample rate");
+}
+
 TEST(BandRms, CountsCutBinsInPart) {
   // 1 unit^2/Hz at 0, 1, ..., 8 Hz.
   const Psd psd{.sample_rate_hz = 16, .resolution_hz = 1, .density = VectorXd::Ones(9)};
@@ -172,6 +250,12 @@ TEST(ThirdOctaves, WhiteAccelerationHasAClosedForm) {
     EXPECT_NEAR(velocity(static_cast<Index>(i)) / exact, 1,
                 std::pow(psd.resolution_hz / bands[i].lower_hz, 2) * 2);
   }
+}
+
+TEST(ThirdOctaves, BandsBeyondHalfTheRateAreNotKnown) {
+  // 50 Hz: the band of 40 Hz ends at 44.7 Hz, that of 50 Hz at 56.2.
+  const VectorXd velocity = third_octave_velocity(power_of(noise(5000, 1, 2), 100));
+  for (Index i = 0; i < 20; ++i) EXPECT_EQ(std::isnan(velocity(i)), i > 16) << i;
 }
 
 TEST(Velocity, PsdIsDividedByOmegaSquared) {

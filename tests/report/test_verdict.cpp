@@ -190,7 +190,7 @@ TEST(Verdict, EverythingThatALogTellsIsInBoth) {
   verdict.transmissibility = {
       {"x", "active", {1, 2}, {0.5, 0.25}, {0.4, 0.2}, {0.6, 0.3}, {1, 0.9}}};
   verdict.shocks = {{"x", "active", 12.5, 1e-2, 2e-3, 0.7}, {"y", "passive", 12.5, 1e-2, 2e-1, {}}};
-  verdict.noise = {{"z", "active", 1.25e-6, 0.0456}};
+  verdict.noise = {{"z", "active", 1.25e-6, 0.0456}, {"x", "active", {}, {}, "no model"}};
   verdict.effort = {{"active", "leg_3v", 0.75, 4.875, 4.9375, 100.0}};
   const std::string page = to_text(verdict);
   for (const char* part : {"182", "4.32e+03", "broadband", "0.0123", "no reason", "19 lost", "0.7",
@@ -207,6 +207,8 @@ TEST(Verdict, EverythingThatALogTellsIsInBoth) {
   EXPECT_EQ(j["shocks"][0]["settling_s"], 0.7);
   EXPECT_TRUE(j["shocks"][1]["settling_s"].is_null());
   EXPECT_EQ(j["noise"][0]["share"], 0.0456);
+  EXPECT_TRUE(j["noise"][1]["rms_acceleration"].is_null());
+  EXPECT_EQ(j["noise"][1]["missing"], "no model");
   EXPECT_EQ(j["effort"][0]["limit"], 100);
 }
 

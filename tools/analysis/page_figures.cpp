@@ -62,14 +62,6 @@ page::Curve curve_of(const std::vector<double>& frequencies_hz, const Eigen::Vec
   return {.name = "", .frequencies_hz = frequencies_hz, .values = list_of(values)};
 }
 
-std::vector<double> band_centres() {
-  std::vector<double> centres;
-  for (const report::OctaveBand& band : report::third_octave_bands()) {
-    centres.push_back(band.nominal_hz);
-  }
-  return centres;
-}
-
 std::vector<double> psd_frequencies(const report::Psd& psd) {
   std::vector<double> frequencies;
   for (Index k = 0; k < psd.density.size(); ++k) frequencies.push_back(psd.frequency_hz(k));
@@ -79,10 +71,16 @@ std::vector<double> psd_frequencies(const report::Psd& psd) {
 void add_spectra(const report::SignalAnalysis& signal, page::Curve page::SignalCurves::*member,
                  page::SpectraAxis& axis) {
   if (signal.density.density.size() == 0) return;
-  axis.third_octaves.*member = curve_of(band_centres(), signal.third_octaves);
-  const std::vector<double> frequencies = psd_frequencies(signal.density);
-  axis.density.*member = curve_of(frequencies, signal.density.density);
-  axis.cumulative_rms.*member = curve_of(frequencies, report::cumulative_rms(signal.density));
+  page::Curve& bands = axis.third_octaves.*member;
+  for (const report::OctaveBand& band : report::third_octave_bands()) {
+    const double velocity = signal.third_octaves(static_cast<Index>(bands.values.size()));
+    if (std::isnan(velocity)) break;  // this one and those above it were not observed
+    bands.frequencies_hz.push_back(band.nominal_hz);
+    bands.values.push_back(velocity);
+  }
+  axis.density.*member = curve_of(psd_frequencies(signal.density), signal.density.density);
+  axis.cumulative_rms.*member =
+      curve_of(psd_frequencies(signal.power), report::cumulative_rms(signal.power));
 }
 
 page::Curve noise_model(const std::string& name, bool high) {
@@ -211,8 +209,10 @@ page::SpectraFigures spectra_of(const RunAnalyses& runs) {
   }
   if (figures.axes.empty()) return figures;
   for (const report::VibrationCriterion& criterion : report::vibration_criteria()) {
-    page::Curve curve{.name = criterion.name, .frequencies_hz = band_centres(), .values = {}};
+    page::Curve curve{.name = criterion.name, .frequencies_hz = {}, .values = {}};
     for (const report::OctaveBand& band : report::third_octave_bands()) {
+      if (!criterion.applies(band.centre_hz)) continue;
+      curve.frequencies_hz.push_back(band.nominal_hz);
       curve.values.push_back(criterion.limit(band.centre_hz));
     }
     figures.criteria.push_back(std::move(curve));

@@ -194,12 +194,16 @@ page::Table shock_table(const std::vector<report::ShockSummary>& shocks) {
 }
 
 page::Table noise_table(const std::vector<report::NoiseSummary>& noise) {
-  page::Table table{"Motion of the frame that the floor does not explain, rms of 1 to 80 Hz",
-                    {"axis", "loop", "rms mm/s\u00b2", "share of the frame's rms"},
-                    {}};
+  page::Table table{
+      "Noise at most: motion of the frame that the model does not make of the measured floor, rms "
+      "of 1 to 80 Hz (with what the model is not right in, distortion and limited forces)",
+      {"axis", "loop", "rms mm/s\u00b2", "share of the frame's rms"},
+      {}};
   for (const report::NoiseSummary& n : noise) {
     table.rows.push_back(
-        {n.axis, n.loop, milli(n.rms_acceleration), number_text(100 * n.share, 3) + " %"});
+        {n.axis, n.loop,
+         n.rms_acceleration ? milli(*n.rms_acceleration) : "not known: " + n.missing,
+         n.share ? number_text(100 * *n.share, 3) + " %" : "\u2013"});
   }
   return table;
 }

@@ -9,6 +9,7 @@
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "plant_sim/floor/floor_block.hpp"
+#include "tools/analysis/response_prediction.hpp"
 
 namespace stillframe::tools {
 
@@ -39,6 +40,43 @@ std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec) {
     }
   }
   return std::nullopt;
+}
+
+/// The model of a run's loop and what it predicts of the plan's frequencies.
+void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
+               const stillframe_msgs::run_info_t& info) {
+  const bool active = info.loop == "active";
+  report::ResponseSignals all{
+      info.floor_names, {info.frame_names.begin(), info.frame_names.begin() + plan.n_outputs}};
+  report::ResponseSignals axes;
+  for (const report::AxisPlan& axis : plan.axes) {
+    axes.inputs.push_back(axis.floor);
+    axes.outputs.push_back(axis.frame);
+    all.outputs.push_back(axis.frame);
+  }
+  const auto is_input = [](const std::string& name, const SceneSignal& input) {
+    return name == input.name;
+  };
+  const auto& inputs = design.scene.inputs;
+  if (!std::equal(all.inputs.begin(), all.inputs.end(), inputs.begin(), inputs.end(), is_input)) {
+    plan.unmodelled = "the floor inputs of the log are not those of its scene";
+    return;
+  }
+  try {
+    const ResponsePrediction prediction(design, all);
+    plan.model = report::RunModel{.loop = prediction.loop(active), .matrix = {}, .axes = {}};
+    for (const Eigen::MatrixXcd& T : prediction.at(plan.frequencies_hz, active).sampled) {
+      plan.model->matrix.emplace_back(T.topRows(plan.n_outputs));
+    }
+  } catch (const std::exception& error) {
+    plan.unmodelled = error.what();
+    return;
+  }
+  try {
+    plan.model->axes = ResponsePrediction(design, axes).at(plan.frequencies_hz, active).sampled;
+  } catch (const InputError&) {
+    // The floors of the axes do not say how the floor moves; the verdict tells.
+  }
 }
 
 }  // namespace
@@ -89,7 +127,10 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
   const double highest = std::min(200.0, 0.4 * info.sample_rate_hz);
   const Eigen::VectorXd frequencies = logarithmic_frequencies(0.5, std::max(highest, 1.0), 50);
   plan.frequencies_hz.assign(frequencies.begin(), frequencies.end());
-  if (!run.design) return plan;
+  if (!run.design) {
+    plan.unmodelled = run.unreadable;
+    return plan;
+  }
   const auto known = [&](const std::string& name) {
     return std::find(info.frame_names.begin(), info.frame_names.end(), name) !=
            info.frame_names.end();
@@ -101,6 +142,7 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
     plan.axes.push_back({comparison.name, comparison.floor, comparison.frame});
   }
   plan.n_outputs = std::min<Eigen::Index>(run.design->loop.n_y, info.n_frame);
+  if (!run.multisine) add_model(plan, *run.design, info);
   return plan;
 }
 

@@ -24,6 +24,8 @@ class ResponsePrediction {
   /// of a prescribed node.
   ResponsePrediction(const LoopDesign& design, const report::ResponseSignals& signals);
 
+  /// The loop whose inputs are the scene's, if those are the signals, and its outputs.
+  const SampledLoop& loop(bool active) const { return active ? closed_ : open_; }
   /// With the law, or with zero commands.
   PredictedResponse at(const std::vector<double>& frequencies_hz, bool active) const;
 

@@ -51,10 +51,9 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   for (const auto* response : {&run.matrix, &run.axes}) {
     if (*response) verdict.responses.push_back(summary_of(**response, loop));
   }
+  append(verdict.noise, report::noise_summaries(log));
   if (run.axes && run.axes->measured.response) {
-    const auto& response = *run.axes->measured.response;
-    append(verdict.noise, report::noise_summaries(log, response));
-    append(verdict.transmissibility, report::transmissibilities(log, response));
+    append(verdict.transmissibility, report::transmissibilities(log, *run.axes->measured.response));
   }
 }
 

@@ -1,6 +1,9 @@
 #include "tools/run/closed_loop.hpp"
 
+#include <algorithm>
+
 #include "controller/law.hpp"
+#include "msgs/clock.hpp"
 #include "plant_sim/measurement_message.hpp"
 
 namespace stillframe::tools {
@@ -23,13 +26,18 @@ std::string ClosedLoop::step() {
   const auto advance = [this] {
     return plant_.advance(queue_.before(), queue_.after(), queue_.fraction());
   };
+  const std::int64_t begin = monotonic_ns();
   measure();
+  const std::int64_t asked = monotonic_ns();
   answer_.answer(measurement_, command_);
+  const std::int64_t answered = monotonic_ns();
   std::string reason;
   if (!queue_.needs_answer()) reason = advance();
   force_ = Eigen::Map<const Eigen::VectorXd>(command_.force.data(), command_.n_legs);
   queue_.push(force_);
   if (queue_.needs_answer()) reason = advance();
+  worst_answer_ns_ = std::max(worst_answer_ns_, answered - asked);
+  worst_plant_ns_ = std::max(worst_plant_ns_, monotonic_ns() - answered + asked - begin);
   return reason;
 }
 

@@ -25,6 +25,9 @@ class ClosedLoop {
   /// The plant, for what it says of itself.
   const Plant& plant() const { return plant_; }
   const controller::Answer& answer() const { return answer_; }
+  /// The longest that the plant and the controller took over their part of a sample, ns.
+  std::int64_t worst_plant_ns() const { return worst_plant_ns_; }
+  std::int64_t worst_answer_ns() const { return worst_answer_ns_; }
 
  private:
   void measure();
@@ -36,6 +39,7 @@ class ClosedLoop {
   stillframe_msgs::measurement_t measurement_;
   stillframe_msgs::command_t command_;
   Eigen::VectorXd force_;
+  std::int64_t worst_plant_ns_ = 0, worst_answer_ns_ = 0;
 };
 
 }  // namespace stillframe::tools

@@ -1,7 +1,5 @@
 #include "tools/run/single_process.hpp"
 
-#include <algorithm>
-
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/log_writer.hpp"
@@ -43,19 +41,22 @@ class RunLogFile {
     state_.text = text;
     sound_ = file_.write(channels::run_state, state_) && sound_;
   }
-  bool finish(std::int64_t n, std::int64_t worst_ns, std::int64_t wall_ns) {
+  bool finish(std::int64_t n, const ClosedLoop& loop, std::int64_t wall_ns) {
     say("plant", run_state_t::ENDED, "");
     timing_.n_periods = n;
-    timing_.worst_compute_ns = worst_ns;
     timing_.wall_time_ns = wall_ns;
-    for (const char* source : {"plant", "controller"}) {
-      timing_.source = source;
-      sound_ = file_.write(channels::timing, timing_) && sound_;
-    }
+    tell("plant", loop.worst_plant_ns());
+    tell("controller", loop.worst_answer_ns());
     return file_.finish() && sound_;
   }
 
  private:
+  void tell(const char* source, std::int64_t worst_ns) {
+    timing_.source = source;
+    timing_.worst_compute_ns = worst_ns;
+    sound_ = file_.write(channels::timing, timing_) && sound_;
+  }
+
   LogWriter file_;
   run_state_t state_;
   timing_t timing_;
@@ -82,7 +83,7 @@ PhaseResult run_in_process(const LoopDesign& design, const floor::FloorSpec& flo
   ProgressBar bar(options.loop, options.sample_rate_hz);
   constexpr std::int64_t show_every_ns = ns_per_s / 5;
   const std::int64_t begin = monotonic_ns();
-  std::int64_t shown = begin, worst = 0, before = begin;
+  std::int64_t shown = begin, now = begin;
   const auto fail = [&log](const std::string& reason) {
     log.say("plant", run_state_t::FAILED, reason);
     return PhaseResult{exit_failed, reason, ""};
@@ -91,16 +92,14 @@ PhaseResult run_in_process(const LoopDesign& design, const floor::FloorSpec& flo
     const std::string reason = loop.step();
     if (!log.sample(loop)) return fail("the log cannot be written");
     if (!reason.empty()) return fail(reason);
-    const std::int64_t now = monotonic_ns();
-    worst = std::max(worst, now - before);
-    before = now;
+    now = monotonic_ns();
     if (now - shown < show_every_ns) continue;
     shown = now;
     bar.show(k, n);
     if (stop_requested()) return fail("interrupted");
   }
-  const std::int64_t wall = before - begin;
-  if (!log.finish(n, worst, wall)) return fail("the log cannot be written");
+  const std::int64_t wall = now - begin;
+  if (!log.finish(n, loop, wall)) return fail("the log cannot be written");
   const auto& answer = loop.answer();
   if (answer.n_fallback() > 0) {
     return {exit_failed,

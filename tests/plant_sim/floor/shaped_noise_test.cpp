@@ -36,6 +36,7 @@ TEST(Density, EveryBandOfACriterionHasItsLevel) {
     const char letter = criterion.name.back();
     EXPECT_EQ(criterion_velocity(letter), criterion.velocity);
     for (const auto& band : report::third_octave_bands()) {
+      if (!criterion.applies(band.centre_hz)) continue;
       double square = 0.0;
       const int n = 2000;
       for (int i = 0; i < n; ++i) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "report/analysis/duration_histogram.hpp"
 #include "report/analysis/level_track.hpp"
@@ -97,6 +98,34 @@ TEST(Shocks, NextShockEndsTheTimeOfTheLast) {
   EXPECT_NEAR(shocks[0].settling_s.value_or(-1), 0.3, 1e-9);
   EXPECT_NEAR(shocks[1].time_s, 20.05, 1e-9);
   EXPECT_NEAR(shocks[1].settling_s.value_or(-1), 0.1, 1e-9);
+}
+
+/// Slow Gaussian motion, of which a tenth of a second is one sample: levels from nothing to 4
+/// sigma.
+TEST(Shocks, SteadyNoiseHasNoneAndDoesNotHideThatTheFrameSettles) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> floor, frame;
+  for (int i = 0; i < 36000; ++i) {
+    floor.push_back(std::abs(normal(random)));
+    frame.push_back(0.1 * std::abs(normal(random)));
+  }
+  EXPECT_TRUE(find_shocks(floor, frame).empty());
+  for (std::size_t i = 20000; i < 20100; ++i) {
+    const double t = 0.1 * static_cast<double>(i - 20000);
+    if (t < 0.3) floor[i] += 100;
+    frame[i] += 10 * std::exp(-t);
+  }
+  const auto shocks = find_shocks(floor, frame);
+  ASSERT_EQ(shocks.size(), 1u);
+  // Below 4 times 0.1 after ln(25) = 3.2 s, below 5 % of 10 after 3.0.
+  ASSERT_TRUE(shocks[0].settling_s.has_value());
+  EXPECT_NEAR(*shocks[0].settling_s, 3, 0.5);
+}
+
+TEST(Shocks, AreOnPlantTime) {
+  const Levels levels = shaken(0.5);
+  EXPECT_NEAR(find_shocks(levels.floor, levels.frame, 30).at(0).time_s, 35.05, 1e-12);
 }
 
 TEST(Shocks, ASteadyFloorHasNone) {

@@ -41,6 +41,7 @@ class ToyLog : public ::testing::Test {
     auto message = sample_measurement(5, k);
     message.n_floor = 3;
     message.n_frame = 6;
+    message.time_ns = std::llround(1e9 * static_cast<double>(k) / rate);
     message.floor_acceleration.assign(3, 0);
     message.frame_acceleration.assign(6, 0);
     for (Index i = 0; i < 3; ++i) {
@@ -66,6 +67,19 @@ class ToyLog : public ::testing::Test {
             .multisine = {},
             .frequencies_hz = {1, 2, 4, 7, 10, 16, 25, 40, 80},
             .segment_s = 16};
+  }
+  /// The same with the loop's model: its outputs once as outputs and once as frames of the axes.
+  AnalysisPlan plan_with_model(const SampledLoop& loop) const {
+    AnalysisPlan what = plan();
+    RunModel model{.loop = loop, .matrix = {}, .axes = {}};
+    model.loop.C = loop.C.replicate(2, 1);
+    model.loop.D = loop.D.replicate(2, 1);
+    for (const double f : what.frequencies_hz) {
+      model.matrix.push_back(transfer(loop, 2 * toy::pi * f));
+    }
+    model.axes = model.matrix;
+    what.model = std::move(model);
+    return what;
   }
   LogAnalysis analyse(const std::filesystem::path& path, const AnalysisPlan& what) const {
     return analyse_log(path, {}, [&](const auto&) { return what; });
@@ -106,22 +120,93 @@ TEST_F(ToyLog, TellsEverythingInOnePass) {
   EXPECT_EQ(run.n_samples, 20001);
   EXPECT_EQ(run.n_lost, 0);
   EXPECT_EQ(transmissibilities(log, *log.axis_matrix->response).size(), 3u);
-  // Nothing but rounding and the parabola is unexplained.
-  for (const NoiseSummary& noise : noise_summaries(log, *log.axis_matrix->response)) {
-    EXPECT_LT(noise.share, 1e-2) << noise.axis;
+  EXPECT_EQ(log.axes[0].floor.envelope.first_time_s, 0);
+}
+
+TEST_F(ToyLog, NoiseIsNotKnownWithoutAModel) {
+  AnalysisPlan what = plan();
+  what.unmodelled = "nobody knows";
+  const auto noise = noise_summaries(analyse(write([](Index) { return false; }), what));
+  ASSERT_EQ(noise.size(), 3u);
+  EXPECT_FALSE(noise[0].rms_acceleration.has_value());
+  EXPECT_FALSE(noise[0].share.has_value());
+  EXPECT_EQ(noise[0].missing, "nobody knows");
+}
+
+/// Without any noise, passive and without damping: what estimators leave of resonances is no noise.
+TEST_F(ToyLog, NoNoiseIsNone) {
+  for (const SampledLoop& loop : {open_loop(plant_), loop_}) {
+    record_ = toy::simulate(loop, record_.inputs.bottomRows(20000), VectorXd::Zero(loop.A.rows()));
+    const LogAnalysis log = analyse(write([](Index) { return false; }), plan_with_model(loop));
+    for (const NoiseSummary& noise : noise_summaries(log)) {
+      EXPECT_EQ(noise.missing, "");
+      // 20 000 steps of an undamped motion, each rounded.
+      EXPECT_LE(noise.share.value_or(1), 1e-10) << noise.axis;
+    }
+    // Nor is it error of the response: resonances lie within a parabola of some frequencies.
+    for (const auto* identified : {&log.matrix, &log.axis_matrix}) {
+      for (std::size_t l = 0; l < plan().frequencies_hz.size(); ++l) {
+        const auto exact = transfer(loop, 2 * toy::pi * plan().frequencies_hz[l]);
+        EXPECT_LE(((*identified)->response->T[l] - exact).norm(), 1e-8 * exact.norm()) << l;
+      }
+    }
   }
 }
 
 TEST_F(ToyLog, NoiseApartFromTheFloorIsMeasured) {
   // White noise of 2e-5 m/s^2 rms on one output: sqrt(79 / 250) of it between 1 and 80 Hz.
   std::normal_distribution<double> normal;
-  for (double& value : record_.outputs.col(1)) value += 2e-5 * normal(random_);
-  const LogAnalysis log = analyse(write([](Index) { return false; }), plan());
-  const auto noise = noise_summaries(log, *log.axis_matrix->response);
-  // 9 frequencies of some 25 degrees of freedom each, unevenly weighted: about 10 %, three times
-  // that.
-  EXPECT_NEAR(noise[1].rms_acceleration / (2e-5 * std::sqrt(79.0 / 250)), 1, 0.3);
-  EXPECT_LT(noise[0].rms_acceleration, 0.2 * noise[1].rms_acceleration);
+  const VectorXd added = VectorXd::NullaryExpr(20001, [&] { return 2e-5 * normal(random_); });
+  record_.outputs.col(1) += added;
+  const auto path = write([](Index) { return false; });
+  const auto noise = noise_summaries(analyse(path, plan_with_model(loop_)));
+  // What was added and nothing else, but for the last digits of what it was added to.
+  const double exact = band_rms(power_of(added, rate), 1, 80);
+  EXPECT_NEAR(noise[1].rms_acceleration.value(), exact, 1e-9 * exact);
+  EXPECT_NEAR(exact / (2e-5 * std::sqrt(79.0 / 250)), 1, 0.1);
+  EXPECT_LT(noise[0].rms_acceleration.value(), 1e-10 * exact);
+  // A model that is wrong by 1 % in its gain leaves 1 % of the motion: noise at most, and said so.
+  AnalysisPlan wrong = plan_with_model(loop_);
+  wrong.model->loop.C *= 0.99;
+  wrong.model->loop.D *= 0.99;
+  EXPECT_NEAR(noise_summaries(analyse(path, wrong))[0].share.value(), 0.01, 1e-6);
+}
+
+TEST_F(ToyLog, NoiseBehindAGapIsKnownOnceTheLoopHasForgotten) {
+  const auto late = [](Index k) { return k < 2000; };
+  const auto noise = noise_summaries(analyse(write(late), plan_with_model(loop_)));
+  // The leak of 0.05 Hz forgets by 1e-4 in 29 s of 36, so that less than half is left.
+  EXPECT_FALSE(noise[0].rms_acceleration.has_value());
+  EXPECT_NE(noise[0].missing.find("has gaps"), std::string::npos);
+  const SampledLoop quick =
+      close_loop(plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.5, 1 / rate));
+  record_ = toy::simulate(quick, record_.inputs.bottomRows(20000), VectorXd::Zero(quick.A.rows()));
+  const LogAnalysis log = analyse(write(late), plan_with_model(quick));
+  EXPECT_LE(noise_summaries(log)[0].share.value(), 1e-4);
+  EXPECT_NEAR(log.axes[0].frame.envelope.first_time_s, 4, 1e-12);
+  // One lost sample is put in.
+  const auto one =
+      noise_summaries(analyse(write([](Index k) { return k == 500; }), plan_with_model(quick)));
+  EXPECT_LE(one[0].share.value(), 0.02);
+  // An undamped frame never forgets.
+  const SampledLoop open = open_loop(plant_);
+  record_ = toy::simulate(open, record_.inputs.bottomRows(20000), VectorXd::Zero(6));
+  EXPECT_FALSE(noise_summaries(analyse(write(late), plan_with_model(open)))[0].share.has_value());
+}
+
+TEST_F(ToyLog, WhyNothingIsIdentifiedIsTrue) {
+  const auto missing = [&](const std::function<bool(Index)>& lost) {
+    return analyse(write(lost), plan()).matrix->missing;
+  };
+  // What is expected of the run is 40 s.
+  EXPECT_EQ(missing([](Index k) { return k >= 500; }),
+            "the log has 1 s, a response of 3 inputs needs 6.25 s");
+  EXPECT_EQ(missing([](Index k) { return k >= 1100 || (k >= 400 && k < 600); }),
+            "the longest stretch of the log without a gap has 1 s, a response of 3 inputs needs "
+            "6.25 s");
+  record_.inputs.setZero();
+  EXPECT_EQ(missing([](Index) { return false; }),
+            "the inputs do not move at any of the frequencies");
 }
 
 TEST_F(ToyLog, LostSamplesLeaveGapsAndAreSaid) {

@@ -50,7 +50,7 @@ function bandOption({view, axis, limits}, c, width, height) {
     tooltip: tooltip(c, {trigger: 'axis', formatter: ([{axisValue}]) => {
       const i = nearest(f, 10 ** axisValue);
       return `<b>${number(f[i])} Hz</b>` + rows(signals.map(([name, signal, colour]) =>
-        ({name, colour, values: [`${number(1e6 * signal.band_velocity[i])} \u00b5m/s`]})));
+        ({name, colour, values: [signal.band_velocity[i] === null ? '\u2013' : `${number(1e6 * signal.band_velocity[i])} \u00b5m/s`]})));
     }}),
     series: [
       ...criteria.map(({name, velocity}) => ({
