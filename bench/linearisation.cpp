@@ -8,6 +8,7 @@
 #include "bench/machine.hpp"
 #include "core/dynamics.hpp"
 #include "core/equilibrium.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 
@@ -70,13 +71,12 @@ BENCHMARK(frame_stiffness)->Name("frame: K N G alone");
 void spinning_arm(benchmark::State& state, bool moving) {
   Scene scene = scene_named("spinning_arm");
   const Model model = make_model(scene);
-  NominalMotion motion = nominal_motion(scene, model);
+  NominalMotion motion = nominal_motion(model);
   if (!moving) {
     motion.state.q_d_dot.setZero();
     motion.state.q_r_dot.setZero();
     motion.state.q_r_ddot.setZero();
     motion.q_d_ddot.setZero();
-    motion.moving = false;
   }
   Lineariser lineariser(model, {}, {});
   for (auto _ : state) benchmark::DoNotOptimize(lineariser.about(motion).M.data());

@@ -10,6 +10,7 @@
 #include "bench/chain_of_beams.hpp"
 #include "bench/machine.hpp"
 #include "core/linearisation.hpp"
+#include "core/operating_point.hpp"
 #include "core/state_space.hpp"
 #include "report/table.hpp"
 

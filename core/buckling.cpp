@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/dynamics.hpp"
+#include "core/equilibrium.hpp"
 #include "core/linearisation/projection.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -34,9 +35,20 @@ void first_order_stresses(const Model& model, Data& data, const Columns& columns
 }  // namespace
 
 Buckling buckling(const Model& model) {
-  const NominalMotion rest(model);
-  const MatrixXd K = linearise(model, rest, {}, {}, {.mass = false, .damping = false}).K;
+  if (!model.q_r_dot_0.isZero(0) || !model.q_r_ddot_0.isZero(0)) {
+    throw Refusal(
+        "a prescribed motion has a rate or an acceleration, whose inertia forces are no load that "
+        "a "
+        "multiplier multiplies; take it out for buckling, or follow the modes under growing load");
+  }
+  const NominalMotion rest = unloaded_position(model);
+  Lineariser unloaded(model, {}, {}, {.mass = false, .damping = false});
+  // The prescribed values may strain the unloaded scene: that part of G does not grow with the
+  // load.
+  const LinearModel& at_rest = unloaded.about(rest, 0);
+  const MatrixXd K = at_rest.K + 0.5 * (at_rest.G + at_rest.G.transpose());
   Data data(model);
+  rest.place(data);
   generalised_forces(model, data, rest.state, VectorXd::Zero(model.n_e));
   complete_accelerations(data, rest.q_d_ddot);
   if (data.f_dd.isZero(0) && data.f.isZero(0) && model.preload.isZero(0)) {
@@ -44,17 +56,19 @@ Buckling buckling(const Model& model) {
   }
   const Eigen::LLT<MatrixXd> factors(K);
   if (factors.info() != Eigen::Success) {
-    throw Refusal("the stiffness matrix of the unloaded scene is not positive definite: it can move "
-                  "without strain, or has dofs that nothing resists");
+    throw Refusal(
+        "the stiffness matrix of the unloaded scene is not positive definite: it can move "
+        "without strain, or has dofs that nothing resists");
   }
   Columns columns(model, MatrixXd::Zero(model.n_r, 0), {});
   columns.compute(model, data, false);
   first_order_stresses(model, data, columns, factors.solve(data.f_dd));
-  const MatrixXd G = geometric_stiffness(model, data, columns);
+  const MatrixXd G = geometric_stiffness(model, data, columns) - at_rest.G;
   // Rounding of the projections leaves 1e-13; a load that follows, parts of the order of G itself.
   if ((G - G.transpose()).norm() > 1e-9 * G.norm()) {
-    throw Refusal("the geometric stiffness is not symmetric, as a load follows its node: such a "
-                  "load has no buckling multiplier; follow the modes under growing load instead");
+    throw Refusal(
+        "the geometric stiffness is not symmetric, as a load follows its node: such a "
+        "load has no buckling multiplier; follow the modes under growing load instead");
   }
   // G v = mu K v with mu = -1 / lambda: the smallest multipliers are the best determined numbers.
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (G + G.transpose()), K);

@@ -6,9 +6,10 @@
 #include <limits>
 
 #include "core/dynamics.hpp"
-#include "core/equilibrium.hpp"
 #include "core/extrapolation.hpp"
 #include "core/linearisation/signal_rows.hpp"
+#include "core/operating_point.hpp"
+#include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
@@ -27,7 +28,7 @@ class Certifier {
       : scene_(scene),
         progress_(progress),
         model_(make_model(scene)),
-        nominal_(nominal_motion(scene, model_)),
+        nominal_(nominal_motion(model_)),
         linear_(linearise(model_, nominal_, scene.inputs, scene.outputs)),
         data_(model_),
         sigma_a_(VectorXd::Zero(model_.n_e)) {
@@ -53,7 +54,7 @@ class Certifier {
  private:
   /// Everything at given q''; positions start from the nominal ones.
   void evaluate(const MotionState& state, const VectorXd& q_d_ddot) {
-    data_.x = nominal_.x;
+    nominal_.place(data_);
     if (!generalised_forces(model_, data_, state, sigma_a_)) {
       throw Refusal("a position near the operating point cannot be reached");
     }
@@ -177,29 +178,28 @@ class Certifier {
             block.factor * step(j));
         const VectorXd found =
             j < model_.n_d ? block.dofs.col(j) : block.motions.col(j - model_.n_d);
-        difference = std::max(difference, (found - expected).lpNorm<Eigen::Infinity>());
-        size = std::max(size, found.lpNorm<Eigen::Infinity>());
-        scale = std::max(scale, expected.lpNorm<Eigen::Infinity>());
+        difference = worst_of(difference, worst_of(found - expected));
+        size = worst_of(size, worst_of(found));
+        scale = worst_of(scale, worst_of(expected));
       }
-      add(std::string(1, block.name), difference, std::max(size, scale),
+      add(std::string(1, block.name), difference, worst_of(size, scale),
           rounding_floor(block.order));
     }
   }
 
   /// floor: a block below it is zero to rounding of its neighbours.
   void add(const std::string& name, double difference, double size, double floor) {
-    result_.push_back({name, difference > 0 ? difference / std::max(size, floor) : 0, size});
+    result_.push_back({name, difference == 0 ? 0 : difference / worst_of(size, floor), size});
   }
   /// 1e-12 of the largest block of the same unit.
   double rounding_floor(Order order) const {
-    const auto largest = [](const MatrixXd& a) { return a.size() ? a.cwiseAbs().maxCoeff() : 0.0; };
     const LinearModel& l = linear_;
     const double size = order == Order::position
-                            ? std::max({largest(l.K), largest(l.N), largest(l.G)})
-                        : order == Order::velocity ? std::max(largest(l.C), largest(l.D))
-                                                   : largest(l.M);
+                            ? worst_of({worst_of(l.K), worst_of(l.N), worst_of(l.G)})
+                        : order == Order::velocity ? worst_of(worst_of(l.C), worst_of(l.D))
+                                                   : worst_of(l.M);
     // Where all blocks of a unit are zero, those of the next unit say how large forces are.
-    return 1e-12 * (size > 0 ? size : std::max({largest(l.M), largest(l.K), largest(l.G)}));
+    return 1e-12 * (size != 0 ? size : worst_of({worst_of(l.M), worst_of(l.K), worst_of(l.G)}));
   }
 
   /// q''^d and y of the equations as they are simulated, with one input changed.
@@ -210,7 +210,7 @@ class Certifier {
     sigma_a_.setZero();
     if (j >= model_.n_d && !is_motion_column(j))
       push(inputs_[static_cast<size_t>(j - model_.n_d)], t);
-    data_.x = nominal_.x;
+    nominal_.place(data_);
     const auto status = accelerations(model_, data_, state, sigma_a_, q_ddot);
     if (status != DynamicsStatus::ok) {
       throw Refusal("the equations of motion cannot be evaluated near the operating point");
@@ -301,14 +301,14 @@ class Certifier {
   void judge(const std::string& name, const MatrixXd& found, const MatrixXd& expected,
              const MatrixXd& terms, bool by_row) {
     if (found.size() == 0) return;
-    const double size = found.cwiseAbs().maxCoeff();
+    const double size = worst_of(found);
     double difference = 0;
     for (Index i = 0; i < found.rows(); ++i) {
-      const double row = std::max({expected.row(i).cwiseAbs().maxCoeff(),
-                                   1e-6 * terms.row(i).maxCoeff(), 1e-12 * terms.maxCoeff()});
+      const double row = worst_of(
+          {worst_of(expected.row(i)), 1e-6 * worst_of(terms.row(i)), 1e-12 * worst_of(terms)});
       const double scale = by_row ? row : size;
-      if (scale > 0) {
-        difference = std::max(difference, (found - expected).row(i).cwiseAbs().maxCoeff() / scale);
+      if (scale != 0) {
+        difference = worst_of(difference, worst_of((found - expected).row(i)) / scale);
       }
     }
     result_.push_back({name, difference, size});

@@ -1,8 +1,8 @@
 #include "core/compliance.hpp"
 
 #include "core/control_loop.hpp"
-#include "core/equilibrium.hpp"
 #include "core/frequency_response.hpp"
+#include "core/operating_point.hpp"
 
 namespace stillframe {
 
@@ -21,7 +21,7 @@ std::vector<SceneSignal> at_outputs(const Scene& scene, Quantity quantity) {
 Compliance::Compliance(const Scene& scene, const Model& model)
     : n_(static_cast<Index>(scene.outputs.size())) {
   require_loop_signals(scene);
-  model_ = linearise(model, solve_equilibrium(model).motion, at_outputs(scene, Quantity::force),
+  model_ = linearise(model, at_outputs(scene, Quantity::force),
                      at_outputs(scene, Quantity::position));
 }
 

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <numbers>
 
-#include "core/equilibrium.hpp"
 #include "core/frequency_response.hpp"
+#include "core/operating_point.hpp"
+#include "core/scene/signals.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
@@ -16,8 +17,9 @@ constexpr double two_pi = 2 * std::numbers::pi;
 void require_accelerations(const std::vector<SceneSignal>& signals, const std::string& what) {
   for (const SceneSignal& signal : signals) {
     if (signal.quantity != Quantity::acceleration) {
-      throw InputError(signal.place + ": " + what + " '" + signal.name + "': found a " +
-                       unit_of(signal.quantity) + " signal, a control loop needs accelerations");
+      throw InputError(signal.place + ": " + what + " '" + signal.name + "': found '" +
+                       word_of(signal.quantity) +
+                       "', a control loop needs 'acceleration' (of a node along a direction)");
     }
   }
 }
@@ -55,8 +57,7 @@ void require_loop_signals(const Scene& scene) {
 LinearModel loop_model(const Scene& scene, const Model& model) {
   require_loop_signals(scene);
   const auto legs = leg_signals(*scene.controller);
-  return linearise(model, solve_equilibrium(model).motion, joined(scene.inputs, legs),
-                   joined(scene.outputs, legs));
+  return linearise(model, joined(scene.inputs, legs), joined(scene.outputs, legs));
 }
 
 std::vector<ModeTarget> mode_targets(const SceneController& controller, Index n_modes) {

@@ -28,14 +28,14 @@ struct ControlLoop {
 /// Driving stress (as an input) or stress resultant (as an output) of each leg.
 std::vector<SceneSignal> leg_signals(const SceneController& controller);
 
-/// The linear model behind it: linearises a scene about its equilibrium with the inputs (w, u) and
-/// outputs (y, sigma). Errors: as require_loop_signals; Refusal if there is no equilibrium.
+/// The linear model behind it: linearises a scene about its operating point with the inputs (w, u)
+/// and outputs (y, sigma). Errors: as require_loop_signals and linearise.
 LinearModel loop_model(const Scene& scene, const Model& model);
 
 /// The targets of n virtual modes: one for all, or n. Errors: InputError on another number.
 std::vector<ModeTarget> mode_targets(const SceneController& controller, Eigen::Index n_modes);
 
-/// Linearises a scene's loop about its equilibrium and designs its gains. Errors: InputError if the
+/// Linearises a scene's loop about its operating point and designs its gains. Errors: InputError if the
 /// scene has no controller, no inputs or no outputs, or an input that is no acceleration; Refusal
 /// as design_gains and leg_matrices.
 ControlLoop make_control_loop(const Scene& scene, const Model& model);

@@ -138,7 +138,8 @@ DynamicsStatus accelerations(const Model& model, Data& data, const MotionState& 
                              const Eigen::VectorXd& sigma_a, Eigen::VectorXd& q_d_ddot) noexcept {
   if (!generalised_forces(model, data, state, sigma_a)) return DynamicsStatus::position_not_found;
   mass_matrix(model, data);
-  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(data.M_dd);  // in place
+  data.M_factor = data.M_dd;
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(data.M_factor);  // in place
   if (factors.info() != Eigen::Success) return DynamicsStatus::mass_matrix_singular;
   q_d_ddot = data.f_dd;
   factors.solveInPlace(q_d_ddot);
@@ -177,6 +178,7 @@ Eigen::VectorXd applied_forces(const Model& model, const Data& data) {
   Eigen::VectorXd f(model.n_x + model.n_0);
   f << model.load, model.fixed_load;
   f *= data.load_factor;
+  if (data.external != nullptr) f.head(model.n_x) += *data.external;
   add_turning_loads(model, data, f);
   if (model.gravity.isZero(0)) return f;
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(model.n_x);

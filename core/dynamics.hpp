@@ -11,9 +11,9 @@ enum class DynamicsStatus { ok, position_not_found, mass_matrix_singular };
 /// The nonlinear equations of motion in minimal coordinates,
 ///   M_dd q''^d = D_dF^(x)T (f + f_in - M (D2F q' q' + D_rF q''^r)) - D_dF^(e)T sigma,
 ///   sigma = sigma_0 + sigma_a + S e + S_d e'.
-/// sigma_a (n_e): driving stresses, N. f: the model's constant loads and gravity. Source: deck,
-/// section 3. Writes q_d_ddot (n_d) and into data: all positions, rates, sigma of the elastic
-/// deformations, x_ddot; M_dd becomes its Cholesky factor. hot: noexcept, no allocation.
+/// sigma_a (n_e): driving stresses, N. f: the model's constant loads, gravity and data.external.
+/// Source: deck, section 3. Writes q_d_ddot (n_d) and into data: all positions, rates, sigma of the
+/// elastic deformations, M_dd and its factor, x_ddot. hot: noexcept, no allocation.
 DynamicsStatus accelerations(const Model& model, Data& data, const MotionState& state,
                              const Eigen::VectorXd& sigma_a, Eigen::VectorXd& q_d_ddot) noexcept;
 
@@ -38,7 +38,8 @@ void reaction_stresses(const Model& model, Data& data);
 /// forces f^m; the others are zero to rounding. After reaction_stresses. set-up.
 Eigen::VectorXd constraint_forces(const Model& model, const Data& data);
 
-/// Its parts (n_x + n_0 each): inertia forces M x'' - f_in, and applied forces (loads and weight).
+/// Its parts (n_x + n_0 each): inertia forces M x'' - f_in, and applied forces (loads, data.external
+/// and weight).
 /// set-up.
 Eigen::VectorXd inertia_forces(const Model& model, const Data& data);
 Eigen::VectorXd applied_forces(const Model& model, const Data& data);

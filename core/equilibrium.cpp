@@ -1,12 +1,16 @@
 #include "core/equilibrium.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "core/dynamics.hpp"
 #include "core/newton_solver.hpp"
+#include "core/stationarity.hpp"
+#include "core/turn.hpp"
+#include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
@@ -14,77 +18,102 @@ namespace stillframe {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+double largest_balanced_force(const Model& model, Data& data, const NominalMotion& motion) {
+  VectorXd stresses = data.DF_e.transpose() * data.sigma.tail(model.n_redundant);
+  for (Index i = 0; i < model.n_d; ++i) {
+    const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
+    if (dof.is_deformation) stresses(i) += data.sigma(dof.index);
+  }
+  const VectorXd loads = data.DF.transpose() * data.f;
+  const double at_rest = worst_of(worst_of(stresses), worst_of(loads));
+  if (!motion.moving()) return at_rest;
+  complete_accelerations(data, motion.q_d_ddot);
+  const double inertia = worst_of(inertia_forces(model, data).head(model.n_x));
+  return worst_of(at_rest, inertia * worst_of(data.DF));
+}
+
+double force_of_rounding(const Data& data, const MatrixXd& stiffness) {
+  // Positions are known to some epsilon of the displacement, which an ill-conditioned J makes more.
+  const double rounding = 1e-12 * worst_of(data.x);
+  double largest = 0;
+  for (Index i = 0; i < stiffness.rows(); ++i) {
+    const double move = worst_of(data.DF.col(i));
+    if (move > 0) largest = worst_of(largest, std::abs(stiffness(i, i)) * rounding / move);
+  }
+  return largest;
+}
+
+bool out_of_balance(const Model& model, Data& data, const NominalMotion& motion, VectorXd& f) {
+  if (!generalised_forces(model, data, motion.state, VectorXd::Zero(model.n_e))) return false;
+  f = data.f_dd;
+  if (!motion.q_d_ddot.isZero(0)) {
+    mass_matrix(model, data);
+    f -= data.M_dd * motion.q_d_ddot;
+  }
+  return f.allFinite();
+}
+
 namespace {
 
-bool is_moving(const MotionState& state) {
-  return !state.q_d_dot.isZero(0) || !state.q_r_dot.isZero(0) || !state.q_r_ddot.isZero(0);
-}
-
-NominalMotion prescribed_motion(const Model& model, double factor) {
-  NominalMotion motion(model);
-  motion.state.q_r = factor * model.q_r_0;
-  motion.state.q_r_dot = factor * model.q_r_dot_0;
-  motion.state.q_r_ddot = factor * model.q_r_ddot_0;
-  motion.moving = is_moving(motion.state);
-  return motion;
-}
-
-/// f_dd and its Jacobian for one load factor. Goes from one position to the next by travel().
+/// What is out of balance and its Jacobian for one load factor. Goes from one position to the next
+/// by travel().
 class Balance {
  public:
-  explicit Balance(const Model& model)
+  /// loads: of loads, gravity and preloads at the full load factor; rates: of the prescribed
+  /// motion.
+  Balance(const Model& model, double loads, double rates)
       : model_(model),
         data_(model),
         lineariser_(model, {}, {}, {.mass = false, .damping = false, .stiffness = true}),
         motion_(model),
-        zero_(VectorXd::Zero(model.n_e)) {}
+        loads_(loads),
+        rates_(rates),
+        along_{VectorXd::Zero(model.n_d), VectorXd::Zero(model.n_d)} {}
 
   void set_factor(double factor) {
-    data_.load_factor = factor;
+    data_.load_factor = factor * loads_;
     factor_ = factor;
   }
-  /// f_dd at q; false if the position cannot be reached.
-  bool forces(const VectorXd& q, VectorXd& f_dd) {
-    NominalMotion next = prescribed_motion(model_, factor_);
+  void go_along(const Rates& rates) { along_ = rates; }
+  /// What is out of balance at q; false if the position cannot be reached.
+  bool forces(const VectorXd& q, VectorXd& f) {
+    NominalMotion next(model_);
     next.state.q_d = q;
+    next.state.q_d_dot = along_.velocity;
+    next.state.q_r = factor_ * model_.q_r_0;
+    next.state.q_r_dot = factor_ * rates_ * model_.q_r_dot_0;
+    next.state.q_r_ddot = factor_ * rates_ * model_.q_r_ddot_0;
+    next.q_d_ddot = along_.acceleration;
+    // A trial some turns away has left all that Newton's method knows, and the way there is long.
+    if (largest_turn(model_, data_.DF * (q - motion_.state.q_d)) > most_turn) return false;
     if (!travel(model_, data_, motion_.state, next.state)) return false;
     next.x = data_.x;
-    motion_ = next;
-    if (!generalised_forces(model_, data_, motion_.state, zero_)) return false;
-    f_dd = data_.f_dd;
-    return f_dd.allFinite();
+    next.e = data_.e;
+    motion_ = std::move(next);
+    return out_of_balance(model_, data_, motion_, f);
   }
-  /// d f_dd / d q = -(K + N + G).
+  /// d f / d q = -(K + N + G).
   MatrixXd jacobian(const VectorXd& q) {
-    VectorXd f_dd;
-    if (!forces(q, f_dd)) throw Refusal("a position that was reached before cannot be reached");
-    return -lineariser_.about(motion_, factor_).stiffness();
+    VectorXd f;
+    if (!forces(q, f)) throw Refusal("a position that was reached before cannot be reached");
+    return -lineariser_.about(motion_, data_.load_factor).stiffness();
   }
   /// Where forces() was last asked for.
   const NominalMotion& motion() const { return motion_; }
-  /// The largest force among those that have to balance: of loads, of stresses and of inertia. The
-  /// latter as if it had its full lever on a dof: in a straight rotor none has any but rounding.
-  double reference() {
-    VectorXd stresses = data_.DF_e.transpose() * data_.sigma.tail(model_.n_redundant);
-    for (Index i = 0; i < model_.n_d; ++i) {
-      const Model::Dof& dof = model_.dofs[static_cast<size_t>(i)];
-      if (dof.is_deformation) stresses(i) += data_.sigma(dof.index);
-    }
-    const VectorXd loads = data_.DF.transpose() * data_.f;
-    const double at_rest =
-        std::max(stresses.lpNorm<Eigen::Infinity>(), loads.lpNorm<Eigen::Infinity>());
-    if (!motion_.moving) return at_rest;
-    complete_accelerations(data_, VectorXd::Zero(model_.n_d));
-    const double inertia = inertia_forces(model_, data_).head(model_.n_x).lpNorm<Eigen::Infinity>();
-    return std::max(at_rest, inertia * data_.DF.lpNorm<Eigen::Infinity>());
+  double reference() { return largest_balanced_force(model_, data_, motion_); }
+  double rounding() {
+    const LinearModel& linear = lineariser_.about(motion_, data_.load_factor);
+    return force_of_rounding(data_, linear.stiffness());
   }
 
  private:
+  static constexpr double most_turn = 30;  ///< rad
   const Model& model_;
   Data data_;
   Lineariser lineariser_;
   NominalMotion motion_;
-  VectorXd zero_;
+  double loads_, rates_;
+  Rates along_;
   double factor_ = 1;
 };
 
@@ -96,17 +125,17 @@ bool balance_at(Balance& balance, double factor, VectorXd& q, int& iterations) {
   const auto jacobian = [&](const VectorXd& at) { return balance.jacobian(at); };
   VectorXd f(q.size());
   if (!balance.forces(trial, f)) return false;
-  const double scale = std::max(balance.reference(), f.lpNorm<Eigen::Infinity>());
-  if (f.lpNorm<Eigen::Infinity>() > 1e-10 * scale) {
+  const double scale = worst_of(balance.reference(), worst_of(f));
+  if (!(worst_of(f) <= 1e-10 * scale) && !(worst_of(f) <= balance.rounding())) {
     if (!solve_nonlinear(forces, jacobian, scale, trial, iterations)) return false;
     if (!balance.forces(trial, f)) return false;
   }
-  double residual = f.lpNorm<Eigen::Infinity>();
+  double residual = worst_of(f);
   for (int k = 0; k < 10 && residual > 0; ++k) {
     const VectorXd next = trial - balance.jacobian(trial).partialPivLu().solve(f);
     VectorXd f_next(q.size());
     if (!next.allFinite() || !balance.forces(next, f_next)) break;
-    const double left = f_next.lpNorm<Eigen::Infinity>();
+    const double left = worst_of(f_next);
     if (!(left < residual)) break;
     trial = next;
     f = f_next;
@@ -114,17 +143,52 @@ bool balance_at(Balance& balance, double factor, VectorXd& q, int& iterations) {
     ++iterations;
   }
   // Rounding of stiff elements leaves 1e-10 of the largest force at worst; more is no equilibrium.
-  if (!(residual <= 1e-7 * std::max(balance.reference(), scale))) return false;
+  if (!(residual <= 1e-7 * worst_of(balance.reference(), scale)) &&
+      !(residual <= balance.rounding())) {
+    return false;
+  }
   q = trial;
   return true;
 }
 
-}  // namespace
+/// The dof with the largest part in a motion that nothing resists at a position, K scaled to a unit
+/// diagonal so that metres and radians compare; empty if there is none.
+std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
+  const VectorXd scale = jacobian.diagonal().unaryExpr(
+      [](double k) { return k != 0 ? 1 / std::sqrt(std::abs(k)) : 1.0; });
+  const MatrixXd K = scale.asDiagonal() * jacobian * scale.asDiagonal();
+  if (!K.allFinite()) return "";
+  const Eigen::BDCSVD<MatrixXd> svd(K, Eigen::ComputeFullV);
+  // Rounding leaves some eps; a soft spring beside a stiff one is 1 on the scaled diagonal.
+  if (svd.singularValues()(model.n_d - 1) > 1e-12) return "";
+  Index largest = 0;
+  svd.matrixV().col(model.n_d - 1).cwiseAbs().maxCoeff(&largest);
+  return model.dofs[static_cast<size_t>(largest)].name;
+}
 
-Equilibrium solve_equilibrium(const Model& model) {
-  Balance balance(model);
-  Equilibrium result{NominalMotion(model)};
-  VectorXd q = VectorXd::Zero(model.n_d);
+[[noreturn]] void refuse_load(const Model& model, double reached) {
+  if (reached > 0) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.4g", reached);
+    throw Refusal(std::string("no equilibrium found: the loads can be followed up to ") + text +
+                  " of their size; beyond, the configuration collapses (a limit or buckling load) "
+                  "or nothing resists");
+  }
+  const std::string dof =
+      unresisted_dof(model, Balance(model, 0, 0).jacobian(VectorXd::Zero(model.n_d)));
+  if (dof.empty()) {
+    throw Refusal(
+        "no equilibrium found: not even a small part of the loads can be balanced, from the scene "
+        "as written or near it");
+  }
+  throw Refusal("no equilibrium found: the scene is a mechanism, nothing resists a motion of dof " +
+                dof +
+                ", and the loads push it; hold it, give it a stiffness, or write the scene where "
+                "it hangs");
+}
+
+/// Follows the loads from zero. Adds to iterations and load_steps.
+void follow(const Model& model, Balance& balance, VectorXd& q, Equilibrium& result) {
   double reached = 0, step = 1;
   // 2^-12 of the load is far below what a limit point leaves; below it the path has ended.
   while (reached < 1 && step >= 1.0 / 4096) {
@@ -139,45 +203,54 @@ Equilibrium solve_equilibrium(const Model& model) {
       step *= step == 1.0 ? 0.125 : 0.5;
     }
   }
-  if (reached < 1) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.4g", reached);
-    throw Refusal(std::string("no equilibrium found: the loads can be followed up to ") + text +
-                  " of their size; beyond, the configuration collapses (a limit or buckling load) "
-                  "or nothing resists");
+  if (reached < 1) refuse_load(model, reached);
+}
+
+/// Where positions are dofs, the balance at q'^d = 0 is not that of what goes along: it strains and
+/// shears the springs and dampers between them.
+void go_along(const Model& model, Balance& balance, VectorXd& q, Equilibrium& result) {
+  if (model.q_r_dot_0.isZero(0) && model.q_r_ddot_0.isZero(0)) return;
+  Rates before{VectorXd::Zero(model.n_d), VectorXd::Zero(model.n_d)};
+  // The rates are linear in themselves but for what they do to the balance; what has not settled
+  // after a few rounds is no stationary motion, which is found out afterwards.
+  for (int k = 0; k < 10; ++k) {
+    const Rates rates = rates_along(model, balance.motion());
+    const double change = worst_of(worst_of(rates.velocity - before.velocity),
+                                   worst_of(rates.acceleration - before.acceleration)),
+                 size = worst_of(worst_of(rates.velocity), worst_of(rates.acceleration));
+    if (change <= 1e-12 * size) return;
+    balance.go_along(rates);
+    VectorXd trial = q;
+    if (!balance_at(balance, 1, trial, result.iterations)) return;
+    q = trial;
+    before = rates;
   }
-  VectorXd f(model.n_d);
+}
+
+}  // namespace
+
+Equilibrium solve_equilibrium(const Model& model) {
+  Balance balance(model, 1, 1);
+  Equilibrium result{NominalMotion(model)};
+  VectorXd q = VectorXd::Zero(model.n_d), f(model.n_d);
+  follow(model, balance, q, result);
+  balance.forces(q, f);
+  go_along(model, balance, q, result);
   balance.forces(q, f);
   result.motion = balance.motion();
-  result.residual = f.lpNorm<Eigen::Infinity>();
+  result.residual = worst_of(f);
   result.reference = balance.reference();
+  require_stationary(model, result.motion, {}, {});
   return result;
 }
 
-NominalMotion nominal_motion(const Scene& scene, const Model& model) {
-  if (scene.operating_point == OperatingPoint::equilibrium) {
-    return solve_equilibrium(model).motion;
-  }
-  NominalMotion motion = prescribed_motion(model, 1);
-  motion.state.q_d = model.q_0;
-  motion.state.q_d_dot = model.q_dot_0;
-  Data data(model);
-  if (!travel(model, data, MotionState(model), motion.state)) {
-    throw Refusal(
-        "the operating point as written cannot be reached from the positions of the "
-        "nodes; choose smaller values");
-  }
-  motion.x = data.x;
-  switch (accelerations(model, data, motion.state, VectorXd::Zero(model.n_e), motion.q_d_ddot)) {
-    case DynamicsStatus::position_not_found:
-      throw Refusal("the operating point as written cannot be reached");
-    case DynamicsStatus::mass_matrix_singular:
-      throw Refusal("the mass matrix is singular at the operating point: a dof moves no mass");
-    case DynamicsStatus::ok:
-      break;
-  }
-  motion.moving = is_moving(motion.state) || !motion.q_d_ddot.isZero(0);
-  return motion;
+NominalMotion unloaded_position(const Model& model) {
+  Balance balance(model, 0, 0);
+  Equilibrium result{NominalMotion(model)};
+  VectorXd q = VectorXd::Zero(model.n_d), f(model.n_d);
+  follow(model, balance, q, result);
+  balance.forces(q, f);
+  return balance.motion();
 }
 
 }  // namespace stillframe

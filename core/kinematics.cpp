@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/turn.hpp"
+
 namespace stillframe {
 
 namespace {
@@ -15,6 +17,12 @@ void assemble_deformations(const Model& model, Data& data) noexcept {
     gather(item.parts, data.x, u);
     e.resize(item.element->n_deformations());
     item.element->deformations(u, e);
+    // The nodes of a hinge are where they were after every period; its angle goes on from the last.
+    // That of a condition is known to be what it has to be (condition_residual).
+    const double period = item.element->period();
+    if (period > 0 && item.row[0] >= model.n_c) {
+      e(0) += period * std::round((data.e(item.row[0]) - e(0)) / period);
+    }
     for (Index i = 0; i < e.size(); ++i) data.e(item.row[static_cast<size_t>(i)]) = e(i);
   }
 }
@@ -126,6 +134,7 @@ Data::Data(const Model& model)
       e_dot(Eigen::VectorXd::Zero(model.n_e)),
       x_ddot_0(Eigen::VectorXd::Zero(model.n_x)),
       M_dd(Eigen::MatrixXd::Zero(model.n_d, model.n_d)),
+      M_factor(Eigen::MatrixXd::Zero(model.n_d, model.n_d)),
       sigma(Eigen::VectorXd::Zero(model.n_e)),
       f(Eigen::VectorXd::Zero(model.n_x)),
       f_dd(Eigen::VectorXd::Zero(model.n_d)),
@@ -261,9 +270,6 @@ void velocities(const Model& model, Data& data, const MotionState& state) noexce
   data.x_ddot_0.tail(n_rx) = state.q_r_ddot.head(n_rx);
 }
 
-namespace {
-
-/// The largest turn of a node in a displacement: a half-angle for Euler parameters.
 double largest_turn(const Model& model, const Eigen::VectorXd& displacement) {
   double largest = 0;
   for (const ModelNode& node : model.nodes) {
@@ -274,6 +280,8 @@ double largest_turn(const Model& model, const Eigen::VectorXd& displacement) {
   }
   return largest;
 }
+
+namespace {
 
 /// D_q F (q_to - q_from) at the present x.
 Eigen::VectorXd expected_displacement(const Model& model, Data& data, const MotionState& from,

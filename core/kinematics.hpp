@@ -23,7 +23,7 @@ struct Data {
 
   // Positions: nodal displacements x, deformations e, first derivative D_x e.
   Eigen::VectorXd x;             ///< n_x, m and (rotations) 1
-  Eigen::VectorXd e;             ///< n_e, m and rad
+  Eigen::VectorXd e;             ///< n_e, m and rad; the angle of a hinge goes on from the last e
   std::vector<LocalJacobian> D;  ///< of each element, columns in node axes
   ConditionFactors J;            ///< n_c x n_c, D of the conditions to the dependent coordinates
 
@@ -39,7 +39,7 @@ struct Data {
   double load_factor = 1;                  ///< of loads, gravity and preloads, for load stepping
   /// Nodal forces besides those of the model (n_x, N), of whoever moves it; null: none.
   const Eigen::VectorXd* external = nullptr;
-  Eigen::MatrixXd M_dd;                    ///< n_d x n_d
+  Eigen::MatrixXd M_dd, M_factor;          ///< n_d x n_d, the latter its Cholesky factor
   Eigen::VectorXd sigma, f, f_dd, x_ddot;  ///< n_e, n_x, n_d, n_x
   Eigen::VectorXd sigma_balanced;          ///< n_e, those that balance all nodal forces
   Eigen::VectorXd condition;               ///< n_c, work space

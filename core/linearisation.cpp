@@ -4,12 +4,18 @@
 #include "core/linearisation/columns.hpp"
 #include "core/linearisation/projection.hpp"
 #include "core/linearisation/signal_rows.hpp"
+#include "core/model/prescribed.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+bool NominalMotion::moving() const {
+  return !state.q_d_dot.isZero(0) || !state.q_r_dot.isZero(0) || !state.q_r_ddot.isZero(0) ||
+         !q_d_ddot.isZero(0);
+}
 
 bool is_motion(Quantity quantity) {
   switch (quantity) {
@@ -57,13 +63,8 @@ namespace {
 /// The deformations of a hinge are angles, and its stresses torques.
 std::string unit_of(const Model& model, const SceneSignal& signal) {
   if (signal.element.empty()) return stillframe::unit_of(signal.quantity);
-  const auto& element = model.elements[static_cast<size_t>(model.element_index(signal.element))];
-  const auto& parts = element.element->parts();
-  const bool hinge = std::none_of(parts.begin(), parts.end(), [](const NodePart& part) {
-    return part.kind == NodePart::Kind::translation;
-  });
   std::string unit = stillframe::unit_of(signal.quantity);
-  if (!hinge) return unit;
+  if (!is_angle(model, signal)) return unit;
   return unit == "N" ? "N m" : unit.replace(0, 1, "rad");
 }
 
@@ -139,7 +140,7 @@ void Lineariser::Work::set_state(const NominalMotion& nominal) {
   }
   complete_accelerations(data, nominal.q_d_ddot);
   reaction_stresses(model, data);
-  moving = nominal.moving;
+  moving = nominal.moving();
   result.x_0 = data.x;
   result.q_0 = nominal.state.q_d;
   result.q_dot_0 = nominal.state.q_d_dot;
@@ -346,7 +347,7 @@ const Data& Lineariser::data() const { return work_->data; }
 
 const LinearModel& Lineariser::about(const NominalMotion& nominal, double load_factor) {
   work_->data.load_factor = load_factor;
-  work_->data.x = nominal.x;
+  nominal.place(work_->data);
   work_->set_state(nominal);
   work_->columns.compute(work_->model, work_->data, work_->moving);
   work_->project();
@@ -354,34 +355,6 @@ const LinearModel& Lineariser::about(const NominalMotion& nominal, double load_f
   work_->force_inputs();
   work_->output_rows();
   return work_->result;
-}
-
-namespace {
-
-void require_equilibrium(const Model& model, const Data& data) {
-  const double scale = std::max({model.preload.lpNorm<Eigen::Infinity>(),
-                                 model.load.size() ? model.load.lpNorm<Eigen::Infinity>() : 0.0,
-                                 data.f.size() ? data.f.lpNorm<Eigen::Infinity>() : 0.0});
-  Index worst = 0;
-  const double largest = data.f_dd.cwiseAbs().maxCoeff(&worst);
-  // A person writes preloads with about nine digits at best; the residual is stated against their
-  // size.
-  if (largest > 1e-9 * scale) {
-    throw Refusal("the scene as written is not in equilibrium: a generalised force of " +
-                  std::to_string(data.f_dd(worst)) + " N is left at dof " +
-                  model.dofs[static_cast<size_t>(worst)].name +
-                  "; choose preloads and loads that balance");
-  }
-}
-
-}  // namespace
-
-LinearModel linearise(const Model& model, const std::vector<SceneSignal>& inputs,
-                      const std::vector<SceneSignal>& outputs) {
-  Lineariser lineariser(model, inputs, outputs);
-  LinearModel result = lineariser.about(NominalMotion(model));
-  require_equilibrium(model, lineariser.data());
-  return result;
 }
 
 LinearModel linearise(const Model& model, const NominalMotion& nominal,

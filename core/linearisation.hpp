@@ -15,20 +15,28 @@ struct SignalInfo {
   Quantity quantity = Quantity::position;
 };
 
-/// What the equations are linearised about: the deck's q_0, q'_0 and q''_0. moving is false at
-/// rest, and then C, N and everything else that needs velocities or accelerations is zero and costs
-/// nothing.
+/// What the equations are linearised about: the deck's q_0, q'_0 and q''_0.
 struct NominalMotion {
   MotionState state;
   Eigen::VectorXd q_d_ddot;  ///< n_d
   Eigen::VectorXd x;         ///< n_x, nodal displacements there, or near
-  bool moving = false;
+  Eigen::VectorXd e;         ///< n_e, deformations there, or near: how often a hinge has turned
 
-  /// The scene as written, at rest.
+  /// The nodes where the scene says, at rest, without its prescribed values and rates.
   explicit NominalMotion(const Model& model)
       : state(model),
         q_d_ddot(Eigen::VectorXd::Zero(model.n_d)),
-        x(Eigen::VectorXd::Zero(model.n_x)) {}
+        x(Eigen::VectorXd::Zero(model.n_x)),
+        e(Eigen::VectorXd::Zero(model.n_e)) {}
+
+  /// False at rest: then C, N and everything else that needs velocities or accelerations is zero
+  /// and costs nothing.
+  bool moving() const;
+  /// Puts data where positions are near those of this motion. hot.
+  void place(Data& data) const {
+    data.x = x;
+    data.e = e;
+  }
 };
 
 /// A linear input-output model in second-order form about a nominal motion,
@@ -78,7 +86,8 @@ class Lineariser {
   ~Lineariser();
   Lineariser(Lineariser&&) noexcept;
 
-  /// load_factor: of loads, gravity and preloads. Errors: Refusal if the position cannot be reached.
+  /// load_factor: of loads, gravity and preloads. Errors: Refusal if the position cannot be
+  /// reached.
   const LinearModel& about(const NominalMotion& nominal, double load_factor = 1);
   /// Kinematics and stresses of the last nominal motion.
   const Data& data() const;
@@ -88,10 +97,7 @@ class Lineariser {
   std::unique_ptr<Work> work_;
 };
 
-/// Linearises about the scene as written, at rest. Errors: as Lineariser; Refusal if the scene as
-/// written is not in equilibrium.
-LinearModel linearise(const Model& model, const std::vector<SceneSignal>& inputs,
-                      const std::vector<SceneSignal>& outputs);
+/// Linearises about any motion; about the operating point of the scene: core/operating_point.hpp.
 LinearModel linearise(const Model& model, const NominalMotion& nominal,
                       const std::vector<SceneSignal>& inputs,
                       const std::vector<SceneSignal>& outputs, Blocks blocks = {});

@@ -89,7 +89,15 @@ Eigen::VectorXcd imaginary_pairs(const VectorXd& squares) {
 }
 
 Eigen::VectorXcd sorted_eigenvalues(const MatrixXd& A) {
-  const Eigen::VectorXcd values = balanced(A).eigenvalues();
+  const MatrixXd scaled = balanced(A);
+  const Eigen::EigenSolver<MatrixXd> solver(scaled, false);
+  // Without success the eigenvalues are whatever was in memory.
+  if (!scaled.allFinite() || solver.info() != Eigen::Success) {
+    throw Refusal(
+        "the eigenvalues of the state matrix cannot be computed: it is not finite, or its entries "
+        "are too far apart; look for a stiffness, mass or damping with a wrong power of ten");
+  }
+  const Eigen::VectorXcd& values = solver.eigenvalues();
   std::vector<Complex> real;
   std::vector<std::pair<Complex, Complex>> pairs;
   for (const Complex& value : values) {

@@ -109,7 +109,7 @@ void print_elements(const Page& page) {
 void print_page(const Page& page) {
   const Equilibrium& found = page.equilibrium;
   std::cout << page.scene.title << ": "
-            << (found.motion.moving ? "stationary motion" : "equilibrium")
+            << (found.motion.moving() ? "stationary motion" : "equilibrium")
             << report::cell(" found in %d iterations, %d load step(s)\n", found.iterations,
                             found.load_steps)
             << report::cell("Largest force out of balance %.3g, of %.6g\n\n", found.residual,
@@ -147,7 +147,7 @@ void print_json(const Page& page) {
   print(
       {{"scene", page.scene.title},
        {"scene_hash", page.scene.hash},
-       {"moving", found.motion.moving},
+       {"moving", found.motion.moving()},
        {"dofs", page.linear.q_names},
        {"dof_units", page.linear.q_units},
        {"q", to_json(found.motion.state.q_d)},

@@ -110,7 +110,7 @@ int run(const Options& options) {
   const Scene scene = read_scene(options.scene);
   const Model model = make_model(scene);
   patience.now("linearising");
-  const LinearModel linear = linearise_scene(scene, model, scene.inputs, scene.outputs);
+  const LinearModel linear = linearise(model, scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);
   std::vector<BlockCertificate> certificates;
   if (options.certify) {

@@ -87,7 +87,7 @@ int run(const Options& options) {
   const Scene scene = read_scene(options.scene);
   const Model model = make_model(scene);
   patience.now("linearising");
-  const LinearModel linear = linearise_scene(scene, model, {}, {});
+  const LinearModel linear = linearise(model, {}, {});
   patience.now("eigenvalues");
   const Modes result = modes(linear);
   options.json ? print_json(scene, linear, result) : print_page(scene, linear, result);

@@ -3,21 +3,15 @@
 #include <Eigen/Geometry>
 
 #include "core/elements/rotation.hpp"
-#include "core/equilibrium.hpp"
 #include "core/model/local.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
 
-LinearModel linearise_scene(const Scene& scene, const Model& model,
-                            const std::vector<SceneSignal>& inputs,
-                            const std::vector<SceneSignal>& outputs) {
-  return linearise(model, nominal_motion(scene, model), inputs, outputs);
-}
-
 const char* operating_point_in_words(const Scene& scene) {
-  return scene.operating_point == OperatingPoint::equilibrium ? "its equilibrium"
-                                                              : "its motion as written";
+  return scene.operating_point == OperatingPoint::equilibrium
+             ? "its equilibrium"
+             : "a snapshot of its motion as written";
 }
 
 std::vector<NodeDisplacement> node_displacements(const Model& model, const Eigen::VectorXd& x) {

@@ -1,16 +1,11 @@
 #pragma once
 
-#include "core/linearisation.hpp"
+#include "core/operating_point.hpp"
 #include "tools/json.hpp"
 
 namespace stillframe::tools {
 
-/// A scene linearised about its operating point. Errors: InputError and Refusal of the steps.
-LinearModel linearise_scene(const Scene& scene, const Model& model,
-                            const std::vector<SceneSignal>& inputs,
-                            const std::vector<SceneSignal>& outputs);
-
-/// "its equilibrium" or "its motion as written".
+/// "its equilibrium", or "a snapshot of its motion as written".
 const char* operating_point_in_words(const Scene& scene);
 
 /// How far each node is from the scene as written: nodes without rotation have none.

@@ -73,7 +73,7 @@ void add_structure(const Scene& scene, const Model& model, const LinearModel& li
 
 std::optional<page::ModeShapes> mode_shapes(const Scene& scene, const Model& model,
                                             Eigen::Index most_modes) {
-  const LinearModel linear = linearise_scene(scene, model, {}, all_positions(scene));
+  const LinearModel linear = linearise(model, nominal_motion(model), {}, all_positions(scene));
   const Modes result = modes(linear);
   if (result.natural_frequencies_hz.size() == 0) return std::nullopt;
   page::ModeShapes shapes;

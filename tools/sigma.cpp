@@ -54,7 +54,7 @@ StateSpace open_system(const Scene& scene) {
     throw InputError(scene.file +
                      ": singular values need at least one of 'inputs' and of 'outputs'");
   }
-  return state_space(linearise_scene(scene, make_model(scene), scene.inputs, scene.outputs));
+  return state_space(linearise(make_model(scene), scene.inputs, scene.outputs));
 }
 
 Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequencies_hz,

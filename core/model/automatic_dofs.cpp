@@ -5,6 +5,7 @@
 
 #include "core/kinematics.hpp"
 #include "core/model/builder.hpp"
+#include "core/model/memory.hpp"
 #include "core/model/partition.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -51,6 +52,10 @@ std::vector<SceneDof> automatic_dofs(const Scene& scene) {
   for (Index i = 0; i < n_free; ++i) columns.insert(i);
   if (n_conditions > 0) {
     if (n_conditions > n_free) refuse_partition(model, scene.dofs_place);
+    // D itself, the block of it and its factors.
+    require_memory(static_cast<double>(model.n_e) * static_cast<double>(model.n_x) +
+                       2 * static_cast<double>(n_conditions) * static_cast<double>(n_free),
+                   scene.dofs_place, std::to_string(n_free) + " coordinates of nodes");
     const Eigen::MatrixXd D = dense_jacobian(model).topLeftCorner(n_conditions, n_free);
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(D);
     // As in check_partition: rounding leaves 1e-16, a scene written with six digits 1e-6.

@@ -1,5 +1,6 @@
 // The elements, dofs, inertias and loads of a model, and the whole.
 #include <algorithm>
+#include <stdexcept>
 
 #include "core/elements/arm_truss.hpp"
 #include "core/elements/beam.hpp"
@@ -15,6 +16,7 @@
 #include "core/inertia/planar_beam_mass.hpp"
 #include "core/model/automatic_dofs.hpp"
 #include "core/model/builder.hpp"
+#include "core/model/memory.hpp"
 #include "core/model/partition.hpp"
 #include "core/model/section.hpp"
 #include "core/yaml/input_error.hpp"
@@ -66,6 +68,7 @@ Model ModelBuilder::build() {
   model_.title = scene_.title;
   model_.planar = scene_.planar;
   model_.gravity = scene_.gravity;
+  model_.operating_point = scene_.operating_point;
   for (const SceneNode& node : scene_.nodes) {
     model_.nodes.push_back({node.name, node.position, {}, {}});
   }
@@ -107,7 +110,11 @@ void ModelBuilder::place_element(const SceneElement& element) {
   const Index p = node_index_.at(element.node_p), q = node_index_.at(element.node_q);
   const Eigen::Vector3d l_0 = model_.nodes[static_cast<size_t>(q)].position + element.arm_q -
                               model_.nodes[static_cast<size_t>(p)].position - element.arm_p;
-  add_element(element.name, make_element(element, p, q, l_0, scene_.planar));
+  try {
+    add_element(element.name, make_element(element, p, q, l_0, scene_.planar));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(element.place + ": '" + element.name + "': " + error.what());
+  }
   ModelElement& item = model_.elements.back();
   const Index n_e = item.element->n_deformations();
   for (Index i = 0; i < n_e; ++i)
@@ -327,6 +334,11 @@ Model make_model(const Scene& scene) {
   }
   if (scene.dofs.empty()) throw InputError(scene.dofs_place + ": dofs: at least one is needed");
   Model model = ModelBuilder(scene).build();
+  // Transfer functions and conditions, and what a linear model with its modes takes: 620 MiB were
+  // measured for 1800 dofs (docs/accuracy.md).
+  const auto n_d = static_cast<double>(model.n_d);
+  require_memory(n_d * (24 * n_d + static_cast<double>(model.n_x + model.n_c)), scene.dofs_place,
+                 std::to_string(model.n_d) + " degrees of freedom");
   check_partition(model, scene.dofs_place);
   return model;
 }

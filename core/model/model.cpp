@@ -1,31 +1,41 @@
 #include "core/model/model.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <stdexcept>
 
-#include "core/yaml/input_error.hpp"
+#include "core/yaml/reader.hpp"
 
 namespace stillframe {
 
 namespace {
 
 template <class Item>
-Index index_of(const std::vector<Item>& items, const std::string& name) {
+Index index_of(const std::vector<Item>& items, const char* kind, const std::string& name) {
   const auto found =
       std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
-  assert(found != items.end() && "the scene reader has checked every name");
-  return found - items.begin();
+  if (found != items.end()) return found - items.begin();
+  std::vector<std::string> names;
+  for (const Item& item : items) names.push_back(item.name);
+  const std::string near = nearest_name(name, names);
+  throw std::invalid_argument(std::string("there is no ") + kind + " '" + name + "'" +
+                              (near.empty() ? "" : "; the nearest name is '" + near + "'"));
 }
 
 }  // namespace
 
-Index Model::node_index(const std::string& name) const { return index_of(nodes, name); }
+Index Model::node_index(const std::string& name) const { return index_of(nodes, "node", name); }
 
-Index Model::element_index(const std::string& name) const { return index_of(elements, name); }
+Index Model::element_index(const std::string& name) const {
+  return index_of(elements, "element", name);
+}
 
 Index Model::deformation_row(const std::string& element, int mode) const {
   const ModelElement& item = elements[static_cast<size_t>(element_index(element))];
-  assert(mode >= 1 && mode <= item.element->n_deformations());
+  if (mode < 1 || mode > item.element->n_deformations()) {
+    throw std::invalid_argument("deformation " + std::to_string(mode) + " of '" + element +
+                                "': allowed are 1 to " +
+                                std::to_string(item.element->n_deformations()));
+  }
   return item.row[static_cast<size_t>(mode - 1)];
 }
 
@@ -35,8 +45,8 @@ std::pair<size_t, Index> Model::owner_of_row(Index row) const {
       if (elements[k].row[static_cast<size_t>(i)] == row) return {k, i};
     }
   }
-  assert(false && "every row has an element");
-  return {0, 0};
+  throw std::invalid_argument("row " + std::to_string(row) + ": the deformations are 0 to " +
+                              std::to_string(n_e - 1));
 }
 
 bool Model::is_elastic(Index row) const {

@@ -98,14 +98,17 @@ struct Model {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< m/s^2
 
   /// The operating point that the scene states: dofs, and prescribed motions with their rates.
+  OperatingPoint operating_point = OperatingPoint::equilibrium;
   Eigen::VectorXd q_0, q_dot_0;                  ///< n_d
   Eigen::VectorXd q_r_0, q_r_dot_0, q_r_ddot_0;  ///< n_r
 
+  /// Errors: std::invalid_argument naming the nearest name that is there, or the modes there are.
   Index node_index(const std::string& name) const;
   Index element_index(const std::string& name) const;
   /// Row of a deformation of an element in e, mode from 1.
   Index deformation_row(const std::string& element, int mode = 1) const;
-  /// The element whose deformation a row of e is, and which of its deformations (from 0).
+  /// The element whose deformation a row of e is, and which of its deformations (from 0). Errors:
+  /// std::invalid_argument.
   std::pair<size_t, Index> owner_of_row(Index row) const;
   /// Whether a row of e has a constitutive law: it is neither zero nor prescribed.
   bool is_elastic(Index row) const;

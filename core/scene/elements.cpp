@@ -1,5 +1,7 @@
 #include "core/scene/elements.hpp"
 
+#include <cmath>
+
 #include "core/scene/beam_keys.hpp"
 #include "core/scene/deformations.hpp"
 #include "core/scene/divide.hpp"
@@ -49,6 +51,7 @@ Ends read_ends(const YamlReader& value, const Scene& scene, SceneElement& elemen
   if (element.kind != Kind::hinge && length == 0) {
     nodes.fail("the element has zero length: " + both + " stand at the same position");
   }
+  if (!std::isfinite(length)) nodes.fail(both + " are too far apart for a finite length");
   if (element.kind == Kind::hinge && p.name == q.name) {
     nodes.fail("a hinge joins two nodes that turn against each other, found '" + p.name +
                "' twice");

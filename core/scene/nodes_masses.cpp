@@ -22,9 +22,9 @@ Eigen::Matrix3d read_spatial_inertia(const YamlReader& value) {
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
   const Eigen::Vector3d moments = solver.eigenvalues();  // ascending
-  if (moments(0) < 0) value.fail("the inertia matrix has a negative principal moment");
+  if (!(moments(0) >= 0)) value.fail("the inertia matrix has a negative principal moment");
   // A body's largest principal moment never exceeds the sum of the others; 1e-12 is rounding.
-  if (moments(2) > (moments(0) + moments(1)) * (1 + 1e-12)) {
+  if (!(moments(2) <= (moments(0) + moments(1)) * (1 + 1e-12))) {
     value.fail("no body has these principal moments: the largest exceeds the sum of the other two");
   }
   return inertia;

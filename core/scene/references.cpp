@@ -90,8 +90,8 @@ Eigen::Vector3d read_direction(const YamlReader& value, const Scene& scene) {
     return Eigen::Vector3d::Unit(axis[0] - 'x');
   }
   const Eigen::Vector3d direction = read_vector(value, scene);
-  if (direction.norm() == 0) value.fail("a direction cannot be zero");
-  return direction.normalized();
+  if (direction.isZero(0)) value.fail("a direction cannot be zero");
+  return direction.stableNormalized();
 }
 
 void refuse_slash(const YamlReader& value, const std::string& name) {

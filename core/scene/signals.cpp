@@ -134,6 +134,13 @@ std::string read_monitor_name(const YamlReader& value, const Scene& scene) {
 
 }  // namespace
 
+std::string word_of(Quantity quantity) {
+  const auto found =
+      std::find_if(std::begin(signal_keys), std::end(signal_keys),
+                   [quantity](const SignalKey& key) { return key.quantity == quantity; });
+  return found->word;
+}
+
 void read_signals(const YamlReader& root, Scene& scene) {
   std::set<std::string> input_names, output_names;
   read_list(root, "inputs", Side::input, scene, input_names, scene.inputs);

@@ -51,6 +51,22 @@ void refuse_duplicate_keys(const std::string& file, const YAML::Node& node) {
   }
 }
 
+/// The place of the first tab in the indentation of a text, which YAML does not allow and yaml-cpp
+/// takes for all kinds of things; empty if there is none.
+std::string tab_in_indentation(const std::string& file, const std::string& text) {
+  int line = 1;
+  for (size_t start = 0; start < text.size(); ++line) {
+    const size_t stop = text.find_first_not_of(" \t", start);
+    const size_t tab = text.substr(start, std::min(stop, text.size()) - start).find('\t');
+    if (tab != std::string::npos) {
+      return file + ":" + std::to_string(line) + ":" + std::to_string(tab + 1);
+    }
+    const size_t end = text.find('\n', start);
+    start = end == std::string::npos ? text.size() : end + 1;
+  }
+  return "";
+}
+
 std::string join(std::initializer_list<std::string_view> words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
@@ -95,6 +111,10 @@ YamlReader YamlReader::from_text(const std::string& text, const std::string& sou
   try {
     node = YAML::Load(text);
   } catch (const YAML::ParserException& error) {
+    const std::string tab = tab_in_indentation(source_name, text);
+    if (!tab.empty()) {
+      throw InputError(tab + ": not YAML: a tab in the indentation, allowed are spaces only");
+    }
     throw InputError(place_of(source_name, error.mark) + ": not YAML: " + error.msg);
   }
   refuse_duplicate_keys(source_name, node);

@@ -63,7 +63,6 @@ bool MinimalEquations::jacobian(Eigen::MatrixXd& J) {
   nominal.state = state_;
   nominal.q_d_ddot = q_d_ddot_;
   nominal.x = data_.x;
-  nominal.moving = true;
   const LinearModel* model = nullptr;
   try {
     model = &lineariser_->about(nominal);

@@ -7,6 +7,7 @@
 #include "controller/in_process_io.hpp"
 #include "controller/loop.hpp"
 #include "core/linear/smooth_step.hpp"
+#include "core/worst.hpp"
 #include "tests/controller/toy_plant.hpp"
 
 namespace stillframe::controller::toy {
@@ -40,7 +41,7 @@ class Rig {
       const double w = two_pi * frequencies_hz()[static_cast<size_t>(i)];
       measurement_.sigma(i) = w * w * q_(i) + force_(i);
     }
-    peak = std::max(peak, measurement_.sigma.cwiseAbs().maxCoeff());
+    peak = worst_of(peak, measurement_.sigma.cwiseAbs().maxCoeff());
     measurement_.seq = k_;
     measurement_.time_ns = k_ * period_ns;
     measurement_.applied = force_;
@@ -54,7 +55,7 @@ class Rig {
       sent_any = true;
       unheard_ = 0;
       force_ = command_.force;
-      largest_jump = std::max(largest_jump, (force_ - force_before_).cwiseAbs().maxCoeff());
+      largest_jump = worst_of(largest_jump, (force_ - force_before_).cwiseAbs().maxCoeff());
       force_before_ = force_;
     }
     const double T = gains_.sample_time();

@@ -9,6 +9,7 @@
 
 #include "controller/policy.hpp"
 #include "core/linear/smooth_step.hpp"
+#include "core/worst.hpp"
 
 // The figures of docs/safety.md on why everything lets go smoothly.
 namespace stillframe::controller {
@@ -32,7 +33,7 @@ double largest_curvature() {
   double largest = 0;
   for (double p = h; p < 1 - h; p += h) {
     const double second = (smooth_step(p + h) - 2 * smooth_step(p) + smooth_step(p - h)) / (h * h);
-    largest = std::max(largest, std::abs(second));
+    largest = worst_of(largest, std::abs(second));
   }
   return largest;
 }
@@ -46,7 +47,7 @@ std::string digits(const char* format, double value) {
 TEST(LettingGo, TheBoundOnWhatIsLeftSwingingHolds) {
   double largest = 0;
   for (double angle = 80; angle < 400; angle += 0.37) {
-    largest = std::max(largest, left_swinging(angle) * std::pow(angle, 3));
+    largest = worst_of(largest, left_swinging(angle) * std::pow(angle, 3));
   }
   EXPECT_LE(largest, 120.4);  // the next term is 6 / angle of it in quadrature: 0.3 % at 80 rad
   EXPECT_GE(largest, 119);    // and the bound is reached

@@ -66,6 +66,18 @@ inline std::string changed(const std::string& text, const std::string& from,
 }
 
 inline const std::vector<BadScene> bad_scenes = {
+    // YAML itself.
+    {"tab_in_the_indentation",
+     "  leg_2:",
+     "\tleg_2:",
+     "\tleg_2",
+     {"not YAML: a tab in the indentation, allowed are spaces only"}},
+    // Lengths that doubles do not have.
+    {"too_far_apart",
+     "[1, 1, 0]",
+     "[1, 1e200, 0]",
+     "[floor_2, tip]",
+     {"elements.leg_2.nodes: 'floor_2' and 'tip' are too far apart for a finite length"}},
     // Keys.
     {"unknown_key",
      "damping: 10",

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/design_model.hpp"
+#include "core/worst.hpp"
 #include "tests/core/differences.hpp"
 
 namespace stillframe::test {
@@ -58,7 +59,7 @@ inline double distance_from_target(const Eigen::VectorXcd& poles, double omega_d
     const double second = std::abs(pole - roots[1]) / std::abs(roots[1]);
     if (first < second) ++at_first;
     // Where both roots are one the poles belong to both.
-    worst = std::max(worst, std::min(first, second));
+    worst = worst_of(worst, std::min(first, second));
   }
   const bool split = roots[0] == roots[1] || 2 * at_first == poles.size();
   return split ? worst : std::numeric_limits<double>::infinity();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/certificate.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "tests/core/scenes.hpp"
 

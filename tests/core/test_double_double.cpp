@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/extended/decompositions.hpp"
+#include "core/worst.hpp"
 #include "tests/support/quadruple.hpp"
 
 // Twice the working precision against 113-bit arithmetic, and its matrix algebra against matrices
@@ -42,7 +43,7 @@ TEST(DoubleDouble, OperationsAreRoundedBelowTheirBound) {
     const DoubleDouble a = random_number(engine), b = random_number(engine);
     // Now and then nearly opposite numbers, whose difference is all low parts.
     const DoubleDouble c = k % 2 == 0 ? b : -a * (1 + random_number(engine) * 0x1p-60);
-    worst = std::max({worst, relative(a + c, sum_of(a, c)), relative(a * b, quad(a) * quad(b)),
+    worst = worst_of({worst, relative(a + c, sum_of(a, c)), relative(a * b, quad(a) * quad(b)),
                       relative(a / b, quad(a) / quad(b)),
                       relative(sqrt(abs(a)), sqrt_of(abs_of(quad(a))))});
   }

@@ -6,6 +6,7 @@
 
 #include "core/extended/decompositions.hpp"
 #include "core/gain_design.hpp"
+#include "core/worst.hpp"
 #include "tests/core/random_pairs.hpp"
 #include "tests/support/quadruple.hpp"
 
@@ -62,13 +63,13 @@ TEST(GainAccuracy, ExactOrderPutsAllPolesOfTwoHundredRandomPairsOnTheTarget) {
     const VectorXcd poles = closed_loop_poles(legs, design, omega_d);
     ASSERT_EQ(poles.size(), 3 * n);
     EXPECT_EQ(poles.head(n), VectorXcd::Zero(n));  // the integrators
-    worst = std::max(worst, distance_from_target(poles.tail(2 * n), omega_d, zeta));
+    worst = worst_of(worst, distance_from_target(poles.tail(2 * n), omega_d, zeta));
     // The second way, in 113-bit arithmetic: s (s + 2 zeta omega_d) = -omega_d^2 lambda of the
     // eigenvalues lambda of M^-1 X^-1 K / omega_d^2, which must be I, if K_I = 2 zeta omega_d X.
     const QuadMatrix M = legs.M.cast<Quad>(), K = legs.K.cast<Quad>(), X = quad(design.X);
     const Quad omega = omega_d, twice = 2 * static_cast<Quad>(zeta) * omega;
     const QuadMatrix N = solve(M, solve(X, K)) / (omega * omega);
-    worst_residual = std::max({worst_residual, norm(N - QuadMatrix::Identity(n, n)),
+    worst_residual = worst_of({worst_residual, norm(N - QuadMatrix::Identity(n, n)),
                                norm(quad(design.K_I) - twice * X) / norm(twice * X)});
   }
   std::cout << "worst pole " << worst << ", worst residual " << worst_residual << "\n";
@@ -95,7 +96,7 @@ double bound_of_rounding(const LegMatrices& legs, const ForceFeedback& gains,
     const double d_lambda = 0x1p-53 * omega_d * omega_d * (of_M / of_K) *
                             (std::abs(s) * gains.K_P.norm() + gains.K_I.norm()) /
                             std::abs(s + 2 * zeta * omega_d);
-    bound = std::max(bound, omega_d * omega_d * d_lambda /
+    bound = worst_of(bound, omega_d * omega_d * d_lambda /
                                 (std::abs(2.0 * s + 2 * zeta * omega_d) * std::abs(s)));
   }
   return bound;
@@ -116,10 +117,10 @@ TEST(GainAccuracy, RoundingToDoublesCostsBothConditionNumbersAndNoMore) {
     // 2 % for the second order, and the rounding of the poles themselves.
     EXPECT_LE(error, 1.02 * bound + 4e-16)
         << "n " << legs.M.rows() << ", conditions " << of_M << " and " << of_K;
-    largest_ratio = std::max(largest_ratio, (error - 4e-16) / bound);
+    largest_ratio = worst_of(largest_ratio, (error - 4e-16) / bound);
     ++judged;
     if (bound > 1e-9) continue;
-    worst_where_promised = std::max(worst_where_promised, error);
+    worst_where_promised = worst_of(worst_where_promised, error);
     ++promised;
   }
   std::cout << judged << " pairs, error at most " << largest_ratio << " of its bound; " << promised
@@ -172,7 +173,7 @@ TEST(GainAccuracy, TheLoopOfTheRoundedGainsIsDecoupledAsFarAsRoundingLetsIt) {
       const MatrixXcd G_22 = (s * s * I + K_M).partialPivLu().solve(s * s * I);
       const MatrixXcd loop = (I - G_22 * gains(s)).partialPivLu().solve(G_22) * X;
       const Complex expected = s * s / (s * s + 2 * zeta * omega_d * s + omega_d * omega_d);
-      worst = std::max(worst, (loop - expected * I).norm() / std::abs(expected));
+      worst = worst_of(worst, (loop - expected * I).norm() / std::abs(expected));
     }
     std::cout << "condition " << condition << ": decoupling " << worst << "\n";
     // The loop inverts X, whose condition is that of M times that of K.

@@ -7,6 +7,7 @@
 
 #include "core/condition_factors.hpp"
 #include "core/dynamics.hpp"
+#include "core/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/joint_scenes.hpp"
 #include "tests/core/scenes.hpp"
@@ -123,8 +124,8 @@ TEST(SpinningRotor, StaysExactOverTenThousandRevolutions) {
                       disc = rotor * turn(0.3 * theta, chain_axis(2));
     for (const auto& [node, expected] : {std::pair("start_1", rotor), std::pair("start_2", disc)}) {
       const Eigen::Vector4d lambda = parameters(model, data.x, node);
-      worst_norm = std::max(worst_norm, std::abs(lambda.squaredNorm() - 1.0));
-      worst = std::max(worst, (lambda - entries(expected)).norm());
+      worst_norm = worst_of(worst_norm, std::abs(lambda.squaredNorm() - 1.0));
+      worst = worst_of(worst, (lambda - entries(expected)).norm());
     }
   }
   // The last step is of some eps, whatever went before.

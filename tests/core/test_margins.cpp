@@ -10,6 +10,7 @@
 #include "core/control_loop.hpp"
 #include "core/linear/margins.hpp"
 #include "core/state_space.hpp"
+#include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/core/scenes.hpp"
 
@@ -122,7 +123,7 @@ TEST_P(FrameMargins, TheDiskTouchesInstabilityAndNothingInsideItDoes) {
       const double omega = two_pi * 500 * std::pow(1e-6, 1 - i / 4999.0);
       const MatrixXcd L = return_ratio(plant, law, omega);
       const Complex half = (I + L).inverse()(leg, leg) - 0.5;
-      worst = std::max(worst, std::abs(half));
+      worst = worst_of(worst, std::abs(half));
       if (i % 1000 != 0) continue;
       // The factor that the definition calls the nearest on this frequency's disk closes the loop
       // on the point of instability.

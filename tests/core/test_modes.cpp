@@ -6,6 +6,7 @@
 
 #include "core/frequency_response.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/state_space.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"

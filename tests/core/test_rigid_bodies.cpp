@@ -2,6 +2,7 @@
 
 #include "core/dynamics.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/rigid_bodies.hpp"
 #include "tests/core/element_cases.hpp"
 #include "tests/core/scenes.hpp"

@@ -11,6 +11,7 @@
 #include "core/frequency_response.hpp"
 #include "core/linear/balance.hpp"
 #include "core/linear/sampled_loop.hpp"
+#include "core/operating_point.hpp"
 #include "core/state_space.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"

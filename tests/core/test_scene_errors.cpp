@@ -5,6 +5,7 @@
 
 #include "core/linearisation.hpp"
 #include "core/model/model.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/core/bad_elements.hpp"

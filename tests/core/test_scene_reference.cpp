@@ -14,6 +14,7 @@
 #include "core/control_loop.hpp"
 #include "core/linearisation.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "plant_sim/floor/floor_block.hpp"

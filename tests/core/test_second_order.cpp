@@ -8,6 +8,7 @@
 #include "core/elements/beam.hpp"
 #include "core/elements/second_order.hpp"
 #include "core/linearisation.hpp"
+#include "core/operating_point.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 

@@ -1,3 +1,4 @@
+#include "core/worst.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ void expect_stable_as_predicted(const Case& made, double seconds) {
   for (Eigen::Index i = 0; i < measured.rows(); ++i) {
     const Eigen::VectorXd predicted = made.predicted(frequencies_hz[static_cast<size_t>(i)]);
     for (Eigen::Index j = 0; j < measured.cols(); ++j) {
-      worst = std::max(worst, std::abs(20 * std::log10(measured(i, j) / predicted(j))));
+      worst = worst_of(worst, std::abs(20 * std::log10(measured(i, j) / predicted(j))));
     }
   }
   std::cout << "  simulated: " << after.growth << " 1/s; T within " << worst << " dB\n";

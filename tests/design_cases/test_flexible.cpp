@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/modes.hpp"
+#include "core/worst.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 // The frame with flexible arms, of the mass, centre of mass and inertia of the rigid one.
@@ -100,7 +101,7 @@ double growth_by_perturbation(const Case& made) {
       p = k * (e.squaredNorm() - H * e.dot(F * e));
       omega = std::sqrt(free.eigenvalues()(i) + p.real());
     }
-    worst = std::max(worst, -p.imag() / (2 * omega));
+    worst = worst_of(worst, -p.imag() / (2 * omega));
   }
   return worst;
 }

@@ -6,6 +6,7 @@
 #include "core/buckling.hpp"
 #include "core/equilibrium.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/hard_cases/reached.hpp"

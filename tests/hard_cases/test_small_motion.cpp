@@ -4,6 +4,7 @@
 
 #include "core/dynamics.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 #include "tests/hard_cases/reached.hpp"
 
 namespace stillframe::test {
@@ -24,7 +25,7 @@ double nonlinearity(const Model& model, double size, double& moved) {
   double worst = (data.x - linear).lpNorm<Eigen::Infinity>() / moved;
   if (model.n_redundant > 0) {
     const Eigen::VectorXd e = DF_e * state.q_d;
-    worst = std::max(worst, (data.e.tail(model.n_redundant) - e).lpNorm<Eigen::Infinity>() /
+    worst = worst_of(worst, (data.e.tail(model.n_redundant) - e).lpNorm<Eigen::Infinity>() /
                                 e.lpNorm<Eigen::Infinity>());
   }
   return worst;

@@ -6,7 +6,9 @@
 
 #include "core/equilibrium.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 #include "tests/hard_cases/reached.hpp"
 
 namespace stillframe::test {
@@ -52,7 +54,7 @@ double largest_error(const std::string& dofs, double& condition) {
   const auto reference = exact();
   double worst = 0;
   for (int i = 0; i < n; ++i) {
-    worst = std::max(worst, std::abs(omega(i) / static_cast<double>(reference(i)) - 1));
+    worst = worst_of(worst, std::abs(omega(i) / static_cast<double>(reference(i)) - 1));
   }
   return worst;
 }

@@ -10,6 +10,7 @@
 #include "core/linear/augment.hpp"
 #include "core/model/model.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 
@@ -62,7 +63,7 @@ OpenCase make_open_case(const fs::path& file) {
   take_accelerations(scene.inputs);
   const Model model = make_model(scene);
   const LinearModel linear =
-      linearise(model, nominal_motion(scene, model), scene.inputs, scene.outputs);
+      linearise(model, nominal_motion(model), scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);
   OpenCase c;
   c.name = file.stem();

@@ -1,3 +1,4 @@
+#include "core/worst.hpp"
 #include "tests/octave/difference.hpp"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ double column_difference(const MatrixXcd& a, const MatrixXcd& b) {
   if (!comparable(a, b)) return infinite;
   double worst = 0;
   for (Index j = 0; j < b.cols(); ++j) {
-    worst = std::max(worst, matrix_difference(a.col(j), b.col(j)));
+    worst = worst_of(worst, matrix_difference(a.col(j), b.col(j)));
   }
   return worst;
 }
@@ -49,7 +50,7 @@ double value_difference(const MatrixXcd& a, const MatrixXcd& b) {
   for (Index j = 0; j < b.cols(); ++j) {
     const double floor = b.rows() > 0 ? small_part * b.col(j).cwiseAbs().maxCoeff() : 0;
     for (Index i = 0; i < b.rows(); ++i) {
-      worst = std::max(worst, relative(a(i, j), b(i, j), std::max(std::abs(b(i, j)), floor)));
+      worst = worst_of(worst, relative(a(i, j), b(i, j), std::max(std::abs(b(i, j)), floor)));
     }
   }
   return worst;
@@ -70,7 +71,7 @@ double pole_difference(const VectorXcd& a, const VectorXcd& b, double part) {
     });
     if (std::abs(pole) > zero || std::abs(*nearest) > zero) {
       const double scale = std::max(std::abs(pole), part * largest);
-      worst = std::max(worst, relative(*nearest, pole, scale));
+      worst = worst_of(worst, relative(*nearest, pole, scale));
     }
     left.erase(nearest);
   }

@@ -6,6 +6,7 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "core/equilibrium.hpp"
+#include "core/operating_point.hpp"
 #include "core/state_space.hpp"
 
 namespace stillframe::test {

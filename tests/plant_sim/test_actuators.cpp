@@ -5,6 +5,7 @@
 #include <iostream>
 #include <numbers>
 
+#include "core/worst.hpp"
 #include "plant_sim/actuators.hpp"
 #include "plant_sim/force_sensors.hpp"
 #include "plant_sim/sensor_errors.hpp"
@@ -110,10 +111,10 @@ TEST_P(ActuatorsTest, DoWhatTheirDifferentialEquationsSay) {
     for (int leg = 0; leg < n_legs; ++leg) {
       Brute& one = brute[static_cast<size_t>(leg)];
       one.hold(std::clamp(u(leg, k), -0.8 * force_size, 0.8 * force_size), sample_time);
-      force = std::max(force, std::abs(actuators.report()(leg) - one.force()));
-      acting = std::max(acting, std::abs(end(leg) - one.acting()));
+      force = worst_of(force, std::abs(actuators.report()(leg) - one.force()));
+      acting = worst_of(acting, std::abs(end(leg) - one.acting()));
       if (has.sensor_filter_hz > 0) {
-        filtered = std::max(filtered, std::abs(sensors.actuator_part()(leg) - one.filtered()));
+        filtered = worst_of(filtered, std::abs(sensors.actuator_part()(leg) - one.filtered()));
       }
     }
   }

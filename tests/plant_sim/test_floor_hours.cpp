@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/high_pass.hpp"
 #include "plant_sim/floor_motion.hpp"
@@ -66,8 +67,8 @@ Hours through(const std::string& block, double rate) {
     }
     if (k % 64 == 0 || k + 1 == floor.n_samples()) {
       floor.at(0.0, q_r, q_r_dot);
-      hours.largest = std::max(hours.largest, std::abs(q_r(0)));
-      hours.deviation = std::max(hours.deviation, static_cast<double>(std::abs(q_r(0) - x)));
+      hours.largest = worst_of(hours.largest, std::abs(q_r(0)));
+      hours.deviation = worst_of(hours.deviation, static_cast<double>(std::abs(q_r(0) - x)));
       hours.plain_deviation =
           std::max(hours.plain_deviation, static_cast<double>(std::abs(plain_x - x)));
     }

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/equilibrium.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "plant_sim/nodal/nodal_motion.hpp"
 #include "tests/core/joint_scenes.hpp"
@@ -100,7 +101,7 @@ TEST_P(NodalMotions, AreThoseOfMinimalCoordinates) {
   const Case& c = GetParam();
   const Scene scene = scene_of(c.scene);
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   const Trajectory fine = minimal(model, start, c.size, c.samples, 2 * c.steps);
   const Trajectory coarse = minimal(model, start, c.size, c.samples, c.steps);
   // The classical method is of order four: 15 times less is left at half the step. 1e-8 beside it
@@ -128,7 +129,7 @@ TEST(NodalMotion, ErrorFallsWithTheTolerance) {
   // tolerance) until rounding; reference with seven stages.
   const Scene scene = scene_of("metrology_frame.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   const Drive size{1e-3, 0.1};
   const Trajectory fine = nodal(model, start, size, 20, 1e-12, Method::radau, 7);
   double last = 1;
@@ -147,7 +148,7 @@ TEST(NodalMotion, DoesNotKnowTheSizeOfTheMotion) {
   // / 0.15 m (1e-6 at 13.9 Hz), and rounding.
   const Scene scene = scene_of("metrology_frame.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   const Trajectory small = nodal(model, start, {1e-9, 1e-7}, 20, 1e-8, Method::radau);
   const Trajectory large = nodal(model, start, {1e-6, 1e-4}, 20, 1e-8, Method::radau);
   EXPECT_LT(Trajectory::difference(1e3 * small.x_ddot, large.x_ddot), 1e-8);
@@ -157,7 +158,7 @@ TEST(NodalMotion, DoesNotKnowTheSizeOfTheMotion) {
 TEST(NodalMotion, HeldDeformationsStayHeld) {
   const Scene scene = scene_of("slider_crank.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   NodalMotion motion(model, start_of(model, start), 1e-6);
   Equations equations(model);
   VectorXd r(equations.size());
@@ -181,7 +182,7 @@ TEST(NodalMotion, FreeMotionKeepsItsEnergy) {
   // no more than 1e-9 of the energy.
   const Scene scene = scene_of("free_body.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   NodalMotion motion(model, start_of(model, start), 1e-10);
   Data data(model);
   const test::HeldInputs inputs(model);
@@ -200,7 +201,7 @@ TEST(NodalMotion, FreeMotionKeepsItsEnergy) {
 TEST(NodalMotion, RestsOnForcesThatBalanceToRounding) {
   const Scene scene = scene_of("frame_under_gravity.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   NodalMotion motion(model, start_of(model, start), 1e-8);
   const test::HeldInputs inputs(model);
   for (int k = 0; k < 20; ++k) ASSERT_EQ(motion.advance(inputs, sample_time), Status::ok);
@@ -212,7 +213,7 @@ TEST(NodalMotion, RestsOnForcesThatBalanceToRounding) {
 TEST(NodalMotion, TheSameInputsGiveTheSameBits) {
   const Scene scene = scene_of("metrology_frame.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   const Trajectory a = nodal(model, start, {1e-3, 1}, 20, 1e-6, Method::radau);
   const Trajectory b = nodal(model, start, {1e-3, 1}, 20, 1e-6, Method::radau);
   EXPECT_EQ(a.x_ddot, b.x_ddot);
@@ -225,7 +226,7 @@ TEST(NodalMotion, LowPassesSeeTheMotionWithinTheSteps) {
   // above the 2 at which the moments change their form).
   const Scene scene = scene_of("metrology_frame.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   std::vector<Index> rows;
   for (const Model::Dof& dof : model.dofs) rows.push_back(dof.index);
   for (const double rate : {300.0, 5000.0}) {
@@ -269,7 +270,7 @@ TEST(NodalMotion, DoesNotAllocate) {
   // By collocation, with and without filters; not in the first part.
   const Scene scene = scene_of("metrology_frame.yaml");
   const Model model = make_model(scene);
-  const NominalMotion start = nominal_motion(scene, model);
+  const NominalMotion start = nominal_motion(model);
   for (const bool filters : {false, true}) {
     NodalMotion motion(model, start_of(model, start), 1e-8);
     if (filters) motion.filter({model.deformation_row("leg_1t")}, 300);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/linear/singular_values.hpp"
+#include "core/worst.hpp"
 #include "tests/plant_sim/loop_experiment.hpp"
 #include "tests/plant_sim/random_settings.hpp"
 
@@ -51,7 +52,7 @@ Error error_of(const SampledLoop& predicted, const std::vector<double>& frequenc
       worst.singular_values_db = db;
       worst.at_hz = frequencies_hz[i];
     }
-    worst.directions_db = std::max(worst.directions_db, decibel(1 + singular_values(off)(0)));
+    worst.directions_db = worst_of(worst.directions_db, decibel(1 + singular_values(off)(0)));
   }
   return worst;
 }

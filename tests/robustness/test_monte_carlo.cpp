@@ -6,6 +6,7 @@
 #include "core/robustness/draws.hpp"
 #include "core/robustness/monte_carlo.hpp"
 #include "core/robustness/parallel.hpp"
+#include "core/worst.hpp"
 #include "tests/robustness/frame.hpp"
 
 namespace stillframe::robustness {
@@ -36,7 +37,7 @@ TEST(MonteCarlo, CountsWhatTheClosedFormSays) {
     const double radius = other.radius(1 + 0.9 * values(2));
     n_stable += radius < largest_stable_radius ? 1 : 0;
     if (radius > largest) worst = i;
-    largest = std::max(largest, radius);
+    largest = worst_of(largest, radius);
   }
   EXPECT_GT(n_stable, n / 10);
   EXPECT_LT(n_stable, n - n / 10);

@@ -2,6 +2,7 @@
 
 #include "core/robustness/draws.hpp"
 #include "core/robustness/worst_case.hpp"
+#include "core/worst.hpp"
 #include "tests/robustness/frame.hpp"
 
 namespace stillframe::robustness {
@@ -89,7 +90,7 @@ TEST(WorstCase, AStartThatIsWorseThanAllCornersIsKept) {
   for (double value = -0.99; value < 1; value += 0.01) {
     const double radius = evaluator(VectorXd::Constant(1, value)).radius;
     if (radius > most) inside(0) = value;
-    most = std::max(most, radius);
+    most = worst_of(most, radius);
   }
   const double corners = std::max(evaluator(VectorXd::Constant(1, -1)).radius,
                                   evaluator(VectorXd::Constant(1, 1)).radius);

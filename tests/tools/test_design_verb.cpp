@@ -2,6 +2,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/worst.hpp"
 #include "tests/tools/verb.hpp"
 
 namespace stillframe::test {
@@ -79,7 +80,7 @@ TEST_F(DesignVerb, TakesTheGainsOfAnotherScene) {
     double worst = 0;
     for (size_t i = 0; i < a.size(); ++i) {
       for (size_t j = 0; j < a.size(); ++j) {
-        worst = std::max(worst, std::abs(a[i][j].get<double>() - b[i][j].get<double>()));
+        worst = worst_of(worst, std::abs(a[i][j].get<double>() - b[i][j].get<double>()));
       }
     }
     return worst;

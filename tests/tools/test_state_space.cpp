@@ -6,6 +6,7 @@
 #include "core/frequency_response.hpp"
 #include "core/linear/frequency_sweep.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
@@ -20,7 +21,7 @@ LinearModel linear_model(const std::string& name) {
   const Scene scene =
       read_scene(std::string(STILLFRAME_SOURCE_DIR) + "/config/scenes/" + name + ".yaml");
   const Model model = make_model(scene);
-  return linearise(model, nominal_motion(scene, model), scene.inputs, scene.outputs);
+  return linearise(model, nominal_motion(model), scene.inputs, scene.outputs);
 }
 
 class StateSpaceOf : public testing::TestWithParam<const char*> {};

@@ -9,6 +9,7 @@
 #include "core/buckling.hpp"
 #include "core/equilibrium.hpp"
 #include "core/modes.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 
 namespace stillframe::verification {
@@ -58,7 +59,7 @@ std::string number(double value) {
 LinearModel linear_model(const std::string& text) {
   const Scene scene = parse_scene(text, "scene");
   const Model model = make_model(scene);
-  return linearise(model, nominal_motion(scene, model), scene.inputs, scene.outputs);
+  return linearise(model, nominal_motion(model), scene.inputs, scene.outputs);
 }
 
 Eigen::VectorXd frequencies_hz(const std::string& text) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/frequency_response.hpp"
+#include "core/worst.hpp"
 #include "tests/verification/scene_text.hpp"
 
 // The choice of q^d changes no transfer function, for the scenes that the core's own tests do not
@@ -20,7 +21,7 @@ double worst_difference(const std::string& a, const std::string& b, double from,
   for (const double f : logarithmic_frequencies(from, to, 100)) {
     const std::complex<double> s(0, 2 * std::numbers::pi * f);
     const Eigen::MatrixXcd G_a = transfer_function(m_a, s), G_b = transfer_function(m_b, s);
-    worst = std::max(worst, (G_a - G_b).norm() / G_a.norm());
+    worst = worst_of(worst, (G_a - G_b).norm() / G_a.norm());
   }
   return worst;
 }

@@ -7,6 +7,7 @@
 
 #include "core/modes.hpp"
 #include "core/state_space.hpp"
+#include "core/worst.hpp"
 #include "tests/verification/scene_text.hpp"
 
 // V10: a mass on two springs on a turning table. With z = x + j y on the table, w0 = 1 and the spin
@@ -25,7 +26,7 @@ std::string text_at(double spin, double damping) {
 double distance(const std::vector<Complex>& roots, const Eigen::VectorXcd& computed) {
   double worst = 0;
   for (const Complex& root : roots)
-    worst = std::max(worst, (computed.array() - root).abs().minCoeff());
+    worst = worst_of(worst, (computed.array() - root).abs().minCoeff());
   return worst;
 }
 

@@ -43,7 +43,6 @@ Guide guide(const std::string& text) {
   const double compliance = rest.Y_p.row(0) * shape;
   shape /= compliance;
   motion.state.q_d_dot = shape;
-  motion.moving = true;
   const LinearModel& moving = lineariser.about(motion);
   return {1 / compliance, -0.5 * moving.Y_p.row(1).dot(shape) * length};
 }

@@ -9,6 +9,7 @@
 
 #include "core/dynamics.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 #include "plant_sim/integrator.hpp"
 #include "tests/verification/scene_text.hpp"
 
@@ -171,13 +172,13 @@ Drift drift_over(double duration, double tolerance) {
   double side = 1;
   for (int i = 1; i * step <= duration; ++i) {
     body.advance(step, tolerance);
-    worst.energy = std::max(worst.energy, std::abs(body.energy() / energy - 1));
+    worst.energy = worst_of(worst.energy, std::abs(body.energy() / energy - 1));
     worst.momentum =
-        std::max(worst.momentum, (body.momentum() - momentum).norm() / momentum.norm());
-    worst.norm = std::max(worst.norm, std::abs(body.lambda().squaredNorm() - 1));
-    worst.path = std::max(worst.path, (body.position() - Vector3d(0.1 * i * step, 0, 0)).norm());
+        worst_of(worst.momentum, (body.momentum() - momentum).norm() / momentum.norm());
+    worst.norm = worst_of(worst.norm, std::abs(body.lambda().squaredNorm() - 1));
+    worst.path = worst_of(worst.path, (body.position() - Vector3d(0.1 * i * step, 0, 0)).norm());
     const Vector3d spin = body.spin_in_body();
-    worst.spin = std::max(worst.spin, (spin - closed_form.spin(i * step)).norm());
+    worst.spin = worst_of(worst.spin, (spin - closed_form.spin(i * step)).norm());
     if (spin.y() * side < -0.5) {
       side = -side;
       ++worst.tumbles;

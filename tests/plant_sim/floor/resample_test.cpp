@@ -1,3 +1,4 @@
+#include "core/worst.hpp"
 #include "plant_sim/floor/resample.hpp"
 
 #include <gtest/gtest.h>
@@ -44,7 +45,7 @@ TEST_P(ResampleRates, SumOfSinesMatchesItsClosedFormAwayFromTheTapers) {
   for (Eigen::Index k = 0; k < y.cols(); ++k) {
     const double t = static_cast<double>(k) / rate_out;
     if (t < 3.0 || t > duration - 3.0) continue;
-    worst = std::max(worst, std::abs(y(0, k) - closed_form(t, frequencies)));
+    worst = worst_of(worst, std::abs(y(0, k) - closed_form(t, frequencies)));
   }
   // A raised-cosine taper of 1 s jumps by pi^2 / 2 in its second derivative at each of its corners,
   // so a tapered sine spills pi^2 / 2 / (2 pi df)^3 at df from its line. Integrated over what lies
