@@ -40,7 +40,7 @@ inline Eigen::VectorXd forces_of_sample(Index n_legs, std::int64_t k, double amp
 
 inline std::unique_ptr<floor::FloorSource> floor_of(const Scene& scene,
                                                     const std::filesystem::path& file) {
-  const auto block = read_floor(scene.file, file.empty() ? std::nullopt : std::optional(file));
+  const auto block = read_floor(scene, file.empty() ? std::nullopt : std::optional(file));
   return floor::make_floor_source(floor::read_floor_block(
       block->reader, scene.controller->sample_rate_hz, floor_input_names(scene)));
 }

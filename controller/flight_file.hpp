@@ -8,8 +8,7 @@
 namespace stillframe::controller {
 
 /// Writes what a flight recorder that stands still holds as an LCM log: run_info, then checkpoints
-/// and records in the order of their periods. The file appears whole or not at all. Set-up.
-/// Errors: InputError if it cannot be written.
+/// and records in the order of their periods. Set-up. Errors: those of WholeFile.
 void write_flight_file(const std::filesystem::path& file, const stillframe_msgs::run_info_t& info,
                        const FlightRecorder& recorder, const std::string& policy_text);
 

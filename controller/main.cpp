@@ -4,10 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include "controller/gains.hpp"
@@ -19,7 +17,8 @@
 #include "controller/session.hpp"
 #include "controller/start_check.hpp"
 #include "controller/timing_file.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/files/standard_output.hpp"
+#include "core/yaml/reader.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
@@ -28,7 +27,7 @@ namespace stillframe::controller {
 
 namespace {
 
-constexpr int exit_done = 0, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
+constexpr int exit_done = 0, exit_error = 1, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
 
 constexpr const char* description =
     "The controller process of a stillframe run. It reads gains, refuses them if the sampled "
@@ -47,8 +46,10 @@ constexpr const char* footer =
     "  stillframe-controller --gains gains.yaml --check-only\n"
     "  scripts/private_network stillframe-controller --gains gains.yaml --run-id 7 --timeout 30\n"
     "  stillframe-controller --gains gains.yaml --policy policy.yaml --realtime enforce\n"
-    "Exit codes: 0 done, 2 bad input, 3 refused (an unstable loop, another controller, no real\n"
-    "time where it is enforced), 4 the run failed, fell back, or ended with a latched fault.";
+    "Exit codes: 0 done, 1 internal error or output that cannot be written, 2 bad input, 3 "
+    "refused\n"
+    "(an unstable loop, another controller, no real time where it is enforced), 4 the run failed,\n"
+    "fell back, or ended with a latched fault.";
 
 struct Options {
   std::filesystem::path gains;
@@ -171,17 +172,11 @@ void say_counters(const LoopCounters& counters) {
   }
 }
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 /// Session after session, as long as the plant begins anew.
 class WallClock {
  public:
-  WallClock(const Options& options, const Gains& gains, const Policy& policy, LcmIo& io)
+  WallClock(const Options& options, const Gains& gains, const Policy& policy,
+            const std::string& policy_text, LcmIo& io)
       : options_(options),
         gains_(gains),
         policy_(policy),
@@ -192,7 +187,7 @@ class WallClock {
                         .phase = options.phase,
                         .any_run = !options.run_id,
                         .flight_folder = options.flight_folder,
-                        .policy_text = options.policy ? text_of(*options.policy) : "",
+                        .policy_text = policy_text,
                         .say = [](const std::string& text) { spdlog::info(text); },
                         .warn = [](const std::string& text) { spdlog::warn(text); }};
     if (keyboard_.is_there()) spdlog::info("keys: s start, x stop, r reset, Ctrl-C end");
@@ -240,8 +235,13 @@ class WallClock {
   std::string never_active_;
 };
 
-Policy policy_of(const Options& options) {
-  Policy policy = options.policy ? read_policy(*options.policy) : Policy{};
+/// policy_text: that of the file, which is read once.
+Policy policy_of(const Options& options, std::string& policy_text) {
+  Policy policy;
+  if (options.policy) {
+    policy_text = YamlReader::from_file(*options.policy).source_text();
+    policy = parse_policy(policy_text, options.policy->string());
+  }
   if (!options.realtime) return policy;
   policy.realtime = *options.realtime == "off"       ? Policy::Realtime::off
                     : *options.realtime == "enforce" ? Policy::Realtime::enforce
@@ -251,7 +251,7 @@ Policy policy_of(const Options& options) {
 
 /// no_ramp: why a wall-clock run would be refused, empty if it would not.
 int serve(const Options& options, const Gains& gains, const Policy& policy,
-          const std::string& no_ramp) {
+          const std::string& policy_text, const std::string& no_ramp) {
   catch_stop_signals();
   LcmIo io(lcm_url(options.lcm_url));
   spdlog::info("waiting for a plant");
@@ -272,12 +272,13 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
     throw Refusal("real time is enforced and was not obtained: " + realtime.text +
                   "; run as root or with CAP_SYS_NICE and CAP_IPC_LOCK, or take best_effort");
   }
-  return WallClock(options, gains, policy, io).serve(start);
+  return WallClock(options, gains, policy, policy_text, io).serve(start);
 }
 
 int run(const Options& options) {
   const Gains gains = read_gains(options.gains);
-  const Policy policy = policy_of(options);
+  std::string policy_text;
+  const Policy policy = policy_of(options, policy_text);
   const double radius = require_stable(gains);
   if (options.check_only) {
     std::printf("spectral radius %.17g\n", radius);
@@ -290,7 +291,7 @@ int run(const Options& options) {
   } catch (const Refusal& refusal) {
     no_ramp = refusal.what();
   }
-  return serve(options, gains, policy, no_ramp);
+  return serve(options, gains, policy, policy_text, no_ramp);
 }
 
 }  // namespace
@@ -315,10 +316,13 @@ int main(int argc, char** argv) {
     return exit_refused;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return exit_failed;
+    return exit_error;
   }
 }
 
 }  // namespace stillframe::controller
 
-int main(int argc, char** argv) { return stillframe::controller::main(argc, argv); }
+int main(int argc, char** argv) {
+  return stillframe::with_standard_output("controller",
+                                          [&] { return stillframe::controller::main(argc, argv); });
+}

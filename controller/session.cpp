@@ -7,7 +7,6 @@
 #include "controller/flight_file.hpp"
 #include "controller/law.hpp"
 #include "controller/realtime.hpp"
-#include "core/yaml/input_error.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
 
@@ -193,7 +192,7 @@ void Session::write_flight() {
   try {
     write_flight_file(file, io_.run_info(), loop_.flight(), options_.policy_text);
     options_.warn("flight record: " + file.string());
-  } catch (const InputError& error) {
+  } catch (const std::exception& error) {
     options_.warn(error.what());
   }
   loop_.flight().resume();

@@ -9,7 +9,7 @@ namespace stillframe::controller {
 
 /// Writes counters and histograms as JSON: n_periods, n_late, n_lost, n_duplicate, and the
 /// histograms wake_up, receive, compute and publish as Histogram::to_json. Set-up.
-/// Errors: InputError if the file cannot be written.
+/// Errors: those of WholeFile.
 void write_timing_file(const std::filesystem::path& file, const Counters& counters,
                        const LoopTimes& times);
 

@@ -11,10 +11,14 @@ LogWriter::LogWriter(const std::filesystem::path& file) : file_(file.string(), "
   if (!file_.good()) throw InputError(file.string() + ": cannot be written");
 }
 
-bool LogWriter::write_bytes(const char* channel) {
+std::int64_t LogWriter::now_us() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
-  event_.timestamp = now.tv_sec * std::int64_t{1'000'000} + now.tv_nsec / 1000;
+  return now.tv_sec * std::int64_t{1'000'000} + now.tv_nsec / 1000;
+}
+
+bool LogWriter::write_bytes(const char* channel, std::int64_t time_us) {
+  event_.timestamp = time_us;
   event_.channel = channel;
   event_.datalen = static_cast<std::int32_t>(bytes_.size());
   event_.data = bytes_.data();

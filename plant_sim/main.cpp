@@ -7,13 +7,13 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <sstream>
 #include <string>
 
 #include "core/control_loop.hpp"
+#include "core/files/standard_output.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
@@ -26,7 +26,7 @@ namespace stillframe {
 
 namespace {
 
-constexpr int exit_done = 0, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
+constexpr int exit_done = 0, exit_error = 1, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
 
 constexpr const char* description =
     "The plant process of a stillframe run: the nonlinear frame and floor of a scene, integrated "
@@ -40,7 +40,9 @@ constexpr const char* footer =
     "  stillframe design scene.yaml --out gains.yaml\n"
     "  stillframe-plant scene.yaml --gains gains.yaml --run-id 7\n"
     "  stillframe-controller --gains gains.yaml --run-id 7\n"
-    "Exit codes: 0 done, 2 bad input, 3 refused, 4 the run failed.";
+    "Exit codes: 0 done, 1 internal error or output that cannot be written, 2 bad input, 3 "
+    "refused,\n"
+    "4 the run failed.";
 
 struct Options {
   std::filesystem::path scene, gains;
@@ -114,18 +116,10 @@ void request_fifo(int priority) {
   }
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  if (!file) throw InputError(path.string() + ": cannot be read");
-  return text.str();
-}
-
 int run(const Options& options) {
   const Scene scene = read_scene(options.scene, options.controller);
   require_loop_signals(scene);
-  const auto floor = read_floor(options.scene, options.floor);
+  const auto floor = read_floor(scene, options.floor);
   if (!floor)
     throw InputError(scene.file + ": the key 'floor' is missing, and no --floor is given");
   if (options.mode == "wall_clock" && scene.controller->delay_samples < 1) {
@@ -141,14 +135,15 @@ int run(const Options& options) {
   const std::int64_t n = run_length(scene, spec, plant.floor_samples(), options.duration_s);
   spdlog::info("method {}: {}", method_name(plant.choice().method), plant.choice().reason);
   if (options.priority && options.mode == "wall_clock") request_fifo(*options.priority);
-  PlantLink link(lcm_url(options.lcm_url),
-                 describe_run(scene, {.run_id = options.run_id,
-                                      .n_samples = n,
-                                      .program_version = STILLFRAME_VERSION,
-                                      .floor_text = floor->text,
-                                      .gains_text = read_text(options.gains),
-                                      .mode = options.mode,
-                                      .loop = options.loop}));
+  PlantLink link(
+      lcm_url(options.lcm_url),
+      describe_run(scene, {.run_id = options.run_id,
+                           .n_samples = n,
+                           .program_version = STILLFRAME_VERSION,
+                           .floor_text = floor->text,
+                           .gains_text = YamlReader::from_file(options.gains).source_text(),
+                           .mode = options.mode,
+                           .loop = options.loop}));
 
   if (options.pace_by_log) link.pace_by(*options.pace_by_log);
 
@@ -203,10 +198,13 @@ int plant_main(int argc, char** argv) {
     return exit_bad_input;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return exit_failed;
+    return exit_error;
   }
 }
 
 }  // namespace stillframe
 
-int main(int argc, char** argv) { return stillframe::plant_main(argc, argv); }
+int main(int argc, char** argv) {
+  return stillframe::with_standard_output("plant",
+                                          [&] { return stillframe::plant_main(argc, argv); });
+}

@@ -120,7 +120,7 @@ controller_status_t ask(const Options& options) {
     listen(*lcm, listener, request, 2, next_status_s);
   }
   if (listener.answer()) return *listener.answer();
-  throw std::runtime_error(nobody(options, url, listener));
+  throw Failure(nobody(options, url, listener));
 }
 
 std::string state_of(const controller_status_t& status) {

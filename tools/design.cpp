@@ -1,10 +1,9 @@
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
 
 #include "controller/start_check.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/files/whole_file.hpp"
 #include "report/plots/plot_trade.hpp"
 #include "report/table.hpp"
 #include "tools/design_page.hpp"
@@ -24,13 +23,6 @@ struct Options {
   std::optional<std::filesystem::path> controller, design_scene, out, mat, plot_trade;
   bool json = false;
 };
-
-void write_gains(const controller::Gains& gains, const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file << to_yaml(gains);
-  file.close();
-  if (!file) throw InputError(path.string() + ": cannot be written");
-}
 
 void plot_trade(const LoopDesign& design, const std::filesystem::path& path) {
   Patience patience("trade");
@@ -62,7 +54,7 @@ int run(const Options& options) {
   if (options.plot_trade) plot_trade(design, *options.plot_trade);
   if (options.mat) write_loop_mat(design, *options.mat);
   controller::require_stable(design.gains);
-  if (options.out) write_gains(design.gains, *options.out);
+  if (options.out) write_whole_file(*options.out, to_yaml(design.gains));
   return exit_done;
 }
 

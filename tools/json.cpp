@@ -23,6 +23,12 @@ Json to_json(const Eigen::VectorXcd& vector) {
   return pairs;
 }
 
-void print(const Json& document) { std::cout << document.dump(1) << "\n"; }
+std::string text_of(const Json& document) {
+  // Names come from foreign logs and from the command line, so bytes that are no UTF-8 are replaced
+  // rather than thrown over.
+  return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void print(const Json& document) { std::cout << text_of(document); }
 
 }  // namespace stillframe::tools

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace stillframe::tools {
 
@@ -13,7 +14,10 @@ Json to_json(const Eigen::VectorXd& vector);
 Json to_json(const Eigen::MatrixXd& matrix);
 Json to_json(const Eigen::VectorXcd& vector);
 
-/// Prints a document to standard output.
+/// A document as UTF-8, whatever the bytes of its texts.
+std::string text_of(const Json& document);
+
+/// Prints it to standard output.
 void print(const Json& document);
 
 }  // namespace stillframe::tools

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/files/standard_output.hpp"
 #include "core/yaml/input_error.hpp"
 #include "core/yaml/reader.hpp"
 #include "tools/verbs.hpp"
@@ -28,8 +29,9 @@ constexpr const char* footer =
     "    --uncertainty config/uncertainty/piezo_frame.yaml\n"
     "  scripts/private_network stillframe run config/scenes/metrology_frame.yaml\n"
     "Every verb has --help, and --json for machines.\n"
-    "Exit codes: 0 done; 2 bad usage or input; 3 refused (an unstable design, a singular model);\n"
-    "4 a run that failed or fell back.";
+    "Exit codes: 0 done; 1 internal error, or output that cannot be written; 2 bad usage or "
+    "input;\n"
+    "3 refused (an unstable design, a singular model); 4 a run that failed or fell back.";
 
 /// CLI11 says no more of an unknown verb than that one is required.
 void require_known_verb(CLI::App& app, int argc, char** argv) {
@@ -86,11 +88,16 @@ int main(int argc, char** argv) {
     return say("refused", refusal.what(), exit_refused);
   } catch (const InputError& error) {
     return say("error", error.what(), exit_bad_input);
-  } catch (const std::exception& error) {
+  } catch (const Failure& error) {
     return say("error", error.what(), exit_failed);
+  } catch (const std::exception& error) {
+    return say("error", error.what(), exit_error);
   }
 }
 
 }  // namespace stillframe::tools
 
-int main(int argc, char** argv) { return stillframe::tools::main(argc, argv); }
+int main(int argc, char** argv) {
+  return stillframe::with_standard_output("stillframe",
+                                          [&] { return stillframe::tools::main(argc, argv); });
+}

@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "core/files/whole_file.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe::tools {
@@ -228,13 +229,7 @@ Record read_record(const std::filesystem::path& path) {
 }
 
 void write_record(const Record& record, const std::filesystem::path& path) {
-  const std::filesystem::path part = path.string() + ".part";
-  std::ofstream file(part);
-  file << to_json(record).dump(1) << "\n";
-  file.close();
-  std::error_code failed;
-  if (file) std::filesystem::rename(part, path, failed);
-  if (!file || failed) throw InputError(path.string() + ": cannot be written");
+  write_whole_file(path, text_of(to_json(record)));
 }
 
 }  // namespace stillframe::tools

@@ -15,8 +15,7 @@ Json to_json(const robustness::Outcome& outcome);
 /// record.
 robustness::Record read_record(const std::filesystem::path& path);
 
-/// Writes a record; the file appears under its name when it is complete. Errors: InputError if it
-/// cannot be written.
+/// Writes a record. Errors: those of WholeFile.
 void write_record(const robustness::Record& record, const std::filesystem::path& path);
 
 }  // namespace stillframe::tools

@@ -47,9 +47,25 @@ std::int64_t random_run_id() {
          0x7fffffffffffffff;
 }
 
+/// The processes of a run read what they are given themselves; a pipe would give it only once.
+void require_readable_again(const std::filesystem::path& file) {
+  if (std::filesystem::is_regular_file(file)) return;
+  throw InputError(file.string() +
+                   ": is no regular file, and two processes are to read it; allowed "
+                   "is a file, or --mode single_process");
+}
+
+/// What is to be run.
+struct Checked {
+  LoopDesign design;
+  floor::FloorSpec spec;
+  std::string floor_text;
+};
+
 /// Everything that a person may have got wrong is found before anything is started or written.
-floor::FloorSpec check_input(const Options& options, const LoopDesign& design,
-                             std::string& floor_text) {
+Checked check_input(const Options& options) {
+  LoopDesign design = make_loop_design(options.scene, options.controller, options.design_scene);
+  if (options.policy) controller::read_policy(*options.policy);
   controller::require_stable(design.gains);
   if (options.mode == "wall_clock" && design.gains.delay_samples < 1) {
     throw InputError(design.scene.controller->place + ": delay_samples: found " +
@@ -57,17 +73,22 @@ floor::FloorSpec check_input(const Options& options, const LoopDesign& design,
                      ", allowed is 1 or more in wall-clock mode: the command of a sample is known "
                      "at the next");
   }
-  const auto block = read_floor(options.scene, options.floor);
+  const auto block = read_floor(design.scene, options.floor);
   if (!block) {
     throw InputError(design.scene.file + ": the key 'floor' is missing, and no --floor is given");
   }
-  floor_text = block->text;
-  const auto spec = floor::read_floor_block(block->reader, design.gains.sample_rate_hz,
-                                            floor_input_names(design.scene));
+  auto spec = floor::read_floor_block(block->reader, design.gains.sample_rate_hz,
+                                      floor_input_names(design.scene));
   const Plant plant(design.scene, floor::make_floor_source(spec));
   run_length(design.scene, spec, plant.floor_samples(), options.duration_s);
-  if (options.mode != "single_process") open_lcm(lcm_url(options.lcm_url));
-  return spec;
+  if (options.mode != "single_process") {
+    for (const auto& file :
+         {std::optional(options.scene), options.floor, options.controller, options.policy}) {
+      if (file) require_readable_again(*file);
+    }
+    open_lcm(lcm_url(options.lcm_url));
+  }
+  return {std::move(design), std::move(spec), block->text};
 }
 
 int fail(RunDirectory& directory, const PhaseResult& result) {
@@ -77,16 +98,8 @@ int fail(RunDirectory& directory, const PhaseResult& result) {
   return result.exit_code;
 }
 
-int run(const Options& options) {
-  const LoopDesign design =
-      make_loop_design(options.scene, options.controller, options.design_scene);
-  std::string floor_text;
-  const floor::FloorSpec spec = check_input(options, design, floor_text);
-
-  if (options.policy) controller::read_policy(*options.policy);
-
-  catch_stop_signals();
-  RunDirectory directory(options.out.value_or(default_folder(options.scene)));
+int run_into(RunDirectory& directory, const Options& options, const Checked& checked) {
+  const auto& [design, spec, floor_text] = checked;
   directory.write("scene.yaml", design.scene.text);
   directory.write("floor.yaml", floor_text);
   directory.write("gains.yaml", to_yaml(design.gains));
@@ -133,6 +146,19 @@ int run(const Options& options) {
   return verdict.pass() ? exit_done : exit_failed;
 }
 
+int run(const Options& options) {
+  const Checked checked = check_input(options);
+  catch_stop_signals();
+  RunDirectory directory(options.out.value_or(default_folder(options.scene)),
+                         options.out ? RunDirectory::Taken::refuse : RunDirectory::Taken::count_on);
+  try {
+    return run_into(directory, options, checked);
+  } catch (const std::exception& error) {
+    directory.set_failure(error.what());
+    throw;
+  }
+}
+
 }  // namespace
 
 void add_run(CLI::App& app, int& exit_code) {
@@ -150,7 +176,8 @@ void add_run(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   verb->add_option("--floor", options->floor, "Floor block that replaces the scene's")
       ->type_name("FILE");
-  verb->add_option("--out", options->out, "Run directory (default: runs/SCENE-DATE-TIME)")
+  verb->add_option("--out", options->out,
+                   "Run directory, which must not be there yet (default: runs/SCENE-DATE-TIME)")
       ->type_name("DIR");
   verb->add_option("--mode", options->mode,
                    "lock_step: one command a measurement, as fast as the machine goes; "

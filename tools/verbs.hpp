@@ -1,12 +1,20 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <stdexcept>
 
 // The verbs of `stillframe`, a file each: every function adds its subcommand to the program. What a
 // verb does runs after the whole command line has been parsed; it answers through exit_code.
 namespace stillframe::tools {
 
-inline constexpr int exit_done = 0, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
+inline constexpr int exit_done = 0, exit_error = 1, exit_bad_input = 2, exit_refused = 3,
+                     exit_failed = 4;
+
+/// What was to be done has not come about, though everything was in order: exit code 4.
+class Failure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 void add_modes(CLI::App& app, int& exit_code);
 void add_equilibrium(CLI::App& app, int& exit_code);

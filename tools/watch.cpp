@@ -132,7 +132,7 @@ class Watch {
     terminal_.reset();
     if ((options_.duration_s || options_.once) && !stop_requested()) {
       if (!view_ || view_->channels.empty()) {
-        throw std::runtime_error("nothing heard on " + url_ +
+        throw Failure("nothing heard on " + url_ +
                                  "; a run must be going on, in the same network");
       }
     }

@@ -2,9 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "core/scene/controller_block.hpp"
 #include "core/scene/signals.hpp"
@@ -15,11 +13,10 @@ namespace stillframe {
 
 namespace {
 
-std::string file_text(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
+/// A file is read once: a pipe gives its text only once, and another's text might be the second.
+Block read_block_file(const std::filesystem::path& path) {
+  const YamlReader reader = YamlReader::from_file(path);
+  return {reader, reader.source_text()};
 }
 
 /// A block is written inline as a map, or as the path of a file that holds the map.
@@ -29,7 +26,7 @@ Block read_block(const YamlReader& value) {
   if (!std::filesystem::exists(path)) {
     value.fail("the file '" + path.string() + "' does not exist");
   }
-  return {YamlReader::from_file(path), file_text(path)};
+  return read_block_file(path);
 }
 
 const std::map<std::string, PlantMethod, std::less<>> plant_methods{
@@ -89,7 +86,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   read_signals(root, scene);
   std::optional<Block> controller;
   if (controller_file) {
-    controller = Block{YamlReader::from_file(*controller_file), file_text(*controller_file)};
+    controller = read_block_file(*controller_file);
   } else if (const auto block = root.find("controller")) {
     controller = read_block(*block);
   }
@@ -113,7 +110,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
 Scene read_scene(const std::filesystem::path& file,
                  const std::optional<std::filesystem::path>& controller_file) {
   const YamlReader root = YamlReader::from_file(file);
-  Scene scene = read_scene_map(root, file_text(file), controller_file);
+  Scene scene = read_scene_map(root, root.source_text(), controller_file);
   scene.file = file.string();
   return scene;
 }
@@ -124,10 +121,12 @@ Scene parse_scene(const std::string& text, const std::string& source_name) {
   return scene;
 }
 
-std::optional<Block> read_floor(const std::filesystem::path& scene_file,
+std::optional<Block> read_floor(const Scene& scene,
                                 const std::optional<std::filesystem::path>& floor_file) {
-  if (floor_file) return Block{YamlReader::from_file(*floor_file), file_text(*floor_file)};
-  const auto value = YamlReader::from_file(scene_file).find("floor");
+  if (floor_file) return read_block_file(*floor_file);
+  const auto folder = std::filesystem::path(scene.file).parent_path();
+  const auto value =
+      YamlReader::from_text(scene.text, scene.file, folder.empty() ? "." : folder).find("floor");
   if (!value) return std::nullopt;
   return read_block(*value);
 }

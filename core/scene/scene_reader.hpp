@@ -27,7 +27,7 @@ Scene read_scene(const std::filesystem::path& file,
 Scene parse_scene(const std::string& text, const std::string& source_name);
 
 /// The floor block of the scene, or of floor_file if given; nothing if the scene has none.
-std::optional<Block> read_floor(const std::filesystem::path& scene_file,
+std::optional<Block> read_floor(const Scene& scene,
                                 const std::optional<std::filesystem::path>& floor_file);
 
 /// FNV-1a, 64 bit, of a text, as 16 hexadecimal digits.

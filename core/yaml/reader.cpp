@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <numeric>
 #include <set>
@@ -13,7 +14,7 @@
 namespace stillframe {
 
 struct YamlReader::Source {
-  std::string name;
+  std::string name, text;
   std::filesystem::path folder;
 };
 
@@ -67,6 +68,44 @@ std::string tab_in_indentation(const std::string& file, const std::string& text)
   return "";
 }
 
+/// How many bytes the UTF-8 sequence at the beginning has, 0 if there is none. Source: RFC 3629,
+/// section 4.
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+  };
+  const unsigned first = byte(0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if (byte(i) < 0x80 || byte(i) > 0xBF) return 0;
+  }
+  // Longer than it need be, a half of a pair of UTF-16, or beyond U+10FFFF.
+  const bool impossible = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
+                          (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F);
+  return impossible ? 0 : length;
+}
+
+/// Names go into JSON, pages and messages, all of which are UTF-8.
+void refuse_other_encodings(const std::string& file, std::string_view text) {
+  int line = 1, column = 1;
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    if (length == 0) {
+      char hex[8];
+      std::snprintf(hex, sizeof hex, "0x%02x", static_cast<unsigned char>(text.front()));
+      throw InputError(file + ":" + std::to_string(line) + ":" + std::to_string(column) +
+                       ": found the byte " + hex + ", allowed is text in UTF-8");
+    }
+    column = text.front() == '\n' ? 1 : column + 1;
+    line += text.front() == '\n';
+    text.remove_prefix(length);
+  }
+}
+
 std::string join(std::initializer_list<std::string_view> words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
@@ -99,14 +138,13 @@ YamlReader YamlReader::from_file(const std::filesystem::path& path) {
   if (!file || !(text << file.rdbuf())) {
     throw InputError(path.string() + ": cannot be read (missing, empty or not allowed)");
   }
-  YamlReader reader = from_text(text.str(), path.string());
   const auto folder = path.parent_path();
-  reader.source_ = std::make_shared<const Source>(
-      Source{path.string(), folder.empty() ? std::filesystem::path(".") : folder});
-  return reader;
+  return from_text(text.str(), path.string(), folder.empty() ? std::filesystem::path(".") : folder);
 }
 
-YamlReader YamlReader::from_text(const std::string& text, const std::string& source_name) {
+YamlReader YamlReader::from_text(const std::string& text, const std::string& source_name,
+                                 const std::filesystem::path& folder) {
+  refuse_other_encodings(source_name, text);
   YAML::Node node;
   try {
     node = YAML::Load(text);
@@ -118,7 +156,7 @@ YamlReader YamlReader::from_text(const std::string& text, const std::string& sou
     throw InputError(place_of(source_name, error.mark) + ": not YAML: " + error.msg);
   }
   refuse_duplicate_keys(source_name, node);
-  return YamlReader(std::make_shared<const Source>(Source{source_name, {}}), node, "");
+  return YamlReader(std::make_shared<const Source>(Source{source_name, text, folder}), node, "");
 }
 
 std::optional<YamlReader> YamlReader::find(const std::string& key) const {
@@ -262,6 +300,8 @@ std::string YamlReader::place() const { return place_of(source_->name, node_->Ma
 std::string YamlReader::dump() const { return YAML::Dump(*node_) + "\n"; }
 
 std::filesystem::path YamlReader::folder() const { return source_->folder; }
+
+const std::string& YamlReader::source_text() const { return source_->text; }
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
   std::string best;

@@ -23,10 +23,13 @@ namespace stillframe {
 /// can say so. All functions throw InputError "file:line:column: key: found ..., allowed ...".
 class YamlReader {
  public:
-  /// Reads and parses a file. Errors: a missing or unreadable file, YAML syntax, a duplicate key.
+  /// Reads a file, once, and parses it. Errors: a missing or unreadable file, and those of
+  /// from_text.
   static YamlReader from_file(const std::filesystem::path& path);
-  /// Parses text; source_name stands for the file in messages.
-  static YamlReader from_text(const std::string& text, const std::string& source_name);
+  /// Parses text; source_name stands for the file in messages, folder for its folder. Errors: bytes
+  /// that are no UTF-8, YAML syntax, a duplicate key.
+  static YamlReader from_text(const std::string& text, const std::string& source_name,
+                              const std::filesystem::path& folder = {});
 
   /// The value of a key of this map; `require` fails if the key is absent, `find` answers nothing.
   YamlReader require(const std::string& key) const;
@@ -67,6 +70,8 @@ class YamlReader {
   std::string dump() const;
   /// Folder of the file, against which paths inside it are resolved; empty for text.
   std::filesystem::path folder() const;
+  /// All of the text that this value is a part of, byte for byte.
+  const std::string& source_text() const;
 
  private:
   struct Source;

@@ -1,8 +1,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/files/whole_file.hpp"
 #include "report/export/chosen_rows.hpp"
-#include "report/export/whole_file.hpp"
 
 namespace stillframe::report {
 

@@ -128,7 +128,7 @@ ExportSummary export_mat(const std::filesystem::path& log, const ExportSettings&
   rows.read(log, 0.5, 1);
   rows.flush();
   file.save();
-  rows.summary().n_bytes = static_cast<std::int64_t>(std::filesystem::file_size(path));
+  rows.summary().n_bytes = file.size();
   return std::move(rows.summary());
 }
 

@@ -1,11 +1,7 @@
 #include "report/export/mat_file.hpp"
 
-#include <matio.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 
 #include "core/yaml/input_error.hpp"
@@ -16,197 +12,145 @@ namespace {
 
 using Eigen::Index;
 
-struct CloseFile {
-  void operator()(mat_t* file) const { Mat_Close(file); }
+enum class Type : std::uint32_t {
+  int8 = 1,
+  int32 = 5,
+  uint32 = 6,
+  float64 = 9,
+  matrix = 14,
+  utf8 = 16
 };
-struct FreeVariable {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
-using Variable = std::unique_ptr<matvar_t, FreeVariable>;
+enum class Class : std::uint32_t { cell = 1, structure = 2, text = 4, float64 = 6 };
+
+/// Numbers stand in the order of the machine's bytes; the file's header says which that is.
+std::string words(std::initializer_list<std::uint32_t> values) {
+  std::string bytes(values.size() * sizeof(std::uint32_t), '\0');
+  std::memcpy(bytes.data(), values.begin(), bytes.size());
+  return bytes;
+}
+
+std::uint32_t number(Type type) { return static_cast<std::uint32_t>(type); }
+
+/// Four bytes or less stand in the place of their own length.
+bool is_short(std::size_t size) { return size <= 4; }
+
+std::string element(Type type, std::string_view data) {
+  const auto size = static_cast<std::uint32_t>(data.size());
+  std::string bytes =
+      is_short(size) ? words({size << 16 | number(type)}) : words({number(type), size});
+  bytes += data;
+  bytes.resize((bytes.size() + 7) / 8 * 8);
+  return bytes;
+}
+
+/// A variable of `size` bytes of data, up to where these begin.
+std::string header(const std::string& name, Class kind, Index n_rows, Index n_columns,
+                   std::int64_t size) {
+  const std::string content =
+      element(Type::uint32, words({static_cast<std::uint32_t>(kind), 0})) +
+      element(Type::int32,
+              words({static_cast<std::uint32_t>(n_rows), static_cast<std::uint32_t>(n_columns)})) +
+      element(Type::int8, name);
+  return words({number(Type::matrix),
+                static_cast<std::uint32_t>(static_cast<std::int64_t>(content.size()) + size)}) +
+         content;
+}
+
+std::string variable(const std::string& name, Class kind, Index n_rows, Index n_columns,
+                     const std::string& data) {
+  return header(name, kind, n_rows, n_columns, static_cast<std::int64_t>(data.size())) + data;
+}
 
 /// UTF-8, whose size in a file is a number of letters, not of bytes.
-Variable variable_of(const char* name, const std::string& text) {
+std::string variable(const std::string& name, const std::string& text) {
   const auto begins_letter = [](char byte) { return (byte & 0xC0) != 0x80; };
-  std::size_t size[] = {
-      1, static_cast<std::size_t>(std::count_if(text.begin(), text.end(), begins_letter))};
-  return Variable(
-      Mat_VarCreate(name, MAT_C_CHAR, MAT_T_UTF8, 2, size, const_cast<char*>(text.data()), 0));
+  return variable(name, Class::text, 1, std::count_if(text.begin(), text.end(), begins_letter),
+                  element(Type::utf8, text));
 }
 
-Variable variable_of(const char* name, const std::vector<std::string>& texts) {
-  std::size_t size[] = {texts.size(), 1};
-  Variable cell(Mat_VarCreate(name, MAT_C_CELL, MAT_T_CELL, 2, size, nullptr, 0));
-  for (std::size_t i = 0; cell && i < texts.size(); ++i) {
-    Mat_VarSetCell(cell.get(), static_cast<int>(i), variable_of(nullptr, texts[i]).release());
-  }
-  return cell;
+std::string variable(const std::string& name, const MatFile::Texts& texts) {
+  std::string cells;
+  for (const std::string& text : texts) cells += variable("", text);
+  return variable(name, Class::cell, static_cast<Index>(texts.size()), 1, cells);
 }
 
-Variable variable_of(const char* name, const Eigen::MatrixXd& matrix) {
-  std::size_t size[] = {static_cast<std::size_t>(matrix.rows()),
-                        static_cast<std::size_t>(matrix.cols())};
-  return Variable(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size,
-                                const_cast<double*>(matrix.data()), MAT_F_DONT_COPY_DATA));
+std::string variable(const std::string& name, const Eigen::MatrixXd& matrix) {
+  const std::string_view data(reinterpret_cast<const char*>(matrix.data()),
+                              sizeof(double) * static_cast<std::size_t>(matrix.size()));
+  return variable(name, Class::float64, matrix.rows(), matrix.cols(), element(Type::float64, data));
 }
 
-/// What stands before the numbers of a matrix in a level-5 file. Source: The MathWorks, MAT-File
-/// Format, "Level 5 MAT-File Format".
-std::string matrix_header(const std::string& name, Index n_rows, Index n_columns,
-                          std::int64_t data_size) {
-  enum : std::uint32_t { int8 = 1, int32 = 5, uint32 = 6, float64 = 9, matrix = 14 };
-  constexpr std::uint32_t double_class = 6;
-  // Four bytes or less stand in the place of their own length.
-  const bool is_short = name.size() <= 4;
-  const std::size_t padded = is_short ? 4 : (name.size() + 7) / 8 * 8;
-  std::string bytes;
-  const auto put = [&bytes](std::initializer_list<std::uint32_t> words) {
-    for (const std::uint32_t word : words) {
-      char copy[sizeof word];
-      std::memcpy(copy, &word, sizeof word);
-      bytes.append(copy, sizeof word);
-    }
-  };
-  const auto content = static_cast<std::uint32_t>(16 + 16 + (is_short ? 4 : 8) + padded + 8 +
-                                                  static_cast<std::size_t>(data_size));
-  put({matrix, content});
-  put({uint32, 8, double_class, 0});
-  put({int32, 8, static_cast<std::uint32_t>(n_rows), static_cast<std::uint32_t>(n_columns)});
-  const auto length = static_cast<std::uint32_t>(name.size());
-  if (is_short) {
-    put({length << 16 | int8});
-  } else {
-    put({int8, length});
-  }
-  bytes += name + std::string(padded - name.size(), '\0');
-  put({float64, static_cast<std::uint32_t>(data_size)});
-  return bytes;
+/// 116 bytes of text, no subsystem, the version, and how the bytes of numbers are ordered.
+std::string file_header() {
+  std::string bytes = "MATLAB 5.0 MAT-file, by stillframe";
+  bytes.resize(116, ' ');
+  bytes.resize(124, '\0');
+  return bytes + words({std::uint32_t{'M' << 8 | 'I'} << 16 | 0x0100});
 }
 
 }  // namespace
 
-/// Written by matio, and, where rows come later, by ourselves: matio can only write a matrix that
-/// is in memory as a whole.
-struct MatFile::Handle {
-  struct Rows {
-    std::int64_t offset = 0;
-    Index n_rows = 0, n_columns = 0;
-  };
-
-  std::filesystem::path path, temporary;
-  std::unique_ptr<mat_t, CloseFile> matio;
-  std::fstream stream;
-  std::vector<Rows> matrices;
-  std::int64_t size = 0;
-
-  [[noreturn]] void fail() const { throw InputError(path.string() + ": cannot be written"); }
-
-  void check_size(const std::string& name, std::int64_t bytes) const {
-    if (bytes < largest_variable - 1024) return;
-    throw InputError(path.string() + ": " + name + " takes " + std::to_string(bytes) +
-                     " bytes, and a variable of a .mat file of level 5 can hold at most " +
-                     std::to_string(largest_variable));
-  }
-  void write(const Variable& variable) const {
-    if (!matio) throw std::logic_error("only rows can be added behind rows");
-    if (!variable || Mat_VarWrite(matio.get(), variable.get(), MAT_COMPRESSION_NONE) != 0) fail();
-  }
-  void close_matio() {
-    if (matio && Mat_Close(matio.release()) != 0) fail();
-  }
-  void begin_rows() {
-    if (!matio) return;
-    close_matio();
-    stream.open(temporary, std::ios::binary | std::ios::in | std::ios::out | std::ios::ate);
-    size = static_cast<std::int64_t>(stream.tellp());
-    if (!stream) fail();
-  }
-};
-
-MatFile::MatFile(std::filesystem::path path) : handle_(std::make_unique<Handle>()) {
-  handle_->path = std::move(path);
-  handle_->temporary = handle_->path;
-  handle_->temporary += ".incomplete-" + std::to_string(getpid());
-  handle_->matio.reset(
-      Mat_CreateVer(handle_->temporary.c_str(), "MATLAB 5.0 MAT-file, by stillframe", MAT_FT_MAT5));
-  if (!handle_->matio) handle_->fail();
+MatFile::MatFile(std::filesystem::path path) : path_(std::move(path)), file_(path_) {
+  file_.write(file_header());
 }
 
-MatFile::~MatFile() {
-  const std::filesystem::path temporary = handle_->temporary;
-  handle_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
+void MatFile::check_size(const std::string& name, std::int64_t n_bytes) const {
+  if (n_bytes < largest_variable - 1024) return;
+  throw InputError(path_.string() + ": " + name + " takes " + std::to_string(n_bytes) +
+                   " bytes, and a variable of a .mat file of level 5 can hold at most " +
+                   std::to_string(largest_variable));
+}
+
+void MatFile::write_variable(const std::string& name, const std::string& bytes) {
+  check_size(name, static_cast<std::int64_t>(bytes.size()));
+  file_.write(bytes);
 }
 
 void MatFile::add(const std::string& name, const Eigen::MatrixXd& matrix) {
-  handle_->check_size(name, 8 * static_cast<std::int64_t>(matrix.size()));
-  handle_->write(variable_of(name.c_str(), matrix));
+  write_variable(name, variable(name, matrix));
 }
 
 void MatFile::add(const std::string& name, const Texts& texts) {
-  handle_->write(variable_of(name.c_str(), texts));
+  write_variable(name, variable(name, texts));
 }
 
 void MatFile::add_text(const std::string& name, const std::string& text) {
-  handle_->check_size(name, static_cast<std::int64_t>(text.size()));
-  handle_->write(variable_of(name.c_str(), text));
+  write_variable(name, variable(name, text));
 }
 
 void MatFile::add_struct(const std::string& name, const Fields& fields) {
-  std::vector<const char*> names;
-  for (const auto& [field, value] : fields) names.push_back(field.c_str());
-  std::size_t size[] = {1, 1};
-  const Variable variable(Mat_VarCreateStruct(name.c_str(), 2, size, names.data(),
-                                              static_cast<unsigned>(names.size())));
-  if (!variable) handle_->fail();
+  constexpr std::size_t name_size = 32;  // as MATLAB has it: 31 letters and a zero
+  std::string names, values;
   for (const auto& [field, value] : fields) {
-    Variable content = std::visit([](const auto& v) { return variable_of(nullptr, v); }, value);
-    Mat_VarSetStructFieldByName(variable.get(), field.c_str(), 0, content.release());
+    if (field.size() >= name_size) throw std::invalid_argument("this name of a field is too long");
+    names += field + std::string(name_size - field.size(), '\0');
+    values += std::visit([](const auto& v) { return variable("", v); }, value);
   }
-  handle_->write(variable);
+  write_variable(name, variable(name, Class::structure, 1, 1,
+                                element(Type::int32, words({name_size})) +
+                                    element(Type::int8, names) + values));
 }
 
 std::size_t MatFile::add_rows(const std::string& name, Index n_rows, Index n_columns) {
-  const std::int64_t data_size = 8 * static_cast<std::int64_t>(n_rows * n_columns);
-  handle_->check_size(name, data_size);
-  handle_->begin_rows();
-  const std::string header = matrix_header(name, n_rows, n_columns, data_size);
-  handle_->stream.seekp(handle_->size);
-  handle_->stream.write(header.data(), static_cast<std::streamsize>(header.size()));
-  handle_->size += static_cast<std::int64_t>(header.size());
-  handle_->matrices.push_back({handle_->size, n_rows, n_columns});
-  handle_->size += data_size;
-  if (!handle_->stream.flush()) handle_->fail();
-  std::error_code error;
-  std::filesystem::resize_file(handle_->temporary, static_cast<std::uintmax_t>(handle_->size),
-                               error);
-  if (error) handle_->fail();
-  return handle_->matrices.size() - 1;
+  const std::int64_t n_bytes = 8 * static_cast<std::int64_t>(n_rows * n_columns);
+  check_size(name, n_bytes);
+  file_.write(header(name, Class::float64, n_rows, n_columns, 8 + n_bytes) +
+              words({number(Type::float64), static_cast<std::uint32_t>(n_bytes)}));
+  matrices_.push_back({file_.leave(n_bytes), n_rows, n_columns});
+  return matrices_.size() - 1;
 }
 
 void MatFile::write_rows(std::size_t handle, Index first_row,
                          const Eigen::Ref<const Eigen::MatrixXd>& part) {
-  const Handle::Rows& rows = handle_->matrices.at(handle);
+  const Rows& rows = matrices_.at(handle);
   if (first_row < 0 || first_row + part.rows() > rows.n_rows || part.cols() != rows.n_columns) {
     throw std::invalid_argument("these rows are no part of the matrix");
   }
   for (Index j = 0; j < part.cols(); ++j) {
-    handle_->stream.seekp(rows.offset + 8 * static_cast<std::int64_t>(j * rows.n_rows + first_row));
-    handle_->stream.write(reinterpret_cast<const char*>(part.col(j).data()),
-                          static_cast<std::streamsize>(8 * part.rows()));
+    file_.write_at(rows.offset + 8 * static_cast<std::int64_t>(j * rows.n_rows + first_row),
+                   {reinterpret_cast<const char*>(part.col(j).data()),
+                    sizeof(double) * static_cast<std::size_t>(part.rows())});
   }
-  if (!handle_->stream) handle_->fail();
-}
-
-void MatFile::save() {
-  handle_->close_matio();
-  if (handle_->stream.is_open()) {
-    handle_->stream.close();
-    if (!handle_->stream) handle_->fail();
-  }
-  std::error_code error;
-  std::filesystem::rename(handle_->temporary, handle_->path, error);
-  if (error) handle_->fail();
 }
 
 }  // namespace stillframe::report

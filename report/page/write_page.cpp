@@ -1,9 +1,8 @@
 #include "report/page/write_page.hpp"
 
-#include <fstream>
 #include <string_view>
 
-#include "core/yaml/input_error.hpp"
+#include "core/files/whole_file.hpp"
 #include "report/page/figures_json.hpp"
 #include "report/page/html.hpp"
 #include "report/page/sections.hpp"
@@ -64,20 +63,7 @@ std::string page_text(const PageData& data) {
 }
 
 void write_page(const PageData& data, const std::filesystem::path& path) {
-  const std::string text = page_text(data);
-  std::filesystem::path temporary = path;
-  temporary += ".tmp";
-  std::ofstream file(temporary, std::ios::binary);
-  file << text;
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(temporary, path, error);
-  if (!file || error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw InputError(path.string() + ": cannot be written" +
-                     (error ? " (" + error.message() + ")" : ""));
-  }
+  write_whole_file(path, page_text(data));
 }
 
 }  // namespace stillframe::page

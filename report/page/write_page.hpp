@@ -12,8 +12,7 @@ namespace stillframe::page {
 /// InputError for data whose sizes do not fit each other, naming the part. Set-up.
 std::string page_text(const PageData& data);
 
-/// Writes page_text() beside `path` and renames it, so that a reader never sees half a page.
-/// Errors: those above; InputError if the file cannot be written.
+/// Writes page_text() as a WholeFile. Errors: those above and those of WholeFile.
 void write_page(const PageData& data, const std::filesystem::path& path);
 
 /// Most bytes that all time histories take in the page; finer ones are halved until they fit, so

@@ -14,11 +14,23 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "core/files/whole_file.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe::report {
 
 namespace {
+
+std::string read_to_end(int descriptor) {
+  std::string bytes;
+  std::array<char, 65536> buffer;
+  while (true) {
+    const ssize_t n = ::read(descriptor, buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return bytes;
+    bytes.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+}
 
 /// A file in memory only, closed when it goes out of scope.
 class MemoryFile {
@@ -45,53 +57,31 @@ class MemoryFile {
 
   std::string read_all() const {
     lseek(descriptor_, 0, SEEK_SET);
-    std::string text;
-    std::array<char, 4096> buffer;
-    for (ssize_t n; (n = ::read(descriptor_, buffer.data(), buffer.size())) > 0;) {
-      text.append(buffer.data(), static_cast<std::size_t>(n));
-    }
-    return text;
+    return read_to_end(descriptor_);
   }
 
  private:
   int descriptor_;
 };
 
-/// A name that vanishes again unless the file is kept.
-class PartialFile {
- public:
-  explicit PartialFile(std::filesystem::path path)
-      : path_(std::move(path)), partial_(path_.string() + ".part") {}
-  ~PartialFile() {
-    std::error_code ignored;
-    if (!kept_) std::filesystem::remove(partial_, ignored);
-  }
-  PartialFile(const PartialFile&) = delete;
-  PartialFile& operator=(const PartialFile&) = delete;
-
-  const std::filesystem::path& partial() const { return partial_; }
-  void keep() {
-    std::filesystem::rename(partial_, path_);
-    kept_ = true;
-  }
-
- private:
-  std::filesystem::path path_, partial_;
-  bool kept_ = false;
-};
-
-/// Starts gnuplot without any of the user's own settings, and answers with its exit code.
-int run_program(const MemoryFile& input, const MemoryFile& output) {
+/// Starts gnuplot without any of the user's own settings, and answers with its exit code. What it
+/// draws comes through a pipe, because it does not say when a disk is full.
+int run_program(const MemoryFile& input, const MemoryFile& messages, std::string& picture) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("gnuplot: no pipe for its picture");
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, input.descriptor(), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output.descriptor(), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output.descriptor(), STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, messages.descriptor(), STDERR_FILENO);
   std::string name = "gnuplot", option = "-d";
   std::array<char*, 3> arguments = {name.data(), option.data(), nullptr};
   pid_t child = 0;
   const int failure = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
+  close(ends[1]);
+  picture = read_to_end(ends[0]);
+  close(ends[0]);
   if (failure != 0) {
     throw InputError(
         "plots: the program gnuplot cannot be started: install it with "
@@ -149,21 +139,17 @@ std::string plot_data(const std::string& name, const Eigen::MatrixXd& rows) {
 }
 
 void run_gnuplot(const std::string& script, const std::filesystem::path& path) {
-  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  if (!std::filesystem::is_directory(folder)) {
-    throw InputError("plots: " + folder.string() +
-                     ": there is no such folder to write a picture to");
-  }
-  PartialFile file(path);
-  const MemoryFile input("gnuplot_script"), output("gnuplot_messages");
-  input.write_all(terminal + ("set output " + plot_text(file.partial().string())) + "\n" + script +
-                  "\nunset multiplot\nset output\n");
-  const int code = run_program(input, output);
-  if (code != 0 || !std::filesystem::exists(file.partial())) {
+  WholeFile file(path);
+  const MemoryFile input("gnuplot_script"), messages("gnuplot_messages");
+  input.write_all(terminal + script + "\nunset multiplot\nset output\n");
+  std::string picture;
+  const int code = run_program(input, messages, picture);
+  if (code != 0 || picture.empty()) {
     throw InputError("plots: " + path.string() +
-                     ": gnuplot failed: " + first_message(output.read_all()));
+                     ": gnuplot failed: " + first_message(messages.read_all()));
   }
-  file.keep();
+  file.write(picture);
+  file.save();
 }
 
 }  // namespace stillframe::report

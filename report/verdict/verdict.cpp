@@ -1,10 +1,9 @@
 #include "report/verdict/verdict.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/yaml/input_error.hpp"
+#include "core/files/whole_file.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/spectra/spectra.hpp"
 
@@ -224,10 +223,7 @@ std::string to_json(const Verdict& verdict) {
 }
 
 void write_json(const Verdict& verdict, const std::filesystem::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << to_json(verdict);
-  file.close();
-  if (!file) throw InputError(path.string() + ": the verdict cannot be written there");
+  write_whole_file(path, to_json(verdict));
 }
 
 }  // namespace stillframe::report

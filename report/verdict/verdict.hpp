@@ -182,7 +182,7 @@ std::string to_json(const Verdict& verdict);
 /// The verdict as a page of text with aligned tables, units in the headers.
 std::string to_text(const Verdict& verdict);
 
-/// Writes to_json() to a file. Errors: InputError if that cannot be done.
+/// Writes to_json() to a file. Errors: those of WholeFile.
 void write_json(const Verdict& verdict, const std::filesystem::path& path);
 
 }  // namespace stillframe::report

@@ -9,17 +9,6 @@ namespace stillframe::test {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-}  // namespace
-
 void Workspace::SetUp() {
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
   folder_ = fs::path(testing::TempDir()) /
@@ -50,16 +39,33 @@ std::unique_ptr<tools::ChildProcess> Workspace::start(
 
 Said Workspace::run(const std::vector<std::string>& arguments) const {
   fs::remove(folder_ / "stderr");
-  const auto process = start(arguments);
+  return run_to_end(*start(arguments));
+}
+
+Said Workspace::shell(const std::string& script) const {
+  fs::remove(folder_ / "stderr");
+  const std::string bin = "BIN='" + std::string(STILLFRAME_BIN_DIR) + "'\n";
+  tools::ChildProcess process("sh", {"sh", "-c", bin + script}, folder_ / "stderr");
+  return run_to_end(process);
+}
+
+Said Workspace::run_to_end(tools::ChildProcess& process) const {
   Said said;
-  while (!process->exit_code()) {
-    for (const std::string& line : process->read_lines()) said.output += line + "\n";
-    process->wait(0.02);
+  while (!process.exit_code()) {
+    for (const std::string& line : process.read_lines()) said.output += line + "\n";
+    process.wait(0.02);
   }
-  for (const std::string& line : process->read_lines()) said.output += line + "\n";
-  said.exit_code = *process->exit_code();
+  for (const std::string& line : process.read_lines()) said.output += line + "\n";
+  said.exit_code = *process.exit_code();
   said.error = text_of(folder_ / "stderr");
   return said;
+}
+
+std::string Workspace::text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
 }
 
 std::vector<std::string> Workspace::processes_left() {

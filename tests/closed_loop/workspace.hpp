@@ -30,10 +30,16 @@ class Workspace : public testing::Test {
   std::unique_ptr<tools::ChildProcess> start(const std::vector<std::string>& arguments) const;
   /// Runs it to its end.
   Said run(const std::vector<std::string>& arguments) const;
+  /// Runs a script of sh, in which $BIN is the folder of our programs.
+  Said shell(const std::string& script) const;
   /// Processes of this network that run one of our programs or the logger.
   static std::vector<std::string> processes_left();
+  static std::string text_of(const std::filesystem::path& file);
 
   std::filesystem::path folder_;
+
+ private:
+  Said run_to_end(tools::ChildProcess& process) const;
 };
 
 }  // namespace stillframe::test

@@ -11,10 +11,9 @@ namespace stillframe::faults {
 
 namespace {
 
-std::unique_ptr<FloorMotion> floor_of(const std::filesystem::path& scene_file, const Scene& scene,
-                                      const Model& model) {
-  const auto block = read_floor(scene_file, {});
-  if (!block) throw InputError(scene_file.string() + ": no floor");
+std::unique_ptr<FloorMotion> floor_of(const Scene& scene, const Model& model) {
+  const auto block = read_floor(scene, {});
+  if (!block) throw InputError(scene.file + ": no floor");
   const auto spec = floor::read_floor_block(block->reader, scene.controller->sample_rate_hz,
                                             static_cast<Index>(scene.inputs.size()));
   return std::make_unique<FloorMotion>(floor::make_floor_source(spec), scene, model);
@@ -25,7 +24,7 @@ std::unique_ptr<FloorMotion> floor_of(const std::filesystem::path& scene_file, c
 PassiveFrame::PassiveFrame(const std::filesystem::path& scene_file)
     : scene_(read_scene(scene_file, {})),
       model_(make_model(scene_)),
-      floor_(floor_of(scene_file, scene_, model_)),
+      floor_(floor_of(scene_, model_)),
       at_rest_(scene_, model_),
       free_(at_rest_),
       samples_(1) {}

@@ -19,7 +19,7 @@ std::filesystem::path scene_file() {
 /// The nonlinear plant of a run, under forces that are held until each sample.
 std::vector<Accelerations> simulated(const std::vector<Forces>& applied) {
   const Scene scene = read_scene(scene_file(), {});
-  const auto block = read_floor(scene_file(), {});
+  const auto block = read_floor(scene, {});
   Plant plant(scene, floor::make_floor_source(
                          floor::read_floor_block(block->reader, scene.controller->sample_rate_hz,
                                                  static_cast<Index>(scene.inputs.size()))));

@@ -13,11 +13,6 @@ namespace {
 using Eigen::MatrixXcd;
 using Json = nlohmann::json;
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// `identify` and `report` on logs of runs in one process.
 class LogVerbs : public Verb {
  protected:

@@ -1,6 +1,4 @@
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
 
 #include "tests/tools/verb.hpp"
 
@@ -8,13 +6,6 @@ namespace stillframe::test {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
 
 class RobustnessVerb : public Verb {
  protected:

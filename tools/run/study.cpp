@@ -72,7 +72,7 @@ class Case {
 
  private:
   floor::FloorSpec floor_spec(const StudyCase& study) const {
-    const auto block = read_floor(study.scene, study.floor);
+    const auto block = read_floor(design_.scene, study.floor);
     if (!block) {
       throw InputError(design_.scene.file +
                        ": the key 'floor' is missing, and no --floor is given");
