@@ -100,7 +100,7 @@ TEST_F(RunDirectories, OfTwoRunsIntoOneFolderOneIsRefusedAtOnce) {
   std::mt19937 random(12);
   for (int trial = 0; trial < 4; ++trial) {
     const std::string out = "run" + std::to_string(trial);
-    const std::vector<std::string> floor{"--floor", config("floors/multisine.yaml"), "--controller",
+    const std::vector<std::string> floor{"--floor", config("floors/vc_d.yaml"), "--controller",
                                          config("controllers/force_feedback_5hz.yaml")};
     auto first = short_run(scene, out), second = short_run(other, out);
     first.insert(first.end(), floor.begin(), floor.end());
