@@ -52,13 +52,18 @@ Gains read(const YamlReader& reader) {
   const YamlReader version = reader.require("stillframe_gains");
   if (version.integer(1) != 1) version.fail("found " + version.text() + ", allowed is 1");
   reader.allow_only({"stillframe_gains", "scene_hash", "legs", "sample_rate_hz", "delay_samples",
-                     "realisation", "leak_hz", "high_pass_hz", "lead_samples", "roll_off_hz",
-                     "force_limit_n", "instruments", "K_P", "K_I", "plant"});
+                     "target_hz", "realisation", "leak_hz", "high_pass_hz", "lead_samples",
+                     "roll_off_hz", "force_limit_n", "instruments", "K_P", "K_I", "plant"});
   Gains gains;
   gains.scene_hash = reader.require("scene_hash").text();
   gains.legs = read_legs(reader.require("legs"));
   gains.sample_rate_hz = reader.require("sample_rate_hz").positive();
   gains.delay_samples = reader.require("delay_samples").non_negative();
+  if (const auto targets = reader.find("target_hz")) {
+    for (const YamlReader& target : targets->items()) {
+      gains.target_hz.push_back(target.positive());
+    }
+  }
   gains.realisation = read_realisation(reader.require("realisation"));
   gains.leak_hz = reader.require("leak_hz").non_negative();
   if (const auto corner = reader.find("high_pass_hz")) gains.high_pass_hz = corner->non_negative();

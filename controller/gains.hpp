@@ -28,6 +28,8 @@ struct Gains {
   std::vector<std::string> legs;  ///< m names, in the order of sigma
   double sample_rate_hz = 0;
   double delay_samples = 1;  ///< a command from sample k takes effect at k + delay_samples
+  /// Hz, what the gains aim at, one or one a virtual mode; empty: unknown. The law does not use it.
+  std::vector<double> target_hz;
   Realisation realisation = Realisation::implicit_feedthrough;
   double leak_hz = 0;                   ///< w_l / 2 pi
   double high_pass_hz = 0;              ///< w_h / 2 pi

@@ -71,6 +71,11 @@ std::string to_yaml(const Gains& gains) {
   out += "legs: " + names(gains.legs) + "\n";
   out += "sample_rate_hz: " + digits(gains.sample_rate_hz) + "\n";
   out += "delay_samples: " + digits(gains.delay_samples) + "\n";
+  if (!gains.target_hz.empty()) {
+    std::string list;
+    for (const double target : gains.target_hz) list += (list.empty() ? "" : ", ") + digits(target);
+    out += "target_hz: [" + list + "]\n";
+  }
   out += "realisation: " + std::string(to_text(gains.realisation)) + "\n";
   out += "leak_hz: " + digits(gains.leak_hz) + "\n";
   if (gains.high_pass_hz > 0) out += "high_pass_hz: " + digits(gains.high_pass_hz) + "\n";

@@ -12,7 +12,7 @@ namespace stillframe {
 struct RunDescription {
   std::int64_t run_id = 0, n_samples = 0;
   std::string program_version, floor_text, gains_text;
-  std::string mode, loop;  ///< lock_step or wall_clock; active or passive
+  std::string mode, loop;  ///< lock_step, single_process or wall_clock; active or passive
 };
 
 /// The message that describes a run of a scene with a controller. Set-up.

@@ -5,6 +5,7 @@
 
 #include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
+#include "tools/exit_code.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/run/study.hpp"
@@ -51,14 +52,16 @@ Json to_json(const StudyCase& study, const StudyResult& result) {
     row["failure"] = result.failure;
     return row;
   }
+  row["outcome"] = report::to_text(result.verdict.judgement.outcome);
+  row["reason"] = result.verdict.judgement.reason;
   row["method"] = result.method;
   row["n_samples"] = result.n_samples;
   row["peak_force_n"] = result.peak_force;
   row["rms_force_n"] = result.rms_force;
-  row["n_saturated"] = result.n_saturated;
+  row["n_saturated"] = result.verdict.runs.back().n_saturated;
   row["times_real_time"] = result.times_real_time;
   row["axes"] = Json::array();
-  for (const auto& axis : result.axes) {
+  for (const auto& axis : result.verdict.axes) {
     row["axes"].push_back({{"axis", axis.axis},
                            {"floor_rms_m_s2", axis.floor->rms_acceleration},
                            {"passive_rms_m_s2", axis.passive->rms_acceleration},
@@ -71,25 +74,25 @@ Json to_json(const StudyCase& study, const StudyResult& result) {
 std::string table_of(const std::vector<StudyCase>& cases, const std::vector<StudyResult>& results) {
   using report::cell;
   report::Table table({"scene", "controller", "floor", "axis", "floor um/s^2", "passive", "active",
-                       "class", "peak N", "real time x"},
+                       "class", "verdict", "peak N", "real time x"},
                       4);
   for (size_t i = 0; i < cases.size(); ++i) {
     std::string scene = cases[i].scene.stem().string(), controller = stem(cases[i].controller),
                 floor = stem(cases[i].floor);
     const StudyResult& result = results[i];
     if (!result.failure.empty()) {
-      table.add({scene, controller, floor, "failed", "", "", "", "", "", ""});
+      table.add({scene, controller, floor, "", "", "", "", "", "did not run", "", ""});
       continue;
     }
-    std::string peak = cell("%.3g", result.peak_force),
-                speed = cell("%.0f", result.times_real_time);
-    for (const auto& axis : result.axes) {
+    std::string outcome(report::to_text(result.verdict.judgement.outcome)),
+        peak = cell("%.3g", result.peak_force), speed = cell("%.0f", result.times_real_time);
+    for (const auto& axis : result.verdict.axes) {
       table.add({scene, controller, floor, axis.axis,
                  cell("%.4g", 1e6 * axis.floor->rms_acceleration),
                  cell("%.4g", 1e6 * axis.passive->rms_acceleration),
                  cell("%.4g", 1e6 * axis.active->rms_acceleration), axis.active->vibration_class,
-                 peak, speed});
-      scene = controller = floor = peak = speed = "";
+                 outcome, peak, speed});
+      scene = controller = floor = outcome = peak = speed = "";
     }
   }
   return table.print();
@@ -118,10 +121,13 @@ int run(const Options& options) {
   }
   int code = exit_done;
   for (size_t i = 0; i < cases.size(); ++i) {
-    if (results[i].failure.empty()) continue;
+    const auto& [outcome, reason, checks] = results[i].verdict.judgement;
+    const bool ran = results[i].failure.empty();
+    if (ran && exit_code_of(outcome) == exit_done) continue;
     code = exit_failed;
     std::cerr << "stillframe: " << cases[i].scene.string() << ", " << stem(cases[i].controller)
-              << ", " << stem(cases[i].floor) << ": " << results[i].failure << "\n";
+              << ", " << stem(cases[i].floor) << ": " << (ran ? reason : results[i].failure)
+              << "\n";
   }
   return code;
 }
@@ -144,8 +150,9 @@ void add_batch(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber);
   verb->add_option("--jobs", options->jobs, "Runs at a time (default: as many as processors)")
       ->check(CLI::Range(1, 1024));
-  verb->add_flag("--json", options->json,
-                 "JSON: a row a run, with axes (rms in 1 to 80 Hz), forces and failures");
+  verb->add_flag(
+      "--json", options->json,
+      "JSON: a row a run, with outcome and reason, axes (rms in 1 to 80 Hz), forces and failures");
   verb->footer(
       "Example: which target frequency isolates best on which floor?\n"
       "  stillframe batch config/scenes/metrology_frame.yaml \\\n"
@@ -154,7 +161,9 @@ void add_batch(CLI::App& app, int& exit_code) {
       "    --floor config/floors/vc_d.yaml --floor config/floors/quake.yaml\n"
       "Every run is that of `stillframe run --mode single_process`, passive and active, without a "
       "log.\n"
-      "Exit code 4: a run failed; the others are reported.");
+      "Each is judged as `run` judges it, but for the prediction, which needs a log.\n"
+      "Exit code 4: a run failed, or did not meet what its scene accepts; the others are "
+      "reported.");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

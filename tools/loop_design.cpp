@@ -18,6 +18,7 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .legs = block.legs,
           .sample_rate_hz = block.sample_rate_hz,
           .delay_samples = block.delay_samples,
+          .target_hz = block.target_hz,
           .realisation = block.realisation,
           .leak_hz = block.leak_hz,
           .high_pass_hz = block.high_pass_hz,

@@ -141,7 +141,7 @@ void check_sizes(const ReplayLog& log, const std::string& place) {
 }
 
 void check_contents(const ReplayLog& log, const std::string& place) {
-  if (log.info.mode == "lock_step") {
+  if (log.info.mode == "lock_step" || log.info.mode == "single_process") {
     if (log.measurements.empty()) {
       throw InputError(place + ": no " + channels::measurement + " message in this log");
     }
@@ -150,7 +150,7 @@ void check_contents(const ReplayLog& log, const std::string& place) {
     }
   } else if (log.info.mode != "wall_clock") {
     throw InputError(place + ": mode: found '" + log.info.mode +
-                     "', allowed are lock_step and wall_clock");
+                     "', allowed are lock_step, single_process and wall_clock");
   } else if (log.sessions.empty()) {
     throw InputError(place + ": no " + channels::loop +
                      " message in this log; a wall-clock run cannot be replayed without the "

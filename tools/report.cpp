@@ -5,6 +5,7 @@
 #include "report/page/write_page.hpp"
 #include "tools/analysis/page_of.hpp"
 #include "tools/analysis/verdict_of.hpp"
+#include "tools/exit_code.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
@@ -66,7 +67,7 @@ int run(const Options& options) {
   if (options.verdict) report::write_json(verdict, *options.verdict);
   std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
   if (!options.json) std::cout << "Report: " << place.string() << "\n";
-  return verdict.pass() ? exit_done : exit_failed;
+  return exit_code_of(verdict.judgement.outcome);
 }
 
 }  // namespace
@@ -96,7 +97,10 @@ void add_report(CLI::App& app, int& exit_code) {
       "those of the scene and the gains that the log holds; no other file is needed. Damaged logs\n"
       "give what is readable, and the report says what was not.\n"
       "Keys of --json: report/verdict/verdict.hpp.\n"
-      "Exit code 4: samples lost, a damaged log, or a loop that is not what was predicted.\n"
+      "Exit code 4: what the scene accepts (its block `accept`, or the defaults of docs/scene.md) "
+      "was\n"
+      "not met: a damaged log, limited or lost commands, a frame that moves too much, a loop that\n"
+      "is not what was predicted. A log that shows nothing to judge by is \"not judged\", exit 0.\n"
       "Example: stillframe report runs/metrology_frame-20260101-120000");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -13,6 +13,7 @@
 #include "report/page/write_page.hpp"
 #include "report/table.hpp"
 #include "tools/analysis/page_of.hpp"
+#include "tools/exit_code.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/run/judge.hpp"
 #include "tools/run/phase.hpp"
@@ -143,7 +144,7 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
   directory.finish();
   std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
   if (!options.json) std::cout << "Run directory: " << directory.name().string() << "\n";
-  return verdict.pass() ? exit_done : exit_failed;
+  return exit_code_of(verdict.judgement.outcome);
 }
 
 int run(const Options& options) {
@@ -217,8 +218,9 @@ void add_run(CLI::App& app, int& exit_code) {
       "fault, flight-RUN-N.lcm (the last seconds; `stillframe replay` reads it). Until all is "
       "well\n"
       "it is called DIR.incomplete.\n"
-      "Exit code 4: a process failed, a sample was lost, or the measurement is not what was "
-      "predicted.");
+      "Exit code 4: a process failed, or the run did not meet what the scene accepts (its block\n"
+      "`accept`, or the defaults of docs/scene.md); a run that shows nothing to judge by is \"not\n"
+      "judged\", exit 0.");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

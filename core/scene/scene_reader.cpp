@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 
+#include "core/scene/acceptance.hpp"
 #include "core/scene/controller_block.hpp"
 #include "core/scene/signals.hpp"
 #include "core/scene/structure.hpp"
@@ -73,11 +74,11 @@ SceneSimulation read_simulation(const YamlReader& block) {
 
 Scene read_scene_map(const YamlReader& root, const std::string& text,
                      const std::optional<std::filesystem::path>& controller_file) {
-  root.allow_only({"title",       "planar",      "gravity",     "operating_point", "nodes",
-                   "masses",      "elements",    "supports",    "prescribed",      "dofs",
-                   "loads",       "inputs",      "outputs",     "monitors",        "compare",
-                   "controller",  "instruments", "uncertainty", "floor",           "simulation",
-                   "disturbances"});
+  root.allow_only({"title",        "planar",      "gravity",     "operating_point", "nodes",
+                   "masses",       "elements",    "supports",    "prescribed",      "dofs",
+                   "loads",        "inputs",      "outputs",     "monitors",        "compare",
+                   "controller",   "instruments", "uncertainty", "floor",           "simulation",
+                   "disturbances", "accept"});
   Scene scene;
   scene.text = text;
   scene.hash = text_hash(text);
@@ -102,6 +103,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   scene.disturbances = read_disturbances(root, scene);
   if (const auto block = root.find("uncertainty")) scene.uncertainty = read_uncertainty(*block);
   if (const auto block = root.find("simulation")) scene.simulation = read_simulation(*block);
+  if (const auto block = root.find("accept")) read_acceptance(*block, scene);
   return scene;
 }
 

@@ -129,6 +129,9 @@ class Analyser : public LogVisitor {
   void period(const stillframe_msgs::loop_record_t& record) override {
     wake_up_.add(record.wake_up_ns - record.deadline_ns);
     compute_.add(record.computed_ns - record.wake_up_ns);
+    ++n_periods_;
+    // In the order of Defect in controller/policy.hpp: none, missing, then what was there and bad.
+    if (record.defect > 1) ++n_discarded_;
   }
 
   LogAnalysis finish(LogScan scan) {
@@ -152,6 +155,8 @@ class Analyser : public LogVisitor {
     if (axis_matrix_) result.axis_matrix = axis_matrix_->finish();
     result.wake_up = std::move(wake_up_);
     result.compute = std::move(compute_);
+    result.n_periods = n_periods_;
+    result.n_discarded = n_discarded_;
     return result;
   }
 
@@ -254,7 +259,7 @@ class Analyser : public LogVisitor {
   DurationHistogram wake_up_, compute_;
   std::optional<FloorResponse> model_;
   std::int64_t n_explained_ = 0, n_samples_ = 0;
-  std::int64_t next_seq_ = 0;
+  std::int64_t next_seq_ = 0, n_periods_ = 0, n_discarded_ = 0;
   bool started_ = false;
 };
 

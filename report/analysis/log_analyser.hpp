@@ -64,6 +64,8 @@ struct LogAnalysis {
   std::optional<IdentifiedResponse> matrix;       ///< all floor inputs to the outputs
   std::optional<IdentifiedResponse> axis_matrix;  ///< floors to frames of all axes
   DurationHistogram wake_up, compute;             ///< wall-clock runs, of the controller
+  /// Wall-clock runs: periods of the controller, and those whose measurement it rejected.
+  std::int64_t n_periods = 0, n_discarded = 0;
 };
 
 /// Reads one run from a log in one pass. plan_of is asked once, when run_info is there. Errors: as

@@ -48,6 +48,8 @@ RunSummary run_summary(const LogAnalysis& log) {
                                ? 1e-9 * static_cast<double>(scan.plant_timing->wall_time_ns)
                                : scan.log_duration_s;
   if (wall_time > 0) run.real_time_factor = plant_time / wall_time;
+  run.n_periods = log.n_periods;
+  run.n_discarded = log.n_discarded;
   return run;
 }
 
@@ -82,6 +84,11 @@ MotionLevel motion_level(const SignalAnalysis& signal) {
     return level;
   }
   return motion_level(signal.power, signal.third_octaves, signal.peak);
+}
+
+std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, double to_hz) {
+  if (signal.power.density.size() == 0) return std::nullopt;
+  return band_rms(signal.power, from_hz, to_hz);
 }
 
 MotionSpectra motion_spectra(const SignalAnalysis& signal) {

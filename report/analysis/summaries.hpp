@@ -14,6 +14,8 @@ RunSummary run_summary(const LogAnalysis& log);
 std::vector<TimingSummary> timing_summaries(const LogAnalysis& log);
 /// Zeros and no class for a signal without a spectrum.
 MotionLevel motion_level(const SignalAnalysis& signal);
+/// The rms acceleration from one frequency to another, m/s^2; none for a signal without a spectrum.
+std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, double to_hz);
 MotionSpectra motion_spectra(const SignalAnalysis& signal);
 std::vector<ShockSummary> shock_summaries(const LogAnalysis& log);
 /// Of the legs that did anything. limit: N of every leg, if there is one.

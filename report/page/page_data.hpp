@@ -90,6 +90,7 @@ struct PageData {
   Head head;
   std::vector<Warning> warnings;   ///< drawn first, severe ones before the others
   std::vector<AxisResult> result;  ///< the customer's table
+  std::vector<Table> checks;       ///< what was asked, below it
   std::optional<SingularValueFigure> singular_values;
   std::vector<TransmissibilityAxis> transmissibility;
   std::optional<ModeShapes> modes;

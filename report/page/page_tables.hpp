@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "report/verdict/judgement.hpp"
+
 // The parts of the page that are text and tables.
 namespace stillframe::page {
 
@@ -19,9 +21,9 @@ struct Head {
   std::optional<double> sample_rate_hz;  ///< Hz
   std::optional<double> duration_s;      ///< s
   std::optional<double> delay_samples;
-  std::optional<bool> pass;            ///< absent: nothing was judged
-  std::vector<std::string> reasons;    ///< why it passed or failed, a sentence each
-  std::vector<std::string> headlines;  ///< the result in a sentence or two
+  std::optional<report::Outcome> outcome;  ///< the badge; absent: there is none
+  std::vector<std::string> reasons;        ///< of the outcome, a sentence each
+  std::vector<std::string> headlines;      ///< the result in a sentence or two
 };
 
 enum class Severity { severe, warning, note };

@@ -1,6 +1,7 @@
 #include "report/page/sections.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "report/page/html.hpp"
@@ -237,9 +238,16 @@ std::string warnings_html(std::vector<Warning> warnings) {
 }
 
 std::string verdict_html(const Head& head) {
-  if (!head.pass) return "";
-  std::string html = text_element("span", {{"class", *head.pass ? "badge pass" : "badge fail"}},
-                                  *head.pass ? "Passed" : "Not passed");
+  if (!head.outcome) return "";
+  const bool passed = *head.outcome == report::Outcome::passed,
+             failed = *head.outcome == report::Outcome::failed;
+  std::string word(report::to_text(*head.outcome));
+  word.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(word.front())));
+  std::string html = text_element("span",
+                                  {{"class", passed   ? "badge pass"
+                                             : failed ? "badge fail"
+                                                      : "badge open"}},
+                                  word);
   std::string reasons;
   for (const std::string& reason : head.reasons) reasons += text_element("li", {}, reason);
   if (!reasons.empty()) html += element("ul", {{"class", "reasons"}}, reasons);
@@ -269,7 +277,8 @@ std::vector<Section> sections(const PageData& data) {
                        bool one_sheet = true) {
     if (!body.empty()) list.push_back({id, name, body, one_sheet});
   };
-  add("result", "Result", data.result.empty() ? "" : result_table(data.result));
+  add("result", "Result",
+      (data.result.empty() ? "" : result_table(data.result)) + tables_html(data.checks));
   if (data.singular_values) {
     add("singular-values", "Singular values", singular_values_html(*data.singular_values));
   }

@@ -17,4 +17,12 @@ MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocit
           .vibration_class = vibration_class(band_velocity)};
 }
 
+int class_rank(const std::string& vibration_class) {
+  const auto& criteria = vibration_criteria();
+  for (std::size_t i = 0; i < criteria.size(); ++i) {
+    if (criteria[i].name == vibration_class) return static_cast<int>(i);
+  }
+  return -1;
+}
+
 }  // namespace stillframe::report

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "report/spectra/spectra.hpp"
 #include "report/verdict/verdict.hpp"
@@ -13,5 +14,8 @@ inline constexpr double lowest_level_hz = 1, highest_level_hz = 80;
 /// What an acceleration comes to. density: its PSD, (m/s^2)^2 / Hz; band_velocity:
 /// third_octave_velocity() of it, m/s rms; peak: largest sample, m/s^2. Errors: as vibration_class.
 MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocity, double peak);
+
+/// How strict a class is: -1 above VC-A (or no class), 0 for VC-A, up to 6 for VC-G.
+int class_rank(const std::string& vibration_class);
 
 }  // namespace stillframe::report

@@ -17,13 +17,6 @@ bool IdentificationSummary::pass() const {
          n_closed_below_open == n_reduction_frequencies;
 }
 
-bool Verdict::pass() const {
-  const bool whole = std::all_of(runs.begin(), runs.end(), [](const RunSummary& run) {
-    return run.n_lost == 0 && run.n_damaged == 0 && run.unread_bytes == 0;
-  });
-  return whole && !runs.empty() && (!identification || identification->pass());
-}
-
 IdentificationSummary summarise(const PredictionError& open, const PredictionError& closed,
                                 const ReductionCheck& reduction,
                                 const std::vector<double>& frequencies_hz,
@@ -49,6 +42,43 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 
 namespace {
 
+/// A number, or null.
+ordered_json json_of(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+const char* name_of(Subject subject) {
+  switch (subject) {
+    case Subject::record:
+      return "record";
+    case Subject::effort:
+      return "effort";
+    case Subject::motion:
+      return "motion";
+    case Subject::prediction:
+      return "prediction";
+  }
+  return "";
+}
+
+ordered_json json_of(const Check& check) {
+  return {{"subject", name_of(check.subject)},
+          {"what", check.what},
+          {"asked", check.asked},
+          {"found", check.found},
+          {"outcome", to_text(check.outcome)},
+          {"reason", check.reason},
+          {"by_scene", check.by_scene}};
+}
+
+ordered_json json_of(const AskedMotion& motion) {
+  return {{"from_hz", motion.asked.from_hz},
+          {"to_hz", motion.asked.to_hz},
+          {"floor", json_of(motion.floor)},
+          {"passive", json_of(motion.passive)},
+          {"active", json_of(motion.active)}};
+}
+
 ordered_json json_of(const RunSummary& run) {
   return {{"scene_name", run.scene_name},
           {"scene_hash", run.scene_hash},
@@ -68,7 +98,10 @@ ordered_json json_of(const RunSummary& run) {
           {"n_foreign", run.n_foreign},
           {"n_clock_steps", run.n_clock_steps},
           {"real_time_factor",
-           run.real_time_factor > 0 ? ordered_json(run.real_time_factor) : ordered_json(nullptr)}};
+           run.real_time_factor > 0 ? ordered_json(run.real_time_factor) : ordered_json(nullptr)},
+          {"n_periods", run.n_periods},
+          {"n_discarded", run.n_discarded},
+          {"unreadable", run.unreadable}};
 }
 
 ordered_json json_of(const TimingSummary::Quantiles& quantiles) {
@@ -120,11 +153,6 @@ ordered_json json_of(const MotionLevel& level, const std::optional<MotionSpectra
     json["cumulative_rms"] = spectra->cumulative_rms;
   }
   return json;
-}
-
-/// A number, or null.
-ordered_json json_of(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
 }
 
 ordered_json json_of(const ResponseSummary& response) {
@@ -191,6 +219,8 @@ ordered_json json_of(const AxisLevels& levels) {
   }
   if (levels.active && levels.floor)
     json["ratio_active_to_floor"] = ratio_of(*levels.active, *levels.floor);
+  json["ranges"] = ordered_json::array();
+  for (const AskedMotion& motion : levels.asked) json["ranges"].push_back(json_of(motion));
   return json;
 }
 
@@ -204,7 +234,13 @@ ordered_json json_list(const std::vector<Item>& items) {
 }  // namespace
 
 std::string to_json(const Verdict& verdict) {
-  ordered_json json = {{"format", 1}, {"pass", verdict.pass()}};
+  ordered_json json = {{"format", 2},
+                       {"outcome", to_text(verdict.judgement.outcome)},
+                       {"reason", verdict.judgement.reason},
+                       {"checks", json_list(verdict.judgement.checks)},
+                       {"warnings", verdict.warnings},
+                       {"isolates_above_hz", json_of(verdict.isolates_above_hz)},
+                       {"disturbed", verdict.disturbed}};
   json["runs"] = json_list(verdict.runs);
   json["timing"] = json_list(verdict.timing);
   if (verdict.identification) json["identification"] = json_of(*verdict.identification);

@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/acceptance.hpp"
+#include "report/verdict/judgement.hpp"
+
 namespace stillframe::report {
 
 struct PredictionError;
@@ -14,8 +17,8 @@ struct ReductionCheck;
 
 /// What ran, and how whole its log is.
 struct RunSummary {
-  std::string scene_name, scene_hash, program_version;
-  std::string mode;  ///< lock_step or wall_clock
+  std::string scene_name = {}, scene_hash = {}, program_version = {};
+  std::string mode;  ///< lock_step, single_process or wall_clock
   std::string loop;  ///< active or passive
   double sample_rate_hz = 0;
   double delay_samples = 0;
@@ -29,6 +32,10 @@ struct RunSummary {
   std::int64_t n_foreign = 0;        ///< messages on channels that are not ours
   std::int64_t n_clock_steps = 0;    ///< of the logger's clock
   double real_time_factor = 0;       ///< plant time over wall time; 0 if neither clock tells
+  /// Periods of a wall-clock controller in the log, and those of them whose measurement it rejected
+  /// as late, not finite, out of range or frozen.
+  std::int64_t n_periods = 0, n_discarded = 0;
+  std::string unreadable = {};  ///< why scene, gains or floor cannot be read; empty: they can
 };
 
 /// One process's own account of its deadlines.
@@ -75,10 +82,20 @@ struct MotionSpectra {
   std::vector<double> velocity;        ///< m/s rms in the band
   std::vector<double> cumulative_rms;  ///< m/s^2, from 0 to the band's upper edge
 };
+/// What is asked of a direction, beside the rms accelerations in its range, m/s^2.
+struct AskedMotion {
+  AxisAcceptance asked;
+  bool by_scene = false;     ///< the scene asks for it by name
+  std::string why_not = {};  ///< why it cannot be asked; empty: it can
+  std::optional<double> floor = {}, passive = {}, active = {};
+};
+/// Signals that were recorded on one and the same floor: an axis stands twice where the passive and
+/// the active run had floors of their own.
 struct AxisLevels {
   std::string axis;
   std::optional<MotionLevel> floor, passive, active;
   std::optional<MotionSpectra> floor_spectra = {}, passive_spectra = {}, active_spectra = {};
+  std::vector<AskedMotion> asked = {};
 };
 
 /// From floor to frame in one direction, identified.
@@ -136,9 +153,10 @@ struct Verdict {
   std::vector<ShockSummary> shocks;
   std::vector<NoiseSummary> noise;
   std::vector<EffortSummary> effort;
-
-  /// No sample lost, nothing damaged, and the identification, if there is one, passes.
-  bool pass() const;
+  std::optional<double> isolates_above_hz;  ///< twice the highest target, if it is known
+  bool disturbed = false;                   ///< forces act on the frame besides the floor
+  std::vector<std::string> warnings;        ///< what to know before comparing, a sentence each
+  Judgement judgement;                      ///< of all this, by judge()
 };
 
 /// Fills the summary of both loops of a multisine run.
@@ -150,11 +168,15 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 
 /// The verdict as JSON. Numbers read back to the same bits (up to 17 significant digits), a number
 /// that is not finite is null. Keys:
-///   format 1, pass
+///   format 2, outcome ("passed", "failed", "not judged"), reason
+///   checks[]: subject ("record", "effort", "motion", "prediction") what asked found outcome reason
+///     by_scene
+///   warnings[], isolates_above_hz (null: unknown), disturbed
 ///   runs[]: scene_name scene_hash program_version mode loop sample_rate_hz delay_samples n_samples
 ///   n_lost
 ///     n_duplicates n_commands n_saturated n_damaged unread_bytes n_other_version n_foreign
-///     n_clock_steps real_time_factor (null if unknown)
+///     n_clock_steps real_time_factor (null if unknown) n_periods n_discarded
+///     unreadable
 ///   timing[]: loop source n_periods n_late n_lost n_duplicates n_listened worst_wake_up_us
 ///     worst_compute_us, wake_up and compute if known: p50_us p99_us p999_us
 ///   identification (if any): pass n_frequencies lowest_hz highest_hz
@@ -167,7 +189,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     peak_acceleration (m/s^2) largest_band_velocity (m/s rms) largest_band_hz vibration_class
 ///     third_octave_velocity (m/s rms) cumulative_rms (m/s^2), a number for each of
 ///     third_octave_bands_hz; ratio_active_to_passive and ratio_active_to_floor, each with
-///     rms_acceleration and largest_band_velocity
+///     rms_acceleration and largest_band_velocity; ranges[] that were asked for: from_hz to_hz,
+///     floor passive active (m/s^2 rms in it; null: none)
 ///   third_octave_bands_hz: nominal centres
 ///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
 ///   sampled_at_hz

@@ -177,6 +177,16 @@ std::string effort_text(const std::vector<EffortSummary>& effort) {
   return "Actuators\n" + table.print();
 }
 
+std::string checks_text(const std::vector<Check>& checks) {
+  Table table({"check", "asked", "found", "outcome"}, 4);
+  std::string notes;
+  for (const Check& check : checks) {
+    table.add({check.what, check.asked, check.found, std::string(to_text(check.outcome))});
+    if (check.outcome == Outcome::not_judged) notes += "  not judged: " + check.reason + "\n";
+  }
+  return "What was asked, and what was found\n" + table.print() + notes;
+}
+
 }  // namespace
 
 std::string to_text(const Verdict& verdict) {
@@ -189,7 +199,11 @@ std::string to_text(const Verdict& verdict) {
   if (!verdict.shocks.empty()) page += shocks_text(verdict.shocks) + "\n";
   if (!verdict.effort.empty()) page += effort_text(verdict.effort) + "\n";
   if (!verdict.timing.empty()) page += timing_text(verdict.timing) + "\n";
-  return page + "Verdict: " + (verdict.pass() ? "pass" : "FAIL") + "\n";
+  const Judgement& judgement = verdict.judgement;
+  if (!judgement.checks.empty()) page += checks_text(judgement.checks) + "\n";
+  for (const std::string& warning : verdict.warnings) page += "Warning: " + warning + "\n";
+  return page + "Verdict: " + std::string(to_text(judgement.outcome)) + ". " + judgement.reason +
+         "\n";
 }
 
 }  // namespace stillframe::report

@@ -22,6 +22,7 @@ void expect_same(const Gains& a, const Gains& b) {
   EXPECT_EQ(a.legs, b.legs);
   EXPECT_EQ(a.sample_rate_hz, b.sample_rate_hz);
   EXPECT_EQ(a.delay_samples, b.delay_samples);
+  EXPECT_EQ(a.target_hz, b.target_hz);
   EXPECT_EQ(a.realisation, b.realisation);
   EXPECT_EQ(a.leak_hz, b.leak_hz);
   EXPECT_EQ(a.lead_samples, b.lead_samples);
@@ -60,6 +61,7 @@ TEST(Gains, ReadingBackIsBitExact) {
 TEST(Gains, OptionalKeysAndNamesSurvive) {
   Gains gains = toy::gains(5, 4000, 0);
   gains.realisation = Realisation::naive_pi;
+  gains.target_hz = {5, 20.0 / 3};
   gains.lead_samples = 1.0 / 7;
   gains.roll_off_hz = 0.1;
   gains.force_limit_n = 1.0 / 3;

@@ -95,6 +95,9 @@ compare:
   z: {floor: y, frame: m}
 controller: {legs: [leg], target_hz: 1, damping_ratio: 1, order: exact, reduction: modes, realisation: naive_pi,
   sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, high_pass_hz: 0, lead_samples: 1, roll_off_hz: 10, force_limit_n: 1}
+accept: {axes: {z: {class: VC-E, rms_of_floor: 0.5, rms_of_passive: 0.5, band_of_floor: 1,
+  band_of_passive: 1, from_hz: 10, to_hz: 50}}, limited_share: 0.01, lost_share: 0,
+  discarded_share: 0, prediction_db: 1}
 instruments: {actuator_gain: 1, actuator_lag_hz: 300, sensor_filter_hz: 400,
   applied_force: measured, report_age_samples: 0, force_rate_limit_n_per_s: 1e3,
   hysteresis: {width: 0.1, swing_n: 1, saturation_n: 1, gamma_over_beta: 0},
@@ -161,6 +164,8 @@ const std::map<std::string, Path> places = {
     {"inputs", {"inputs", "#0"}},
     {"outputs and monitors", {"outputs", "#0"}},
     {"compare", {"compare", "z"}},
+    {"accept", {"accept"}},
+    {"accept: axes", {"accept", "axes", "z"}},
     {"controller", {"controller"}},
     {"instruments", {"instruments"}},
     {"instruments: hysteresis", {"instruments", "hysteresis"}},
@@ -261,9 +266,9 @@ TEST(SceneReference, SaysWhichKeysAreRequired) {
       if (otherwise.starts_with("required")) {
         EXPECT_NE(message.find(key), std::string::npos) << table << ": " << key << ": " << message;
       } else if (key != "outputs" && key != "monitors" && key != "operating_point" &&
-                 key != "noise_n_per_sqrt_hz" && key != "method") {
+                 key != "noise_n_per_sqrt_hz" && key != "method" && key != "compare") {
         // compare refers to the outputs and monitors, the value of a dof needs its operating point,
-        // flicker its noise, equal steps their method
+        // flicker its noise, equal steps their method, what is accepted what it is about
         EXPECT_EQ(message, "") << table << ": " << key;
       }
     }

@@ -266,7 +266,7 @@ page::Head sample_head() {
           .sample_rate_hz = 1000,
           .duration_s = 60,
           .delay_samples = 1,
-          .pass = true,
+          .outcome = report::Outcome::passed,
           .reasons =
               {"Measured singular values lie within 0.10 dB of the prediction at 50 frequencies.",
                "No sample was lost, and nothing in the logs is damaged."},
@@ -367,7 +367,7 @@ page::PageData hostile_page() {
                .sample_rate_hz = std::nan(""),
                .duration_s = HUGE_VAL,
                .delay_samples = {},
-               .pass = false,
+               .outcome = report::Outcome::failed,
                .reasons = {name},
                .headlines = {name, std::string("not UTF-8 \xff\xc0\xaf, NUL \0.", 21)}};
   data.warnings = {{page::Severity::severe, name}};

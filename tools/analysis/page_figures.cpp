@@ -126,7 +126,8 @@ std::optional<page::SingularValueFigure> singular_value_figure(const RunAnalyses
 std::vector<page::TransmissibilityAxis> transmissibility_figures(const RunAnalyses& runs,
                                                                  const report::Verdict& verdict) {
   std::vector<page::TransmissibilityAxis> figures;
-  const auto& any = runs.any();
+  // A run on a multisine has no axes.
+  const auto& any = runs.any().data.axes.empty() && runs.passive ? *runs.passive : runs.any();
   if (any.data.axes.empty()) return figures;
   const std::vector<double> grid = prediction_grid(runs);
   std::optional<PredictedResponse> passive, active;
@@ -171,12 +172,12 @@ std::vector<page::TransmissibilityAxis> transmissibility_figures(const RunAnalys
 
 std::vector<page::HistoryAxis> histories_of(const RunAnalyses& runs) {
   std::vector<page::HistoryAxis> histories;
-  for (std::size_t a = 0; a < runs.any().data.axes.size(); ++a) {
+  for (const AxisPair& axis : runs.axes()) {
     page::HistoryAxis history;
-    history.axis = runs.any().data.axes[a].name;
-    history.floor = runs.any().data.axes[a].floor.envelope;
-    if (runs.passive) history.passive = runs.passive->data.axes[a].frame.envelope;
-    if (runs.active) history.active = runs.active->data.axes[a].frame.envelope;
+    history.axis = axis.title(runs);
+    history.floor = axis.floor().envelope;
+    if (axis.passive != nullptr) history.passive = axis.passive->frame.envelope;
+    if (axis.active != nullptr) history.active = axis.active->frame.envelope;
     histories.push_back(std::move(history));
   }
   return histories;
@@ -195,16 +196,14 @@ std::vector<page::LegHistory> leg_forces_of(const RunAnalyses& runs) {
 
 page::SpectraFigures spectra_of(const RunAnalyses& runs) {
   page::SpectraFigures figures;
-  for (std::size_t a = 0; a < runs.any().data.axes.size(); ++a) {
+  for (const AxisPair& pair : runs.axes()) {
     page::SpectraAxis axis;
-    axis.axis = runs.any().data.axes[a].name;
-    add_spectra(runs.any().data.axes[a].floor, &page::SignalCurves::floor, axis);
-    if (runs.passive) {
-      add_spectra(runs.passive->data.axes[a].frame, &page::SignalCurves::passive, axis);
+    axis.axis = pair.title(runs);
+    add_spectra(pair.floor(), &page::SignalCurves::floor, axis);
+    if (pair.passive != nullptr) {
+      add_spectra(pair.passive->frame, &page::SignalCurves::passive, axis);
     }
-    if (runs.active) {
-      add_spectra(runs.active->data.axes[a].frame, &page::SignalCurves::active, axis);
-    }
+    if (pair.active != nullptr) add_spectra(pair.active->frame, &page::SignalCurves::active, axis);
     figures.axes.push_back(std::move(axis));
   }
   if (figures.axes.empty()) return figures;

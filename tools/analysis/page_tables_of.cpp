@@ -6,6 +6,7 @@
 
 #include "report/page/html.hpp"
 #include "report/table.hpp"
+#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::tools {
 
@@ -20,6 +21,7 @@ std::string count(std::int64_t n) { return std::to_string(n); }
 std::string mode_in_words(const std::string& mode) {
   if (mode == "lock_step") return "lock step";
   if (mode == "wall_clock") return "wall clock";
+  if (mode == "single_process") return "single process";
   return mode;
 }
 
@@ -34,7 +36,22 @@ std::string date_of(std::int64_t us) {
   return std::to_string(day.tm_mday) + std::string(text, n);
 }
 
-/// The direction that is isolated worst, in a sentence.
+/// Where the frame meets a looser class than the floor below it.
+std::string worse_by_class(const std::vector<report::AxisLevels>& axes) {
+  std::string text;
+  for (const report::AxisLevels& axis : axes) {
+    if (!axis.active || !axis.floor) continue;
+    const std::string &frame = axis.active->vibration_class, &floor = axis.floor->vibration_class;
+    if (frame.empty() || floor.empty() || report::class_rank(frame) >= report::class_rank(floor)) {
+      continue;
+    }
+    text +=
+        (text.empty() ? "" : ", ") + axis.axis + " (" + frame + " for the floor's " + floor + ")";
+  }
+  return text;
+}
+
+/// The direction that is isolated worst, and those that a class says are worse, in a sentence.
 std::string headline(const report::Verdict& verdict) {
   const report::AxisLevels* worst = nullptr;
   for (const report::AxisLevels& axis : verdict.axes) {
@@ -42,48 +59,38 @@ std::string headline(const report::Verdict& verdict) {
     const auto ratio = [](const report::AxisLevels& a) {
       return a.active->rms_acceleration / a.floor->rms_acceleration;
     };
-    if (worst == nullptr || ratio(axis) > ratio(*worst)) worst = &axis;
+    if (worst == nullptr || !(ratio(axis) <= ratio(*worst))) worst = &axis;
   }
   if (worst == nullptr) return "";
   const double ratio = worst->floor->rms_acceleration / worst->active->rms_acceleration;
-  std::string text = "With the loop closed the frame shakes at least " + number_text(ratio, 2) +
-                     " times less than the floor (rms of 1 to 80 Hz; the worst direction is " +
-                     worst->axis + ", which meets " + worst->active->vibration_class + ").";
-  if (ratio < 1) {
-    text = "With the loop closed the frame shakes more than the floor in direction " + worst->axis +
-           ": " + number_text(1 / ratio, 2) + " times (rms of 1 to 80 Hz).";
+  const std::string worse = worse_by_class(verdict.axes);
+  std::string text = "With the loop closed the frame shakes ";
+  if (ratio >= 1) {
+    text += "at least " + number_text(ratio, 2) +
+            " times less than the floor (rms of 1 to 80 Hz; the worst direction is " + worst->axis +
+            ", which meets " + worst->active->vibration_class + ")";
+  } else {
+    text += "more than the floor in direction " + worst->axis + ": " + number_text(1 / ratio, 2) +
+            " times (rms of 1 to 80 Hz; it meets " + worst->active->vibration_class + ")";
   }
-  return text;
+  if (!worse.empty()) {
+    text +=
+        std::string(ratio >= 1 ? ", but" : ", and") + " by vibration class it is worse in " + worse;
+  }
+  return text + ".";
 }
 
-std::vector<std::string> reasons_of(const report::Verdict& verdict) {
-  std::vector<std::string> reasons;
-  if (const auto& id = verdict.identification) {
-    const double largest = std::max(id->open_largest_db, id->closed_largest_db);
-    reasons.push_back(
-        cell("Measured singular values lie within %.3g dB of the prediction at %d "
-             "frequencies from %g to %g Hz; allowed is %g dB.",
-             largest, id->n_frequencies, id->lowest_hz, id->highest_hz, id->allowed_db));
-    reasons.push_back(
-        cell("The closed loop lies below the open one at %d of the %d frequencies "
-             "above %.3g Hz where that is predicted.",
-             id->n_closed_below_open, id->n_reduction_frequencies, id->reduction_above_hz));
+/// The one reason, then what else did not pass.
+std::vector<std::string> reasons_of(const report::Judgement& judgement) {
+  std::vector<std::string> reasons{judgement.reason};
+  constexpr std::size_t most = 12;
+  for (const report::Check& check : judgement.checks) {
+    if (check.outcome == report::Outcome::passed || reasons.size() == most ||
+        judgement.reason.starts_with(check.reason)) {
+      continue;
+    }
+    reasons.push_back(check.reason);
   }
-  for (const report::ResponseSummary& r : verdict.responses) {
-    if (verdict.identification || r.n_compared == 0) continue;
-    reasons.push_back(
-        cell("Measured on this floor, the %s loop lies within %.2g dB of the "
-             "prediction (%d singular values of coherence above 0.99).",
-             r.loop.c_str(), r.sampled_largest_db, r.n_compared));
-  }
-  std::int64_t lost = 0, damaged = 0;
-  for (const report::RunSummary& run : verdict.runs) {
-    lost += run.n_lost;
-    damaged += run.n_damaged + (run.unread_bytes > 0 ? 1 : 0);
-  }
-  reasons.push_back(lost == 0 ? "No sample was lost." : count(lost) + " samples were lost.");
-  reasons.push_back(damaged == 0 ? "Nothing in the logs is damaged."
-                                 : "The logs are damaged in " + count(damaged) + " places.");
   return reasons;
 }
 
@@ -157,6 +164,16 @@ std::optional<page::Level> level_of(const std::optional<report::MotionLevel>& le
 
 /// mm/s^2 of m/s^2.
 std::string milli(double value) { return number_text(1e3 * value, 4); }
+
+page::Table check_table(const std::vector<report::Check>& checks) {
+  page::Table table{
+      "What was asked, and what was found", {"check", "asked", "found", "outcome"}, {}};
+  for (const report::Check& check : checks) {
+    table.rows.push_back({check.what, check.asked, check.found.empty() ? "\u2013" : check.found,
+                          std::string(report::to_text(check.outcome))});
+  }
+  return table;
+}
 
 page::Table response_table(const std::vector<report::ResponseSummary>& responses) {
   page::Table table{
@@ -270,18 +287,20 @@ page::Head head_of(const RunAnalyses& runs, const report::Verdict& verdict) {
       static_cast<double>(scan.measurements.n_received + scan.measurements.n_lost - 1) /
       scan.info.sample_rate_hz;
   head.delay_samples = scan.info.delay_samples;
-  head.pass = verdict.pass();
-  head.reasons = reasons_of(verdict);
+  add_judgement(verdict, head);
+  return head;
+}
+
+void add_judgement(const report::Verdict& verdict, page::Head& head) {
+  head.outcome = verdict.judgement.outcome;
+  head.reasons = reasons_of(verdict.judgement);
   const std::string line = headline(verdict);
   if (!line.empty()) head.headlines.push_back(line);
-  return head;
 }
 
 std::vector<page::Warning> warnings_of(const RunAnalyses& runs, const report::Verdict& verdict) {
   std::vector<page::Warning> warnings;
-  if (verdict.identification && !verdict.identification->pass()) {
-    warnings.push_back({Severity::severe, "The measured loop is not what was predicted."});
-  }
+  for (const std::string& text : verdict.warnings) warnings.push_back({Severity::warning, text});
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (*run) warn_of_log(**run, warnings);
   }
@@ -305,6 +324,7 @@ std::vector<page::AxisResult> results_of(const report::Verdict& verdict) {
 }
 
 void add_tables(const report::Verdict& verdict, page::PageData& page) {
+  if (!verdict.judgement.checks.empty()) page.checks = {check_table(verdict.judgement.checks)};
   if (!verdict.shocks.empty()) page.shock = {shock_table(verdict.shocks)};
   if (!verdict.noise.empty()) page.noise = {noise_table(verdict.noise)};
   if (!verdict.effort.empty()) page.effort = {effort_table(verdict.effort)};

@@ -13,7 +13,9 @@ page::Head head_of(const RunAnalyses& runs, const report::Verdict& verdict);
 /// What a reader must know before believing a number, the worst first.
 std::vector<page::Warning> warnings_of(const RunAnalyses& runs, const report::Verdict& verdict);
 std::vector<page::AxisResult> results_of(const report::Verdict& verdict);
-/// Shocks, noise, effort, timing and what was identified.
+/// Badge, reasons and headline.
+void add_judgement(const report::Verdict& verdict, page::Head& head);
+/// What was asked, shocks, noise, effort, timing and what was identified.
 void add_tables(const report::Verdict& verdict, page::PageData& page);
 /// How whole the logs are.
 void add_log_tables(const RunAnalyses& runs, page::PageData& page);

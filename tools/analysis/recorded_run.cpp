@@ -16,12 +16,14 @@ namespace stillframe::tools {
 namespace {
 
 /// The scene's text with a controller block of its own: the path that may stand there leads nowhere
-/// from a log. Targets are not known of gains; nothing asks for them.
+/// from a log. What gains do not tell of it is not asked for.
 std::string with_controller(const std::string& scene_text, const controller::Gains& gains) {
   YAML::Node scene = YAML::Load(scene_text);
   YAML::Node block;
   block["legs"] = gains.legs;
   block["target_hz"] = 1;
+  if (gains.target_hz.size() == 1) block["target_hz"] = gains.target_hz.front();
+  if (gains.target_hz.size() > 1) block["target_hz"] = gains.target_hz;
   block["damping_ratio"] = 1;
   block["realisation"] = std::string(controller::to_text(gains.realisation));
   block["sample_rate_hz"] = gains.sample_rate_hz;
@@ -30,16 +32,6 @@ std::string with_controller(const std::string& scene_text, const controller::Gai
   scene["controller"] = block;
   scene.remove("floor");
   return YAML::Dump(scene);
-}
-
-std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec) {
-  if (const auto* plan = std::get_if<MultisinePlan>(&spec.kind)) return *plan;
-  if (const auto* sum = std::get_if<floor::SumSpec>(&spec.kind)) {
-    for (const floor::FloorSpec& part : sum->parts) {
-      if (auto plan = multisine_in(part)) return plan;
-    }
-  }
-  return std::nullopt;
 }
 
 /// The model of a run's loop and what it predicts of the plan's frequencies.
@@ -80,6 +72,16 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
 }
 
 }  // namespace
+
+std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec) {
+  if (const auto* plan = std::get_if<MultisinePlan>(&spec.kind)) return *plan;
+  if (const auto* sum = std::get_if<floor::SumSpec>(&spec.kind)) {
+    for (const floor::FloorSpec& part : sum->parts) {
+      if (auto plan = multisine_in(part)) return plan;
+    }
+  }
+  return std::nullopt;
+}
 
 LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains& gains,
                           const std::string& source_name) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/linear/multisine_plan.hpp"
+#include "plant_sim/floor/floor_block.hpp"
 #include "report/analysis/log_analyser.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "tools/loop_design.hpp"
@@ -22,6 +23,9 @@ struct RecordedRun {
 /// InputError and Refusal of the steps.
 LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains& gains,
                           const std::string& source_name);
+
+/// The multisine that moves a floor, alone or beside other motions.
+std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec);
 
 /// source_name: of the log, for messages.
 RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::string& source_name);

@@ -1,5 +1,7 @@
 #include "tools/analysis/run_analysis.hpp"
 
+#include <algorithm>
+
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe::tools {
@@ -42,6 +44,36 @@ RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings
   result.matrix = judged(result.data.matrix, result.run, result.active());
   result.axes = judged(result.data.axis_matrix, result.run, result.active());
   return result;
+}
+
+std::string AxisPair::title(const RunAnalyses& runs) const {
+  if (runs.same_floor()) return name;
+  return name + (active != nullptr ? ", active run" : ", passive run");
+}
+
+bool RunAnalyses::same_floor() const {
+  if (!passive || !active) return true;
+  const auto &a = passive->data.scan.info, &b = active->data.scan.info;
+  return a.floor_text == b.floor_text && a.n_samples == b.n_samples &&
+         a.floor_names == b.floor_names && a.frame_names == b.frame_names;
+}
+
+std::vector<AxisPair> RunAnalyses::axes() const {
+  std::vector<AxisPair> pairs;
+  const bool together = same_floor();
+  const auto place_of = [&](const std::string& name) -> AxisPair& {
+    const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const AxisPair& pair) {
+      return together && pair.name == name;
+    });
+    return found != pairs.end() ? *found : pairs.emplace_back(AxisPair{.name = name});
+  };
+  if (passive) {
+    for (const auto& axis : passive->data.axes) place_of(axis.name).passive = &axis;
+  }
+  if (active) {
+    for (const auto& axis : active->data.axes) place_of(axis.name).active = &axis;
+  }
+  return pairs;
 }
 
 void RunAnalyses::add(RunAnalysis run) {

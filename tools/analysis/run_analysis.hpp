@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "report/analysis/log_analyser.hpp"
 #include "tools/analysis/recorded_run.hpp"
@@ -27,11 +29,30 @@ struct RunAnalysis {
   bool active() const { return data.scan.info.loop == "active"; }
 };
 
+struct RunAnalyses;
+
+/// One direction with the analyses of those loops that share a floor; at least one is there.
+struct AxisPair {
+  std::string name;
+  const report::AxisAnalysis *passive = nullptr, *active = nullptr;
+
+  /// What moved below both.
+  const report::SignalAnalysis& floor() const { return (active ? active : passive)->floor; }
+  /// The name, with the loop where the other one stood on another floor.
+  std::string title(const RunAnalyses& runs) const;
+};
+
 /// A log with zero commands and one with the law, or one of them.
 struct RunAnalyses {
   std::optional<RunAnalysis> passive, active;
 
   const RunAnalysis& any() const { return active ? *active : *passive; }
+  /// Whether both loops stood on the same floor for the same time: only then is the motion of the
+  /// one set against that of the other. True with one run.
+  bool same_floor() const;
+  /// Directions of the runs, those of both loops together where the floor is the same, else the
+  /// passive ones before the active ones.
+  std::vector<AxisPair> axes() const;
   /// Puts a run where it belongs. Errors: InputError if there is one of its kind already, or if it
   /// is of another scene or rate than the other.
   void add(RunAnalysis run);

@@ -1,9 +1,13 @@
 #include "tools/analysis/verdict_of.hpp"
 
+#include <algorithm>
+
 #include "report/analysis/summaries.hpp"
 #include "report/table.hpp"
+#include "report/verdict/acceptance.hpp"
 #include "tools/analysis/loop_comparison.hpp"
 #include "tools/analysis/loop_target.hpp"
+#include "tools/analysis/prediction_checks.hpp"
 
 namespace stillframe::tools {
 
@@ -43,6 +47,7 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
     for (auto& item : more) list.push_back(std::move(item));
   };
   verdict.runs.push_back(report::run_summary(log));
+  verdict.runs.back().unreadable = run.run.unreadable;
   append(verdict.timing, report::timing_summaries(log));
   append(verdict.shocks, report::shock_summaries(log));
   std::optional<double> limit;
@@ -57,55 +62,101 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   }
 }
 
-void add_axes(report::Verdict& verdict, const RunAnalyses& runs) {
-  const auto axis_of = [](const std::optional<RunAnalysis>& run, std::size_t a) {
-    return run && a < run->data.axes.size() ? &run->data.axes[a] : nullptr;
+void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcceptance& accept) {
+  const auto frame_of = [](const report::AxisAnalysis* axis) {
+    return axis != nullptr ? &axis->frame : nullptr;
   };
-  for (std::size_t a = 0; a < runs.any().data.axes.size(); ++a) {
-    report::AxisLevels levels;
-    const auto *passive = axis_of(runs.passive, a), *active = axis_of(runs.active, a);
-    const report::AxisAnalysis& any = active != nullptr ? *active : *passive;
-    levels.axis = any.name;
-    levels.floor = report::motion_level(any.floor);
-    levels.floor_spectra = report::motion_spectra(any.floor);
-    if (passive != nullptr) {
-      levels.passive = report::motion_level(passive->frame);
-      levels.passive_spectra = report::motion_spectra(passive->frame);
-    }
-    if (active != nullptr) {
-      levels.active = report::motion_level(active->frame);
-      levels.active_spectra = report::motion_spectra(active->frame);
-    }
-    verdict.axes.push_back(std::move(levels));
+  for (const AxisPair& pair : runs.axes()) {
+    const auto *passive = frame_of(pair.passive), *active = frame_of(pair.active);
+    verdict.axes.push_back(axis_levels(pair.name, pair.floor(), passive, active));
+    ask(accept, pair.floor(), passive, active, verdict);
   }
 }
 
-/// Both loops on a multisine against the sampled prediction.
+/// Hz, the targets of a loop that is known.
+std::vector<double> targets_of(const LoopDesign& design) {
+  if (!design.gains.target_hz.empty()) return design.gains.target_hz;
+  const auto target = target_of(design);
+  return target ? std::vector{target->frequency_hz} : std::vector<double>{};
+}
+
+/// Both loops on a multisine against the sampled prediction, reduced from twice the lowest target.
 std::optional<report::IdentificationSummary> judged(const RunAnalyses& runs,
-                                                    std::optional<double> target_hz) {
-  if (!runs.passive || !runs.active || !runs.any().run.multisine) return std::nullopt;
-  if (!target_hz && runs.active->run.design) {
-    if (const auto target = target_of(*runs.active->run.design)) target_hz = target->frequency_hz;
+                                                    const std::vector<double>& targets) {
+  if (!runs.passive || !runs.active || !runs.any().run.multisine || !runs.same_floor() ||
+      targets.empty() || !runs.passive->matrix || !runs.active->matrix) {
+    return std::nullopt;
   }
-  if (!target_hz || !runs.passive->matrix || !runs.active->matrix) return std::nullopt;
+  const double above_hz = 2 * *std::min_element(targets.begin(), targets.end());
   const auto open = prediction_errors(*runs.passive->matrix);
   const auto closed = prediction_errors(*runs.active->matrix);
-  const auto reduction = reduction_check(runs, 2 * *target_hz);
+  const auto reduction = reduction_check(runs, above_hz);
   if (!open || !closed || !reduction) return std::nullopt;
   return report::summarise(open->sampled, closed->sampled, *reduction,
-                           runs.active->matrix->measured.response->frequencies_hz, 2 * *target_hz,
+                           runs.active->matrix->measured.response->frequencies_hz, above_hz,
                            report::default_least_coherence, allowed_db);
 }
 
 }  // namespace
 
-report::Verdict verdict_of(const RunAnalyses& runs, std::optional<double> target_hz) {
+report::AxisLevels axis_levels(const std::string& axis, const report::SignalAnalysis& floor,
+                               const report::SignalAnalysis* passive,
+                               const report::SignalAnalysis* active) {
+  report::AxisLevels levels;
+  levels.axis = axis;
+  levels.floor = report::motion_level(floor);
+  levels.floor_spectra = report::motion_spectra(floor);
+  if (passive != nullptr) {
+    levels.passive = report::motion_level(*passive);
+    levels.passive_spectra = report::motion_spectra(*passive);
+  }
+  if (active != nullptr) {
+    levels.active = report::motion_level(*active);
+    levels.active_spectra = report::motion_spectra(*active);
+  }
+  return levels;
+}
+
+void ask(const SceneAcceptance& accept, const report::SignalAnalysis& floor,
+         const report::SignalAnalysis* passive, const report::SignalAnalysis* active,
+         report::Verdict& verdict) {
+  report::AxisLevels& levels = verdict.axes.back();
+  levels.asked = report::asked_of(accept, levels.axis, verdict);
+  for (report::AskedMotion& motion : levels.asked) {
+    const auto rms = [&](const report::SignalAnalysis& signal) {
+      return report::range_rms(signal, motion.asked.from_hz, motion.asked.to_hz);
+    };
+    motion.floor = rms(floor);
+    if (passive != nullptr) motion.passive = rms(*passive);
+    if (active != nullptr) motion.active = rms(*active);
+  }
+}
+
+report::Verdict verdict_of(const RunAnalyses& runs) {
   report::Verdict verdict;
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (*run) add_run(verdict, **run);
   }
-  verdict.identification = judged(runs, target_hz);
-  add_axes(verdict, runs);
+  SceneAcceptance accept;
+  std::vector<double> targets;
+  if (const auto& design = runs.any().run.design) {
+    accept = acceptance_of(design->scene);
+    targets = targets_of(*design);
+    verdict.disturbed = !design->scene.disturbances.empty();
+  }
+  if (!targets.empty()) {
+    verdict.isolates_above_hz = 2 * *std::max_element(targets.begin(), targets.end());
+  }
+  if (!runs.same_floor()) {
+    verdict.warnings.push_back(
+        "The passive and the active run stood on floors of their own (" +
+        runs.passive->log.filename().string() + ", " + runs.active->log.filename().string() +
+        "): each is set against its own floor, and neither against the other.");
+  }
+  verdict.identification = judged(runs, targets);
+  add_axes(verdict, runs, accept);
+  verdict.judgement =
+      report::judge(verdict, accept, prediction_checks(runs, verdict, accept.prediction_db));
   return verdict;
 }
 

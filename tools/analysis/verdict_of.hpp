@@ -1,15 +1,23 @@
 #pragma once
 
-#include <optional>
-
+#include "report/analysis/signal_analyser.hpp"
 #include "report/verdict/verdict.hpp"
 #include "tools/analysis/run_analysis.hpp"
 
 namespace stillframe::tools {
 
-/// What analysed logs come to. Where both loops ran on a multisine they are judged against the
-/// prediction; target_hz: of the design, if it is known, above twice which the loop is to reduce
-/// (logs do not hold it; without it the frequency is taken from the gains, loop_target.hpp).
-report::Verdict verdict_of(const RunAnalyses& runs, std::optional<double> target_hz = {});
+/// Levels and spectra of one direction; nullptr: that loop did not run on this floor.
+report::AxisLevels axis_levels(const std::string& axis, const report::SignalAnalysis& floor,
+                               const report::SignalAnalysis* passive,
+                               const report::SignalAnalysis* active);
+
+/// Puts what is asked of the last of a verdict's axes, and what its signals come to in these
+/// ranges, into it.
+void ask(const SceneAcceptance& accept, const report::SignalAnalysis& floor,
+         const report::SignalAnalysis* passive, const report::SignalAnalysis* active,
+         report::Verdict& verdict);
+
+/// What analysed logs come to, judged by what the scene in the log of the active loop asks for.
+report::Verdict verdict_of(const RunAnalyses& runs);
 
 }  // namespace stillframe::tools

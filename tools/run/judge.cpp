@@ -18,14 +18,6 @@ std::vector<double> plot_frequencies(double sample_rate_hz) {
   return {grid.begin(), grid.end()};
 }
 
-/// A multisine run that says nothing of T is a failed run, not one without a judgement.
-void require_identified(const std::optional<RunAnalysis>& run) {
-  if (!run || !run->run.multisine || !run->matrix) return;
-  const std::string& why = run->matrix->measured.missing.empty() ? run->matrix->unpredicted
-                                                                 : run->matrix->measured.missing;
-  if (!why.empty()) throw InputError(run->log.string() + ": " + why);
-}
-
 report::MeasuredValues measured_of(const std::optional<RunAnalysis>& run) {
   if (!run || !run->matrix || !run->matrix->measured.response) return {};
   const auto& response = *run->matrix->measured.response;
@@ -74,17 +66,16 @@ Eigen::MatrixXd rows_of(const page::Envelope& envelope) {
 void plot_motion(const LoopDesign& design, const RunAnalyses& runs, const RunDirectory& directory) {
   report::HistoryPlot histories{.title = design.scene.title, .axes = {}};
   report::OctavePlot octaves{.title = design.scene.title, .axes = {}};
-  const auto& any = runs.any().data.axes;
-  for (std::size_t a = 0; a < any.size(); ++a) {
-    report::AxisHistory history{any[a].name, rows_of(any[a].floor.envelope), {}, {}};
-    report::AxisBands bands{any[a].name, any[a].floor.third_octaves, {}, {}};
-    if (runs.passive) {
-      history.passive = rows_of(runs.passive->data.axes[a].frame.envelope);
-      bands.passive = runs.passive->data.axes[a].frame.third_octaves;
+  for (const AxisPair& axis : runs.axes()) {
+    report::AxisHistory history{axis.name, rows_of(axis.floor().envelope), {}, {}};
+    report::AxisBands bands{axis.name, axis.floor().third_octaves, {}, {}};
+    if (axis.passive != nullptr) {
+      history.passive = rows_of(axis.passive->frame.envelope);
+      bands.passive = axis.passive->frame.third_octaves;
     }
-    if (runs.active) {
-      history.active = rows_of(runs.active->data.axes[a].frame.envelope);
-      bands.active = runs.active->data.axes[a].frame.third_octaves;
+    if (axis.active != nullptr) {
+      history.active = rows_of(axis.active->frame.envelope);
+      bands.active = axis.active->frame.third_octaves;
     }
     histories.axes.push_back(std::move(history));
     octaves.axes.push_back(std::move(bands));
@@ -98,9 +89,7 @@ void plot_motion(const LoopDesign& design, const RunAnalyses& runs, const RunDir
 
 report::Verdict judge(const LoopDesign& design, const RunAnalyses& runs,
                       const RunDirectory& directory) {
-  require_identified(runs.passive);
-  require_identified(runs.active);
-  report::Verdict verdict = verdict_of(runs, design.scene.controller->lowest_target_hz());
+  report::Verdict verdict = verdict_of(runs);
   if (verdict.identification) {
     plot_errors(design, runs, directory);
   } else if (!runs.any().run.multisine) {

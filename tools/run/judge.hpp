@@ -11,7 +11,7 @@ namespace stillframe::tools {
 /// From analysed logs to the verdict, and the plots that go with it into the run directory:
 /// singular values always; where the floor was a multisine and both loops ran, identified against
 /// predicted; else histories and one-third-octave velocities of the scene's comparisons. Errors:
-/// InputError of the parts, or if a multisine run could not be identified.
+/// InputError of the parts.
 report::Verdict judge(const LoopDesign& design, const RunAnalyses& runs,
                       const RunDirectory& directory);
 

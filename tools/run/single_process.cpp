@@ -18,7 +18,7 @@ namespace {
 
 using namespace stillframe_msgs;
 
-/// The messages of a lock-step run around its samples.
+/// The messages of a run around its samples, as in lock-step.
 class RunLogFile {
  public:
   RunLogFile(const std::filesystem::path& file, const run_info_t& info) : file_(file) {
@@ -77,7 +77,7 @@ PhaseResult run_in_process(const LoopDesign& design, const floor::FloorSpec& flo
                                                 .program_version = STILLFRAME_VERSION,
                                                 .floor_text = floor_text,
                                                 .gains_text = to_yaml(design.gains),
-                                                .mode = "lock_step",
+                                                .mode = "single_process",
                                                 .loop = options.loop});
   RunLogFile log(directory / (options.loop + ".lcm"), info);
   ProgressBar bar(options.loop, options.sample_rate_hz);

@@ -13,6 +13,9 @@
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/run_length.hpp"
 #include "report/analysis/summaries.hpp"
+#include "report/verdict/acceptance.hpp"
+#include "tools/analysis/recorded_run.hpp"
+#include "tools/analysis/verdict_of.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/run/closed_loop.hpp"
 
@@ -58,15 +61,21 @@ class Case {
     const double wall_s = 1e-9 * static_cast<double>(monotonic_ns() - begin);
     const double rate = design_.gains.sample_rate_hz;
     result.times_real_time = 2 * static_cast<double>(n_) / rate / wall_s;
+    const SceneAcceptance accept = acceptance_of(design_.scene);
+    report::Verdict& verdict = result.verdict;
+    verdict.isolates_above_hz =
+        2 * *std::max_element(design_.gains.target_hz.begin(), design_.gains.target_hz.end());
+    verdict.disturbed = !design_.scene.disturbances.empty();
     for (size_t i = 0; i < floor_columns_.size(); ++i) {
       const auto c = static_cast<Index>(i);
-      report::AxisLevels levels;
-      levels.axis = design_.scene.comparisons[i].name;
-      levels.floor = report::motion_level(report::analyse_signal(passive.floor.col(c), rate));
-      levels.passive = report::motion_level(report::analyse_signal(passive.frame.col(c), rate));
-      levels.active = report::motion_level(report::analyse_signal(active.frame.col(c), rate));
-      result.axes.push_back(levels);
+      const auto floor = report::analyse_signal(passive.floor.col(c), rate),
+                 below = report::analyse_signal(passive.frame.col(c), rate),
+                 above = report::analyse_signal(active.frame.col(c), rate);
+      verdict.axes.push_back(axis_levels(design_.scene.comparisons[i].name, floor, &below, &above));
+      // Each floor input of a multisine moves on its own: no floor goes with that.
+      if (!multisine_in(spec_)) ask(accept, floor, &below, &above, verdict);
     }
+    verdict.judgement = report::judge(verdict, accept, {});
     return result;
   }
 
@@ -109,12 +118,21 @@ class Case {
     if (active) {
       const double count = static_cast<double>(n_) * static_cast<double>(design_.gains.n_legs());
       result.rms_force = std::sqrt(squares / count);
-      result.n_saturated = loop.answer().n_saturated();
       if (loop.answer().n_fallback() > 0) {
         throw std::runtime_error(std::to_string(loop.answer().n_fallback()) +
                                  " commands fell back to zero force: values were not finite");
       }
     }
+    result.verdict.runs.push_back({.scene_name = design_.scene.title,
+                                   .scene_hash = design_.scene.hash,
+                                   .program_version = STILLFRAME_VERSION,
+                                   .mode = "single_process",
+                                   .loop = active ? "active" : "passive",
+                                   .sample_rate_hz = design_.gains.sample_rate_hz,
+                                   .delay_samples = design_.gains.delay_samples,
+                                   .n_samples = n_,
+                                   .n_commands = n_,
+                                   .n_saturated = active ? loop.answer().n_saturated() : 0});
     return signals;
   }
 

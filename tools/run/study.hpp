@@ -21,9 +21,8 @@ struct StudyResult {
   std::string failure;  ///< why there is no result; empty: there is one
   std::string method;   ///< of the plant
   std::int64_t n_samples = 0;
-  std::vector<report::AxisLevels> axes;  ///< of the scene's comparisons
+  report::Verdict verdict;  ///< its runs, the scene's comparisons, and how they are judged
   double peak_force = 0, rms_force = 0;  ///< N, of the active loop, over all legs
-  std::int64_t n_saturated = 0;          ///< commands in which a force was limited
   double times_real_time = 0;            ///< plant time over wall time, both loops
 };
 

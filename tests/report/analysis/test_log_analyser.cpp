@@ -5,6 +5,7 @@
 #include "core/yaml/input_error.hpp"
 #include "report/analysis/log_analyser.hpp"
 #include "report/analysis/summaries.hpp"
+#include "stillframe_msgs/loop_records_t.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
 #include "tests/report/toy_frame.hpp"
@@ -207,6 +208,24 @@ TEST_F(ToyLog, WhyNothingIsIdentifiedIsTrue) {
   record_.inputs.setZero();
   EXPECT_EQ(missing([](Index) { return false; }),
             "the inputs do not move at any of the frequencies");
+}
+
+TEST_F(ToyLog, PeriodsWhoseMeasurementWasRejectedAreCounted) {
+  stillframe_msgs::loop_records_t records{};
+  records.run_id = 5;
+  records.n_records = 6;
+  records.records.resize(6);
+  // None, missing, late, not finite, out of range, frozen: the last four were there and rejected.
+  for (std::int32_t i = 0; i < 6; ++i) records.records[static_cast<std::size_t>(i)].defect = i;
+  {
+    LogWriter log(folder_ / "run.lcm");
+    log.write(channels::run_info, info());
+    log.write(channels::measurement, measurement(0));
+    log.write(channels::loop, records);
+  }
+  const RunSummary run = run_summary(analyse(folder_ / "run.lcm", {}));
+  EXPECT_EQ(run.n_periods, 6);
+  EXPECT_EQ(run.n_discarded, 4);
 }
 
 TEST_F(ToyLog, LostSamplesLeaveGapsAndAreSaid) {

@@ -1,0 +1,348 @@
+#include "report/verdict/acceptance.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "report/spectra/spectra.hpp"
+#include "report/spectra/vibration_criteria.hpp"
+#include "report/table.hpp"
+#include "report/verdict/motion_level.hpp"
+
+namespace stillframe::report {
+
+namespace {
+
+/// A ratio this many times what is allowed fails a run that is too short to pass.
+constexpr double beyond_doubt = 10;
+
+std::string percent(double share) { return cell("%.3g %%", 100 * share); }
+
+std::string hz_range(const AxisAcceptance& asked) {
+  return cell("from %.4g to %.4g Hz", asked.from_hz, asked.to_hz);
+}
+
+const RunSummary* active_run(const Verdict& verdict) {
+  for (const RunSummary& run : verdict.runs) {
+    if (run.loop == "active") return &run;
+  }
+  return nullptr;
+}
+
+class Judge {
+ public:
+  Judge(const Verdict& verdict, const SceneAcceptance& accept)
+      : verdict_(verdict), accept_(accept), active_(active_run(verdict)) {}
+
+  std::vector<Check> checks(std::vector<Check> prediction) {
+    for (const RunSummary& run : verdict_.runs) record_of(run);
+    if (active_ != nullptr) effort_of(*active_);
+    motion(!prediction.empty());
+    for (Check& check : prediction) add(std::move(check));
+    return std::move(checks_);
+  }
+
+ private:
+  void add(Check check) { checks_.push_back(std::move(check)); }
+
+  void record_of(const RunSummary& run) {
+    const std::string of = "the " + run.loop + " run";
+    const bool whole = run.n_damaged == 0 && run.unread_bytes == 0;
+    add({.subject = Subject::record,
+         .what = "log of " + of,
+         .asked = "whole",
+         .found = whole ? "whole"
+                        : std::to_string(run.n_damaged) + " damaged places, " +
+                              std::to_string(run.unread_bytes) + " bytes unread at its end",
+         .outcome = whole ? Outcome::passed : Outcome::failed,
+         .reason = whole ? "The log of " + of + " is whole."
+                         : "The log of " + of + " is damaged in " + std::to_string(run.n_damaged) +
+                               " places, and " + std::to_string(run.unread_bytes) +
+                               " bytes at its end cannot be read."});
+    if (!run.unreadable.empty()) {
+      add({.subject = Subject::record,
+           .what = "scene, gains and floor in the log of " + of,
+           .asked = "readable",
+           .found = "not readable",
+           .outcome = Outcome::failed,
+           .reason = "What the log of " + of +
+                     " says of scene, gains or floor cannot be read: " + run.unreadable + "."});
+    }
+    add_share({.what = "measurements that the log of " + of + " lacks",
+               .n = run.n_lost,
+               .of = run.n_samples + run.n_lost,
+               .of_what = "measurements",
+               .subject = Subject::record},
+              accept_.lost_share, default_log_loss_share);
+  }
+
+  struct Share {
+    std::string what;
+    std::int64_t n = 0, of = 0;
+    const char* of_what = "";
+    Subject subject = Subject::effort;
+  };
+  void add_share(const Share& share, std::optional<double> by_scene, double otherwise) {
+    const double allowed = by_scene.value_or(otherwise);
+    const double found =
+        share.of > 0 ? static_cast<double>(share.n) / static_cast<double>(share.of) : std::nan("");
+    const std::string most = allowed > 0 ? "at most " + percent(allowed) : "none";
+    const std::string many = std::to_string(share.n) + " of " + std::to_string(share.of);
+    std::string what = share.what;
+    what.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(what.front())));
+    add({.subject = share.subject,
+         .what = share.what,
+         .asked = most,
+         .found = many + (share.of > 0 ? ", " + percent(found) : ""),
+         .outcome = at_most(found, allowed),
+         .reason = share.of > 0
+                       ? what + ": " + many + " (" + percent(found) + "), allowed: " + most + "."
+                       : what + ": the log holds no " + share.of_what + ".",
+         .by_scene = by_scene.has_value()});
+  }
+
+  void effort_of(const RunSummary& run) {
+    add_share({.what = "commands with a limited force",
+               .n = run.n_saturated,
+               .of = run.n_commands,
+               .of_what = "commands"},
+              accept_.limited_share, default_limited_share);
+    for (const TimingSummary& timing : verdict_.timing) {
+      if (timing.loop != run.loop || timing.source != "controller") continue;
+      add_share({.what = "measurements that the controller never answered",
+                 .n = timing.n_lost,
+                 .of = run.n_samples + run.n_lost,
+                 .of_what = "measurements"},
+                accept_.lost_share, default_unanswered_share);
+    }
+    if (run.n_periods == 0) {
+      if (accept_.discarded_share) {
+        add({.subject = Subject::effort,
+             .what = "periods whose measurement the controller rejected",
+             .asked = "at most " + percent(*accept_.discarded_share),
+             .found = "0",
+             .outcome = run.mode == "wall_clock" ? Outcome::not_judged : Outcome::passed,
+             .reason = run.mode == "wall_clock"
+                           ? "The log holds no record of what the controller rejected."
+                           : "In step every measurement is answered.",
+             .by_scene = true});
+      }
+      return;
+    }
+    add_share({.what = "periods whose measurement the controller rejected",
+               .n = run.n_discarded,
+               .of = run.n_periods,
+               .of_what = "periods"},
+              accept_.discarded_share, default_discarded_share);
+  }
+
+  /// otherwise: something else than motion is judged.
+  void motion(bool otherwise) {
+    const auto open = [&](const std::string& why, bool by_scene) {
+      add({.subject = Subject::motion,
+           .what = "motion of the frame",
+           .asked = "as the scene says",
+           .found = "",
+           .outcome = Outcome::not_judged,
+           .reason = why,
+           .by_scene = by_scene});
+    };
+    if (active_ == nullptr) {
+      open("There is no run of the active loop.", !accept_.axes.empty());
+      return;
+    }
+    for (const AxisLevels& axis : verdict_.axes) {
+      if (!axis.active) continue;
+      for (const AskedMotion& asked : axis.asked) motion_of(axis, asked);
+    }
+    for (const AxisAcceptance& asked : accept_.axes) {
+      const bool there = std::any_of(verdict_.axes.begin(), verdict_.axes.end(), [&](auto& axis) {
+        return axis.axis == asked.axis && axis.active;
+      });
+      if (!there) {
+        open("Axis " + asked.axis + ": nothing is compared there on this floor.", true);
+      }
+    }
+    const bool any = std::any_of(checks_.begin(), checks_.end(), [](const Check& check) {
+      return check.subject == Subject::motion;
+    });
+    if (!any && !otherwise) {
+      open("No direction is compared: the scene names none, or each floor input moves on its own.",
+           false);
+    }
+  }
+
+  void motion_of(const AxisLevels& axis, const AskedMotion& motion) {
+    const AxisAcceptance& a = motion.asked;
+    if (!motion.why_not.empty()) {
+      add({.subject = Subject::motion,
+           .what = "axis " + axis.axis + ", active against floor",
+           .asked = "no more",
+           .found = "",
+           .outcome = Outcome::not_judged,
+           .reason = "Axis " + axis.axis + ": " + motion.why_not + ".",
+           .by_scene = motion.by_scene});
+      return;
+    }
+    if (a.vibration_class) class_of(axis, motion);
+    const auto level = [](const std::optional<double>& value) { return value; };
+    if (a.rms_of_floor) {
+      ratio({&axis, &motion, "floor", "rms"}, level(motion.active), level(motion.floor),
+            *a.rms_of_floor, floor_moves(axis, motion));
+    }
+    if (a.rms_of_passive) {
+      ratio({&axis, &motion, "passive frame", "rms"}, level(motion.active), level(motion.passive),
+            *a.rms_of_passive, !motion.passive || *motion.passive > 0);
+    }
+    if (a.band_of_floor) bands(axis, motion, "floor", axis.floor_spectra, *a.band_of_floor);
+    if (a.band_of_passive) {
+      bands(axis, motion, "passive frame", axis.passive_spectra, *a.band_of_passive);
+    }
+  }
+
+  static bool floor_moves(const AxisLevels& axis, const AskedMotion& motion) {
+    return axis.floor && motion.floor && *motion.floor > 0 &&
+           *motion.floor >= least_floor_share * axis.floor->rms_acceleration;
+  }
+
+  /// Why averages of a range say too little, or nothing.
+  std::string too_short(double from_hz) const {
+    const double needed_s = least_periods / std::min(from_hz, lowest_judged_hz);
+    const double there_s = active_->sample_rate_hz > 0
+                               ? static_cast<double>(active_->n_samples) / active_->sample_rate_hz
+                               : 0;
+    if (there_s >= needed_s) return "";
+    return cell("the run of %.3g s is too short for levels, which need %.3g s", there_s, needed_s);
+  }
+
+  struct Against {
+    const AxisLevels* axis;
+    const AskedMotion* motion;
+    const char* reference;
+    const char* measure;  ///< rms, or band
+  };
+  void ratio(const Against& against, std::optional<double> active, std::optional<double> reference,
+             double allowed, bool excited) {
+    const AxisAcceptance& a = against.motion->asked;
+    const std::string of = against.reference, range = hz_range(a);
+    Check check{.subject = Subject::motion,
+                .what = "axis " + against.axis->axis + ", active to " + of + ", " +
+                        against.measure + " " + range,
+                .asked = cell("at most %.4g", allowed),
+                .found = "",
+                .outcome = Outcome::not_judged,
+                .reason = "",
+                .by_scene = against.motion->by_scene};
+    const std::string axis = "Axis " + against.axis->axis + ": ";
+    if (!active || !reference) {
+      check.reason = axis + "there is no motion of the " + of +
+                     " on the same floor to compare "
+                     "with.";
+    } else if (!excited) {
+      check.reason = axis + "the " + of + " hardly moves " + range + ".";
+    } else {
+      const double found = *active / *reference;
+      const std::string is = cell("%.4g", found);
+      check.found = is;
+      check.outcome = at_most(found, allowed);
+      check.reason = axis + "the active frame moves " + is + " times as much as the " + of + " (" +
+                     (std::string(against.measure) == "rms" ? "rms" : "worst third-octave band") +
+                     " " + range + "), allowed is " + cell("%.4g", allowed) + ".";
+      const std::string open = too_short(a.from_hz);
+      if (!open.empty() && found <= beyond_doubt * allowed) {
+        check.outcome = Outcome::not_judged;
+        check.reason = axis + open + ".";
+      }
+    }
+    add(std::move(check));
+  }
+
+  void bands(const AxisLevels& axis, const AskedMotion& motion, const char* of,
+             const std::optional<MotionSpectra>& reference, double allowed) {
+    const auto& floor = axis.floor_spectra;
+    const auto& active = axis.active_spectra;
+    std::optional<double> worst;
+    if (reference && active && floor) {
+      double floor_largest = 0;
+      for (const double v : floor->velocity) floor_largest = std::max(floor_largest, v);
+      const auto centres = third_octave_bands();
+      for (std::size_t i = 0; i < std::min({centres.size(), active->velocity.size(),
+                                            reference->velocity.size(), floor->velocity.size()});
+           ++i) {
+        const double f = centres[i].nominal_hz;
+        if (f < motion.asked.from_hz || f > motion.asked.to_hz ||
+            centres[i].upper_hz > 0.5 * active_->sample_rate_hz) {
+          continue;
+        }
+        // What is no number is not left out.
+        const bool still = floor->velocity[i] < least_floor_share * floor_largest;
+        if (still || reference->velocity[i] == 0) continue;
+        const double found = active->velocity[i] / reference->velocity[i];
+        if (!worst || !(found <= *worst)) worst = found;
+        if (std::isnan(found)) break;
+      }
+    }
+    const bool there = reference && active && floor;
+    ratio({&axis, &motion, of, "band"}, there ? std::optional(worst.value_or(0)) : std::nullopt,
+          there ? std::optional(1.0) : std::nullopt, allowed, worst.has_value());
+  }
+
+  void class_of(const AxisLevels& axis, const AskedMotion& motion) {
+    const std::string asked = *motion.asked.vibration_class, met = axis.active->vibration_class;
+    Check check{.subject = Subject::motion,
+                .what = "axis " + axis.axis + ", vibration class, active",
+                .asked = asked,
+                .found = met,
+                .outcome = class_rank(met) >= class_rank(asked) ? Outcome::passed : Outcome::failed,
+                .reason = "Axis " + axis.axis + ": the active frame meets " + met + ", asked is " +
+                          asked + ".",
+                .by_scene = motion.by_scene};
+    const std::string open = too_short(lowest_judged_hz);
+    if (met.empty() || !open.empty()) {
+      check.outcome = Outcome::not_judged;
+      check.reason = "Axis " + axis.axis + ": " +
+                     (open.empty() ? "there is no spectrum to take a class from" : open) + ".";
+    }
+    add(std::move(check));
+  }
+
+  static constexpr double lowest_judged_hz = 1;
+  const Verdict& verdict_;
+  const SceneAcceptance& accept_;
+  const RunSummary* active_;
+  std::vector<Check> checks_;
+};
+
+}  // namespace
+
+std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::string& axis,
+                                  const Verdict& verdict) {
+  std::vector<AskedMotion> list;
+  for (const AxisAcceptance& asked : accept.axes) {
+    if (asked.axis == axis) list.push_back({.asked = asked, .by_scene = true});
+  }
+  if (!list.empty()) return list;
+  double to_hz = AxisAcceptance().to_hz;
+  if (!verdict.runs.empty()) to_hz = std::min(to_hz, verdict.runs.front().sample_rate_hz / 2);
+  AskedMotion passive{.asked = {.axis = axis, .to_hz = to_hz, .rms_of_passive = 1}};
+  AskedMotion floor{.asked = {.axis = axis, .to_hz = to_hz, .rms_of_floor = 1}};
+  if (!verdict.isolates_above_hz) {
+    floor.why_not = "what the loop is to isolate is not known, its target is in no log";
+  } else if (!(*verdict.isolates_above_hz < to_hz)) {
+    floor.why_not = cell("the loop is to isolate above %.4g Hz only", *verdict.isolates_above_hz);
+  } else if (verdict.disturbed) {
+    floor.why_not = "forces act on the frame besides the floor";
+  } else {
+    floor.asked.from_hz = *verdict.isolates_above_hz;
+  }
+  if (to_hz > passive.asked.from_hz) list.push_back(std::move(passive));
+  list.push_back(std::move(floor));
+  return list;
+}
+
+Judgement judge(const Verdict& verdict, const SceneAcceptance& accept,
+                std::vector<Check> prediction) {
+  return conclude(Judge(verdict, accept).checks(std::move(prediction)));
+}
+
+}  // namespace stillframe::report

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/acceptance.hpp"
+#include "report/verdict/verdict.hpp"
+
+namespace stillframe::report {
+
+/// Largest shares of periods where a scene asks for none. A limiter has for a Gaussian force the
+/// gain 1 - p, where p is the share of time that it limits (J. J. Bussgang, MIT RLE report 216,
+/// 1952): 1 % takes 0.09 dB off the loop, which is what a prediction is met within. In a period
+/// without a sound measurement the controller holds its last force: 1 % of those makes the mean
+/// delay longer by a hundredth of a sample. Samples that the log lacks are a damaged record: none.
+inline constexpr double default_limited_share = 0.01, default_unanswered_share = 0.01,
+                        default_discarded_share = 0.01, default_log_loss_share = 0;
+
+/// Averages are of at least so many periods of the lowest frequency that they hold, 1 Hz where what
+/// is asked begins higher, ...
+inline constexpr double least_periods = 10;
+/// ... and the floor is said to move in a range if its rms there is this share of that from 1 to 80
+/// Hz at least: below it a window's leakage, and the sensors, would be compared.
+inline constexpr double least_floor_share = 1e-3;
+
+/// What is asked of an axis, with no levels yet: what the scene names, or else that the active
+/// frame moves no more than the passive one from 1 to 80 Hz, and no more than the floor from
+/// isolates_above_hz on.
+std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::string& axis,
+                                  const Verdict& verdict);
+
+/// Everything that is asked of a run, in the order in which it is to be read: the records, what
+/// limited the loop, how the frame moved, and how the loop meets its prediction (`prediction`).
+/// verdict: all but its judgement. NaN passes nothing.
+Judgement judge(const Verdict& verdict, const SceneAcceptance& accept,
+                std::vector<Check> prediction);
+
+}  // namespace stillframe::report

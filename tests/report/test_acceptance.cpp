@@ -1,0 +1,261 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+
+#include "report/spectra/spectra.hpp"
+#include "report/verdict/acceptance.hpp"
+
+namespace stillframe::report {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+MotionSpectra flat(double velocity) {
+  return {.velocity = std::vector<double>(third_octave_bands().size(), velocity),
+          .cumulative_rms = {}};
+}
+
+/// A minute of a frame that moves a tenth of what the floor does and a hundredth of what it does
+/// without control, in two directions; 5 Hz is aimed at. Asked for as a scene would have it.
+struct MadeUp {
+  explicit MadeUp(SceneAcceptance what = {}) : accept(std::move(what)) {
+    for (const char* loop : {"passive", "active"}) {
+      verdict.runs.push_back({.mode = "wall_clock",
+                              .loop = loop,
+                              .sample_rate_hz = 1000,
+                              .n_samples = 60001,
+                              .n_commands = 60001,
+                              .n_periods = 60001});
+      verdict.timing.push_back({.loop = loop, .source = "controller"});
+    }
+    verdict.isolates_above_hz = 10;
+    for (const char* name : {"x", "z"}) {
+      verdict.axes.push_back({name, MotionLevel{.rms_acceleration = 1, .vibration_class = "VC-D"},
+                              MotionLevel{.rms_acceleration = 10, .vibration_class = "VC-A"},
+                              MotionLevel{.rms_acceleration = 0.1, .vibration_class = "VC-F"},
+                              flat(1), flat(10), flat(0.1)});
+    }
+    ask();
+  }
+  void ask() {
+    for (AxisLevels& axis : verdict.axes) {
+      axis.asked = asked_of(accept, axis.axis, verdict);
+      for (AskedMotion& motion : axis.asked) {
+        motion.floor = 1;
+        if (axis.passive) motion.passive = 10;
+        if (axis.active) motion.active = 0.1;
+      }
+    }
+  }
+  Judgement judged() const { return judge(verdict, accept, prediction); }
+
+  RunSummary& active() { return verdict.runs.back(); }
+  std::vector<AskedMotion>& asked() { return verdict.axes[1].asked; }
+
+  Verdict verdict;
+  SceneAcceptance accept;
+  std::vector<Check> prediction;
+};
+
+struct Change {
+  const char* part;  ///< of the reason
+  std::function<void(MadeUp&)> make;
+};
+
+TEST(Acceptance, FailsForEachThingThatIsNotAsItShouldBe) {
+  ASSERT_EQ(MadeUp().judged().outcome, Outcome::passed) << MadeUp().judged().reason;
+  EXPECT_EQ(MadeUp().judged().reason, "All 11 checks that could be made passed.");
+  const Change changes[] = {
+      {"damaged in 1 places", [](MadeUp& m) { m.verdict.runs[0].n_damaged = 1; }},
+      {"9 bytes at its end", [](MadeUp& m) { m.active().unread_bytes = 9; }},
+      {"K_P: missing", [](MadeUp& m) { m.active().unreadable = "K_P: missing"; }},
+      {"1 of 60002 ", [](MadeUp& m) { m.active().n_lost = 1; }},
+      {"601 of 60001 (1 %), allowed: at most 1 %", [](MadeUp& m) { m.active().n_saturated = 601; }},
+      {"holds no commands", [](MadeUp& m) { m.active().n_commands = 0; }},
+      {"never answered: 601 of 60001", [](MadeUp& m) { m.verdict.timing[1].n_lost = 601; }},
+      {"rejected: 16200 of 60001 (27 %)", [](MadeUp& m) { m.active().n_discarded = 16200; }},
+      {"moves 1147 times as much as the passive frame",
+       [](MadeUp& m) { m.asked()[0].active = 11470; }},
+      {"moves 19 times as much as the floor (rms from 10 to 80 Hz)",
+       [](MadeUp& m) { m.asked()[1].active = 19; }},
+      {"moves nan times", [](MadeUp& m) { m.asked()[0].active = nan; }},
+      {"moves nan times", [](MadeUp& m) { m.asked()[1].active = nan; }},
+      {"not what was predicted",
+       [](MadeUp& m) {
+         m.prediction = {{.subject = Subject::prediction,
+                          .what = {},
+                          .asked = {},
+                          .found = {},
+                          .outcome = Outcome::failed,
+                          .reason = "The loop is not what was predicted."}};
+       }},
+  };
+  for (const Change& change : changes) {
+    MadeUp made_up;
+    change.make(made_up);
+    const Judgement judgement = made_up.judged();
+    EXPECT_EQ(judgement.outcome, Outcome::failed) << change.part;
+    EXPECT_NE(judgement.reason.find(change.part), std::string::npos) << judgement.reason;
+  }
+}
+
+TEST(Acceptance, WithoutAnythingToJudgeByNothingPasses) {
+  const Change changes[] = {
+      {"no run of the active loop",
+       [](MadeUp& m) {
+         m.verdict.runs.pop_back();
+         for (AxisLevels& axis : m.verdict.axes) axis.active.reset();
+         m.ask();
+       }},
+      {"is too short", [](MadeUp& m) { m.active().n_samples = 9000; }},
+      {"No direction is compared", [](MadeUp& m) { m.verdict.axes.clear(); }},
+      {"hardly moves",
+       [](MadeUp& m) {
+         for (AxisLevels& axis : m.verdict.axes) {
+           for (AskedMotion& motion : axis.asked) motion.floor = motion.passive = 0;
+         }
+       }},
+  };
+  for (const Change& change : changes) {
+    MadeUp made_up;
+    change.make(made_up);
+    const Judgement judgement = made_up.judged();
+    EXPECT_EQ(judgement.outcome, Outcome::not_judged) << change.part << ": " << judgement.reason;
+    EXPECT_NE(judgement.reason.find(change.part), std::string::npos) << judgement.reason;
+  }
+  EXPECT_EQ(judge({}, {}, {}).outcome, Outcome::not_judged);
+  // Too short to pass, but not to fail.
+  MadeUp wild;
+  wild.active().n_samples = 5000;
+  wild.asked()[1].active = 11;
+  EXPECT_EQ(wild.judged().outcome, Outcome::failed);
+  // A floor that hardly moves where the loop isolates leaves what it does elsewhere.
+  MadeUp slow;
+  for (AxisLevels& axis : slow.verdict.axes) axis.asked[1].floor = 1e-4;
+  EXPECT_EQ(slow.judged().outcome, Outcome::passed);
+  // Without a passive run there is the floor, and with forces on the frame there is not.
+  MadeUp alone;
+  alone.verdict.runs.erase(alone.verdict.runs.begin());
+  for (AxisLevels& axis : alone.verdict.axes) axis.passive.reset();
+  alone.ask();
+  EXPECT_EQ(alone.judged().outcome, Outcome::passed);
+  alone.verdict.disturbed = true;
+  alone.ask();
+  EXPECT_EQ(alone.judged().outcome, Outcome::not_judged);
+}
+
+TEST(Acceptance, WhatTheSceneNamesTakesThePlaceOfTheDefault) {
+  const auto outcome = [](AxisAcceptance asked) {
+    asked.axis = "z";
+    return MadeUp({.axes = {asked}}).judged();
+  };
+  EXPECT_EQ(outcome({.vibration_class = "VC-F"}).outcome, Outcome::passed);
+  EXPECT_EQ(outcome({.vibration_class = "VC-G"}).outcome, Outcome::failed);
+  EXPECT_EQ(outcome({.rms_of_floor = 0.1}).outcome, Outcome::passed);
+  EXPECT_EQ(outcome({.rms_of_floor = 0.0999}).outcome, Outcome::failed);
+  EXPECT_EQ(outcome({.rms_of_passive = 0.0099}).outcome, Outcome::failed);
+  EXPECT_EQ(outcome({.band_of_floor = 0.1}).outcome, Outcome::passed);
+  EXPECT_EQ(outcome({.band_of_floor = 0.0999}).outcome, Outcome::failed);
+  EXPECT_EQ(outcome({.band_of_passive = 0.0099}).outcome, Outcome::failed);
+  // What is asked for and cannot be looked at is not passed, whatever else is well.
+  EXPECT_EQ(outcome({.from_hz = 0.1, .rms_of_floor = 1}).outcome, Outcome::not_judged);
+  MadeUp other({.axes = {{.axis = "y", .rms_of_floor = 1}}});
+  EXPECT_EQ(other.judged().outcome, Outcome::not_judged);
+  // The worst band counts, and only bands in the range in which the floor moves.
+  MadeUp bands({.axes = {{.axis = "z", .from_hz = 10, .to_hz = 20, .band_of_floor = 0.5}}});
+  bands.verdict.axes[1].active_spectra->velocity[0] = 7;  // 1 Hz
+  EXPECT_EQ(bands.judged().outcome, Outcome::passed);
+  bands.verdict.axes[1].active_spectra->velocity[12] = 7;  // 16 Hz
+  EXPECT_EQ(bands.judged().outcome, Outcome::failed);
+  bands.verdict.axes[1].floor_spectra->velocity[12] = 1e-9;
+  EXPECT_EQ(bands.judged().outcome, Outcome::passed);
+  bands.verdict.axes[1].active_spectra->velocity[11] = nan;
+  EXPECT_EQ(bands.judged().outcome, Outcome::failed);
+
+  MadeUp shares({.limited_share = 0.5, .lost_share = 0.1, .discarded_share = 0.3});
+  shares.active().n_saturated = 30000;
+  shares.active().n_lost = 6000;
+  shares.active().n_discarded = 16200;
+  EXPECT_EQ(shares.judged().outcome, Outcome::passed) << shares.judged().reason;
+}
+
+/// A made-up run in which anything may be wrong.
+MadeUp random_run(std::mt19937& random) {
+  const auto chance = [&](double p) { return std::bernoulli_distribution(p)(random); };
+  const auto value = [&]() -> std::optional<double> {
+    if (chance(0.1)) return std::nullopt;
+    if (chance(0.1)) return nan;
+    return std::exp(std::normal_distribution<double>(0, 2)(random));
+  };
+  SceneAcceptance accept;
+  if (chance(0.3)) {
+    accept.axes.push_back({.axis = chance(0.8) ? "z" : "y",
+                           .rms_of_floor = value(),
+                           .band_of_passive = value(),
+                           .vibration_class = "VC-E"});
+  }
+  MadeUp run(accept);
+  if (chance(0.2)) run.verdict.runs.erase(run.verdict.runs.begin() + (chance(0.5) ? 1 : 0));
+  for (RunSummary& r : run.verdict.runs) {
+    if (chance(0.1)) r.n_damaged = 3;
+    if (chance(0.1)) r.n_samples = 4000;
+    if (chance(0.1)) r.n_saturated = 3000;
+    if (chance(0.1)) r.n_discarded = 3000;
+    if (chance(0.1)) r.unreadable = "gains_text: no \"YAML\" <b>";
+  }
+  for (AxisLevels& axis : run.verdict.axes) {
+    if (chance(0.1)) axis.active.reset();
+    for (AskedMotion& motion : axis.asked) {
+      if (chance(0.6)) continue;
+      motion.floor = value();
+      motion.passive = value();
+      motion.active = value();
+    }
+  }
+  return run;
+}
+
+TEST(Acceptance, NothingThatIsNoNumberPassesAndNothingFailedIsLost) {
+  std::mt19937 random(20261122);
+  std::set<Outcome> seen;
+  for (int n = 0; n < 300; ++n) {
+    MadeUp run = random_run(random);
+    const Judgement judgement = run.judged();
+    seen.insert(judgement.outcome);
+    EXPECT_EQ(judgement.reason.back(), judgement.reason.ends_with(')') ? ')' : '.');
+    bool failed = false;
+    for (const Check& check : judgement.checks) {
+      EXPECT_FALSE(check.reason.empty()) << check.what;
+      failed = failed || check.outcome == Outcome::failed;
+      const bool no_number = check.found.find("nan") != std::string::npos;
+      EXPECT_FALSE(no_number && check.outcome == Outcome::passed) << check.what;
+    }
+    EXPECT_EQ(judgement.outcome == Outcome::failed, failed);
+    // Text and JSON say what the judgement says.
+    run.verdict.judgement = judgement;
+    const std::string word(to_text(judgement.outcome));
+    const std::string last = "Verdict: " + word + ". " + judgement.reason + "\n";
+    EXPECT_TRUE(to_text(run.verdict).ends_with(last)) << to_text(run.verdict);
+    const auto json = nlohmann::json::parse(to_json(run.verdict));
+    EXPECT_EQ(json.at("outcome"), word);
+    EXPECT_EQ(json.at("reason"), judgement.reason);
+    EXPECT_EQ(json.at("checks").size(), judgement.checks.size());
+    // Whatever else is well or not: one failed check fails the run.
+    run.prediction = {{.subject = Subject::prediction,
+                       .what = {},
+                       .asked = {},
+                       .found = {},
+                       .outcome = Outcome::failed,
+                       .reason = "No."}};
+    EXPECT_EQ(run.judged().outcome, Outcome::failed);
+  }
+  EXPECT_EQ(seen.size(), 3u);
+}
+
+}  // namespace
+}  // namespace stillframe::report

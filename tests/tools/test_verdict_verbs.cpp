@@ -1,0 +1,242 @@
+#include <fstream>
+#include <lcm/lcm-cpp.hpp>
+#include <random>
+#include <regex>
+
+#include "msgs/channels.hpp"
+#include "report/page/sections.hpp"
+#include "stillframe_msgs/run_info_t.hpp"
+#include "tests/tools/verb.hpp"
+#include "tools/analysis/page_tables_of.hpp"
+#include "tools/exit_code.hpp"
+
+namespace stillframe::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The word on the badge of a page.
+std::string badge_of(const std::string& html) {
+  std::smatch found;
+  std::regex_search(html, found, std::regex("<span class=\"badge [a-z]*\">([^<]*)</span>"));
+  std::string word = found[1];
+  if (!word.empty()) word.front() = static_cast<char>(std::tolower(word.front()));
+  return word;
+}
+
+/// Runs in one process, and what `run`, `report` and `batch` say of them.
+class VerdictVerbs : public Verb {
+ protected:
+  fs::path frame() const { return config("scenes/metrology_frame.yaml"); }
+
+  Said simulate(const fs::path& out, std::vector<std::string> more) const {
+    std::vector<std::string> arguments{"run", frame(), "--mode", "single_process", "--out", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  /// The frame's controller block with legs that can hardly push.
+  fs::path weak_legs() const {
+    return write("controller.yaml",
+                 std::regex_replace(text_of(config("controllers/force_feedback_5hz.yaml")),
+                                    std::regex("force_limit_n: *[0-9.]+"), "force_limit_n: 0.5"));
+  }
+
+  /// A run directory, read by everything that can read it: all say the same.
+  void expect_everywhere(const fs::path& folder, const Said& said, const std::string& outcome) {
+    const int code = outcome == "failed" ? 4 : 0;
+    EXPECT_EQ(said.exit_code, code) << said.output << said.error;
+    const Json of_run = Json::parse(text_of(folder / "verdict.json"));
+    EXPECT_EQ(of_run.at("outcome"), outcome) << of_run.at("reason");
+    const std::string last =
+        "Verdict: " + outcome + ". " + of_run.at("reason").get<std::string>() + "\n";
+    EXPECT_TRUE(text_of(folder / "verdict.txt").ends_with(last));
+    EXPECT_EQ(badge_of(text_of(folder / "report.html")), outcome);
+    const Said report = run({"report", folder, "--json"});
+    EXPECT_EQ(report.exit_code, code);
+    EXPECT_EQ(Json::parse(report.output), of_run);
+  }
+};
+
+TEST_F(VerdictVerbs, AFrameThatItsLimitedForcesShakeFails) {
+  const auto limited = weak_legs();
+  const Said said = simulate(folder_ / "run", {"--controller", limited, "--duration", "12"});
+  expect_everywhere(folder_ / "run", said, "failed");
+  const Json verdict = Json::parse(text_of(folder_ / "run/verdict.json"));
+  EXPECT_NE(verdict.at("reason").get<std::string>().find("Commands with a limited force: 11"),
+            std::string::npos)
+      << verdict.at("reason");
+  bool shakes = false;
+  for (const Json& check : verdict.at("checks")) {
+    shakes = shakes || (check.at("subject") == "motion" && check.at("outcome") == "failed");
+  }
+  EXPECT_TRUE(shakes);
+  const Said batch = run({"batch", frame(), "--controller", limited, "--duration", "12", "--json"});
+  EXPECT_EQ(batch.exit_code, 4);
+  EXPECT_EQ(Json::parse(batch.output)[0].at("outcome"), "failed");
+  EXPECT_EQ(Json::parse(batch.output)[0].at("reason"), verdict.at("reason"));
+  EXPECT_NE(batch.error.find(verdict.at("reason").get<std::string>()), std::string::npos);
+}
+
+TEST_F(VerdictVerbs, TheFrameAsItIsPasses) {
+  const Said said = simulate(folder_ / "run", {"--duration", "12"});
+  expect_everywhere(folder_ / "run", said, "passed");
+  for (const Json& run : Json::parse(text_of(folder_ / "run/verdict.json")).at("runs")) {
+    EXPECT_EQ(run.at("mode"), "single_process");
+  }
+  EXPECT_NE(text_of(folder_ / "run/report.html").find("single process"), std::string::npos);
+  EXPECT_EQ(run({"replay", folder_ / "run/active.lcm"}).exit_code, 0);
+}
+
+TEST_F(VerdictVerbs, ARunWithNothingToJudgeByIsNotJudged) {
+  expect_everywhere(folder_ / "short", simulate(folder_ / "short", {"--duration", "2"}),
+                    "not judged");
+  expect_everywhere(folder_ / "passive",
+                    simulate(folder_ / "passive", {"--duration", "12", "--loop", "passive"}),
+                    "not judged");
+  const auto still = write("still.yaml", "still: {duration_s: 12}\n");
+  expect_everywhere(folder_ / "still", simulate(folder_ / "still", {"--floor", still}),
+                    "not judged");
+}
+
+TEST_F(VerdictVerbs, WhatTheSceneAcceptsIsInItsLog) {
+  std::string scene = text_of(frame());
+  for (const char* block : {"controllers", "floors"}) {
+    scene = std::regex_replace(scene, std::regex(std::string("\\.\\./") + block),
+                               config(block).string());
+  }
+  const auto run_with = [&](const std::string& name, const std::string& accept) {
+    const auto file = write(name + ".yaml", scene + "accept: " + accept + "\n");
+    return run(
+        {"run", file, "--mode", "single_process", "--duration", "12", "--out", folder_ / name});
+  };
+  // The README's table: y meets VC-E on this floor, and moves less than half of what the floor
+  // does.
+  expect_everywhere(folder_ / "strict", run_with("strict", "{axes: {y: {class: VC-G}}}"), "failed");
+  expect_everywhere(folder_ / "fair",
+                    run_with("fair", "{axes: {y: {band_of_floor: 0.5, from_hz: 10, to_hz: 80}}}"),
+                    "passed");
+}
+
+TEST_F(VerdictVerbs, LogsOfDifferentFloorsAreSetEachAgainstItsOwn) {
+  const auto quake = config("floors/quake.yaml"), multisine = config("floors/multisine.yaml");
+  for (const auto& [name, loop, floor] :
+       std::initializer_list<std::tuple<const char*, const char*, std::string>>{
+           {"own", "both", ""}, {"quake", "passive", quake}, {"lines", "both", multisine}}) {
+    std::vector<std::string> more{"--loop", loop, "--duration", "12"};
+    if (!floor.empty()) more.insert(more.end(), {"--floor", floor});
+    ASSERT_NE(simulate(folder_ / name, more).exit_code, 2) << name;
+  }
+  const auto verdict_of = [&](const fs::path& passive, const fs::path& active) {
+    const Said said = run({"report", passive, active, "--out", folder_ / "page.html", "--json"});
+    EXPECT_TRUE(said.exit_code == 0 || said.exit_code == 4) << said.exit_code << said.error;
+    return Json::parse(said.output);
+  };
+  const Json own = verdict_of(folder_ / "own/passive.lcm", folder_ / "own/active.lcm");
+  EXPECT_TRUE(own.at("warnings").empty());
+  const Json quaked = verdict_of(folder_ / "quake/passive.lcm", folder_ / "own/active.lcm");
+  ASSERT_EQ(quaked.at("warnings").size(), 1u);
+  EXPECT_NE(text_of(folder_ / "page.html").find(quaked.at("warnings")[0].get<std::string>()),
+            std::string::npos);
+  ASSERT_EQ(quaked.at("axes").size(), 6u);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Json &passive = quaked.at("axes")[a], &active = quaked.at("axes")[a + 3];
+    EXPECT_FALSE(passive.contains("active") || active.contains("passive"));
+    EXPECT_FALSE(active.contains("ratio_active_to_passive"));
+    EXPECT_NE(passive.at("floor"), active.at("floor"));
+    EXPECT_EQ(active.at("floor"), own.at("axes")[a].at("floor"));
+    EXPECT_EQ(active.at("active"), own.at("axes")[a].at("active"));
+  }
+  // A multisine beside a recorded floor, either way round.
+  EXPECT_EQ(verdict_of(folder_ / "lines/passive.lcm", folder_ / "own/active.lcm").at("axes").size(),
+            3u);
+  EXPECT_EQ(verdict_of(folder_ / "own/passive.lcm", folder_ / "lines/active.lcm").at("axes").size(),
+            3u);
+}
+
+TEST_F(VerdictVerbs, ALogWhoseGainsOrSceneCannotBeReadFails) {
+  ASSERT_EQ(simulate(folder_ / "run", {"--duration", "12", "--loop", "active"}).exit_code, 0);
+  const auto damage = [&](const std::string& name, auto&& change) {
+    lcm::LogFile from((folder_ / "run/active.lcm").string(), "r");
+    lcm::LogFile to((folder_ / name).string(), "w");
+    while (const lcm::LogEvent* event = from.readNextEvent()) {
+      lcm::LogEvent copy = *event;
+      std::vector<std::uint8_t> bytes;
+      if (event->channel == channels::run_info) {
+        stillframe_msgs::run_info_t info;
+        EXPECT_GE(info.decode(event->data, 0, event->datalen), 0);
+        change(info);
+        bytes.resize(static_cast<std::size_t>(info.getEncodedSize()));
+        info.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+        copy.data = bytes.data();
+        copy.datalen = static_cast<std::int32_t>(bytes.size());
+      }
+      to.writeEvent(&copy);
+    }
+    return folder_ / name;
+  };
+  using Info = stillframe_msgs::run_info_t;
+  for (const auto& log : {damage("gains.lcm", [](Info& i) { i.gains_text = "K_P: none\n"; }),
+                          damage("scene.lcm", [](Info& i) { i.scene_text = "title: {\n"; }),
+                          damage("floor.lcm", [](Info& i) { i.floor_text = "quake: now\n"; })}) {
+    const Said said = run({"report", log, "--json"});
+    EXPECT_EQ(said.exit_code, 4) << log;
+    const Json verdict = Json::parse(said.output);
+    EXPECT_EQ(verdict.at("outcome"), "failed");
+    EXPECT_NE(verdict.at("reason").get<std::string>().find(log.stem().string() + "_text"),
+              std::string::npos)
+        << verdict.at("reason");
+  }
+}
+
+TEST(VerdictAgreement, TextJsonBadgeAndExitCodeSayTheSame) {
+  std::mt19937 random(14);
+  using report::Outcome;
+  for (int n = 0; n < 300; ++n) {
+    report::Verdict verdict;
+    std::vector<report::Check> checks(random() % 6);
+    for (report::Check& check : checks) {
+      check.subject = static_cast<report::Subject>(random() % 4);
+      check.outcome = static_cast<Outcome>(random() % 3);
+      if (check.outcome == Outcome::failed && random() % 2 == 0) check.outcome = Outcome::passed;
+      check.by_scene = random() % 4 == 0;
+      check.reason = "Reason " + std::to_string(random()) + " of <some> \"kind\" & sort.";
+    }
+    verdict.judgement = report::conclude(checks);
+    const std::string word(report::to_text(verdict.judgement.outcome));
+    EXPECT_EQ(Json::parse(report::to_json(verdict)).at("outcome"), word);
+    EXPECT_NE(report::to_text(verdict).find("Verdict: " + word + ". "), std::string::npos);
+    page::PageData data;
+    tools::add_judgement(verdict, data.head);
+    EXPECT_EQ(badge_of(page::head_html(data)), word);
+    EXPECT_EQ(tools::exit_code_of(verdict.judgement.outcome) == 4, word == "failed");
+  }
+}
+
+TEST(Headline, SaysWhereTheFrameIsWorseByClass) {
+  const auto level = [](double rms, const char* name) {
+    return report::MotionLevel{.rms_acceleration = rms, .vibration_class = name};
+  };
+  report::Verdict verdict;
+  verdict.axes = {{"x", level(13, "VC-D"), {}, level(1, "VC-C")},
+                  {"y", level(26, "VC-D"), {}, level(1, "VC-D")},
+                  {"z", level(26, "VC-A"), {}, level(1, "above VC-A")}};
+  page::Head head;
+  tools::add_judgement(verdict, head);
+  ASSERT_EQ(head.headlines.size(), 1u);
+  EXPECT_NE(head.headlines[0].find("13 times less"), std::string::npos);
+  EXPECT_NE(
+      head.headlines[0].find("but by vibration class it is worse in x (VC-C for the floor's VC-D), "
+                             "z (above VC-A for the floor's VC-A)"),
+      std::string::npos)
+      << head.headlines[0];
+}
+
+}  // namespace
+}  // namespace stillframe::test

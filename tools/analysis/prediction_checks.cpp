@@ -1,0 +1,84 @@
+#include "tools/analysis/prediction_checks.hpp"
+
+#include <algorithm>
+
+#include "report/table.hpp"
+
+namespace stillframe::tools {
+
+using report::cell;
+using report::Check;
+using report::Outcome;
+using report::Subject;
+
+namespace {
+
+Check check_of(const report::IdentificationSummary& id) {
+  const double largest =
+      std::max({id.open_largest_db, id.closed_largest_db, id.reduction_largest_error_db});
+  const std::string below = cell("%d of %d", id.n_closed_below_open, id.n_reduction_frequencies);
+  return {
+      .subject = Subject::prediction,
+      .what = "singular values of both loops against the prediction",
+      .asked = cell("at most %.3g dB, reduced above %.3g Hz", id.allowed_db, id.reduction_above_hz),
+      .found = cell("%.3g dB, reduced at ", largest) + below,
+      .outcome = id.pass() ? Outcome::passed : Outcome::failed,
+      .reason = cell("The measured singular values lie within %.3g dB of the prediction "
+                     "(allowed: %.3g dB), and the closed loop lies below the open one at ",
+                     largest, id.allowed_db) +
+                below + " frequencies where it is to."};
+}
+
+/// What a scene asks for by name, of one response.
+Check check_of(const report::ResponseSummary& response, double allowed_db) {
+  Check check{.subject = Subject::prediction,
+              .what = response.loop + ", " + response.what + " against the prediction",
+              .asked = cell("at most %.3g dB", allowed_db),
+              .found = "",
+              .outcome = Outcome::not_judged,
+              .reason = "The " + response.loop + " loop, " + response.what + ": " +
+                        (response.missing.empty() ? "nothing is coherent enough to be compared"
+                                                  : response.missing) +
+                        ".",
+              .by_scene = true};
+  if (response.n_compared > 0) {
+    check.found = cell("%.3g dB", response.sampled_largest_db);
+    check.outcome = report::at_most(response.sampled_largest_db, allowed_db);
+    check.reason = cell(
+        "The %s loop lies within %.3g dB of its prediction (at %.4g Hz; allowed: "
+        "%.3g dB).",
+        response.loop.c_str(), response.sampled_largest_db, response.sampled_at_hz, allowed_db);
+  }
+  return check;
+}
+
+}  // namespace
+
+std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verdict& verdict,
+                                     std::optional<double> prediction_db) {
+  std::vector<Check> checks;
+  if (verdict.identification) checks.push_back(check_of(*verdict.identification));
+  if (prediction_db) {
+    for (const report::ResponseSummary& response : verdict.responses) {
+      checks.push_back(check_of(response, *prediction_db));
+    }
+  }
+  if (!checks.empty()) return checks;
+  for (const auto* run : {&runs.passive, &runs.active}) {
+    if (!*run || !(*run)->run.multisine || !(*run)->matrix) continue;
+    const JudgedResponse& matrix = *(*run)->matrix;
+    const std::string& why =
+        matrix.measured.missing.empty() ? matrix.unpredicted : matrix.measured.missing;
+    checks.push_back({.subject = Subject::prediction,
+                      .what = "multisine, " + (*run)->data.scan.info.loop,
+                      .asked = "identified",
+                      .found = "",
+                      .outcome = Outcome::not_judged,
+                      .reason = "The multisine of the " + (*run)->data.scan.info.loop +
+                                " run shows nothing of the loop: " +
+                                (why.empty() ? "the other loop did not run on it" : why) + "."});
+  }
+  return checks;
+}
+
+}  // namespace stillframe::tools
