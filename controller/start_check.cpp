@@ -1,9 +1,12 @@
 #include "controller/start_check.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <functional>
+#include <numbers>
 #include <utility>
 
 #include "controller/law.hpp"
@@ -41,6 +44,26 @@ LoopPlant loop_plant(const Gains& gains) {
           .C_sigma = gains.plant.C};
 }
 
+/// Leaks worth a try, Hz: from 0.05 up in steps to what the slowest mode of the law bears, 2 zeta
+/// omega_d, the eigenvalues of (I + K_P)^-1 K_I; and a tenth of the present one.
+std::vector<double> candidate_leaks(const Gains& gains) {
+  std::vector<double> leaks;
+  if (gains.leak_hz > 0) leaks.push_back(gains.leak_hz / 10);
+  const Index m = gains.n_legs();
+  const MatrixXd X = MatrixXd::Identity(m, m) + gains.K_P;
+  const double bound = X.partialPivLu().solve(gains.K_I).eigenvalues().cwiseAbs().maxCoeff() /
+                       (2 * std::numbers::pi);
+  for (double decade = 0.01; decade < 1e3; decade *= 10) {
+    for (const double step : {1.0, 2.0, 3.0, 5.0, 7.0}) {
+      const double leak = decade * step;
+      if (leak < 0.05 || leak == gains.leak_hz) continue;
+      if (!(leak < bound) && leak > 0.05) return leaks;
+      leaks.push_back(leak);
+    }
+  }
+  return leaks;
+}
+
 std::vector<Change> candidate_changes(const Gains& gains) {
   std::vector<Change> changes;
   if (gains.realisation == Realisation::naive_pi) {
@@ -50,9 +73,7 @@ std::vector<Change> candidate_changes(const Gains& gains) {
   if (gains.delay_samples > 0) {
     changes.push_back({"delay_samples: 0", [](Gains& g) { g.delay_samples = 0; }});
   }
-  const std::vector<double> leaks =
-      gains.leak_hz > 0 ? std::vector{gains.leak_hz / 10} : std::vector{0.05};
-  for (const double leak : leaks) {
+  for (const double leak : candidate_leaks(gains)) {
     changes.push_back({"leak_hz: " + shown(leak), [leak](Gains& g) { g.leak_hz = leak; }});
   }
   for (const double factor : {2.0, 4.0, 10.0}) {
@@ -85,7 +106,7 @@ void try_changes(Gains gains, const std::vector<const Change*>& changes,
   if (radius < largest_stable_radius) found.push_back({text, radius});
 }
 
-std::string reason(const Gains& gains) {
+std::string reason(const Gains& gains, double radius) {
   if (gains.realisation == Realisation::naive_pi) {
     const double gain = gains.K_P.eigenvalues().cwiseAbs().maxCoeff();
     if (gain >= 1) {
@@ -96,13 +117,24 @@ std::string reason(const Gains& gains) {
              ", at every sample rate.";
     }
   }
-  if (gains.leak_hz == 0) {
+  if (gains.leak_hz == 0 && gains.high_pass_hz == 0 && std::abs(radius - 1) < 1e-6) {
     return "With leak_hz: 0 the integrator cancels the static stiffness of the legs: a constant "
            "force "
            "makes the frame drift for ever, which is a pole at 1.";
   }
   return "Plant, law, leak, roll-off and delay together, sampled at " +
          shown(gains.sample_rate_hz, "%g") + " Hz, do not settle.";
+}
+
+/// What is left where no change of a setting that was tried makes the loop stable.
+std::string no_remedy(Gains gains) {
+  // The two orders of the matrices, exact and deck, are each other's transposes.
+  gains.K_P.transposeInPlace();
+  gains.K_I.transposeInPlace();
+  const bool order = closed_loop_radius(gains) < largest_stable_radius;
+  return std::string(" None of the changes of one or two settings that were tried mends it: ") +
+         (order ? "the other order of the matrices does (`order: exact` or `deck`)."
+                : "design the gains anew, with another target.");
 }
 
 }  // namespace
@@ -120,14 +152,16 @@ double ramp_radius(const Gains& gains) {
     DiscreteLaw law = whole;
     law.C *= 0.05 * i;
     law.D *= 0.05 * i;
-    largest = std::max(largest, spectral_radius(close_loop(plant, law)));
+    const double radius = spectral_radius(close_loop(plant, law));
+    if (std::isnan(radius)) return radius;
+    largest = std::max(largest, radius);
   }
   return largest;
 }
 
 double require_stable_ramp(const Gains& gains) {
   const double radius = ramp_radius(gains);
-  if (radius < 1) return radius;
+  if (radius < 1) return radius;  // and not where it is not known
   throw Refusal(
       "the loop is stable, but not on the way there: with a part of its gain, as in a ramp, "
       "its spectral radius is " +
@@ -139,12 +173,16 @@ double require_stable_ramp(const Gains& gains) {
 std::vector<Remedy> find_remedies(const Gains& gains) {
   const std::vector<Change> changes = candidate_changes(gains);
   std::vector<Remedy> found;
-  for (const Change& change : changes) try_changes(gains, {&change}, found);
+  const auto key = [](const std::string& text) { return text.substr(0, text.find(':')); };
+  // Of one setting the first value that does is enough.
+  for (const Change& change : changes) {
+    if (!found.empty() && key(found.back().change) == key(change.text)) continue;
+    try_changes(gains, {&change}, found);
+  }
   if (!found.empty()) return found;
   for (size_t i = 0; i < changes.size(); ++i) {
     for (size_t j = i + 1; j < changes.size(); ++j) {
-      const auto key = [](const Change& c) { return c.text.substr(0, c.text.find(':')); };
-      if (key(changes[i]) == key(changes[j])) continue;
+      if (key(changes[i].text) == key(changes[j].text)) continue;
       try_changes(gains, {&changes[i], &changes[j]}, found);
     }
   }
@@ -155,13 +193,9 @@ double require_stable(const Gains& gains) {
   const double radius = closed_loop_radius(gains);
   if (radius < largest_stable_radius) return radius;
   std::string text = "the sampled closed loop is not stable: its spectral radius is " +
-                     shown_radius(radius) + ", and below 1 is needed. " + reason(gains);
+                     shown_radius(radius) + ", and below 1 is needed. " + reason(gains, radius);
   const auto remedies = find_remedies(gains);
-  if (remedies.empty()) {
-    text +=
-        " No setting of the gains file mends it: design the gains anew, with a lower omega_d "
-        "or the exact order K M^-1.";
-  }
+  if (remedies.empty()) text += no_remedy(gains);
   for (size_t i = 0; i < std::min<size_t>(remedies.size(), 3); ++i) {
     text += (i == 0 ? " What mends it: " : "; or ") + remedies[i].change + " (radius " +
             shown_radius(remedies[i].radius) + ")";

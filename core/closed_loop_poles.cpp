@@ -9,15 +9,17 @@ using Eigen::Index;
 
 namespace {
 
-/// Leak, high-pass and roll-off, rad/s.
+/// Leak, high-pass and roll-off, rad/s, and the lead, s.
 struct Corners {
-  double leak = 0, high_pass = 0, roll_off = 0;
+  double leak = 0, high_pass = 0, roll_off = 0, lead = 0;
 };
 
 Corners corners_of(const ForceFeedback& gains) {
   // A high-pass alone is a leak.
-  if (gains.leak == 0) return {.leak = gains.high_pass, .roll_off = gains.roll_off};
-  return {gains.leak, gains.high_pass, gains.roll_off};
+  if (gains.leak == 0) {
+    return {.leak = gains.high_pass, .roll_off = gains.roll_off, .lead = gains.lead};
+  }
+  return {gains.leak, gains.high_pass, gains.roll_off, gains.lead};
 }
 
 /// The law and the legs in the coordinates L^T q and L^-1 sigma, all r x r.
@@ -74,6 +76,7 @@ ExtendedMatrix state_matrix(const Scaled& loop, const Corners& corners, double o
     block(0, d) = -scale * I;
     A.middleRows(d * r, r) = -A.middleRows(r, r);
     block(d, 0) += loop.K / scale;
+    A.middleRows(d * r, r) *= 1 - DoubleDouble(corners.lead) * DoubleDouble(corners.roll_off);
     block(d, d) -= DoubleDouble(corners.roll_off) * I;
   }
   return A;

@@ -1,8 +1,8 @@
 #include "core/compliance.hpp"
 
 #include "core/control_loop.hpp"
-#include "core/frequency_response.hpp"
 #include "core/operating_point.hpp"
+#include "core/state_space.hpp"
 
 namespace stillframe {
 
@@ -18,19 +18,12 @@ std::vector<SceneSignal> at_outputs(const Scene& scene, Quantity quantity) {
 
 }  // namespace
 
-Compliance::Compliance(const Scene& scene, const Model& model)
-    : n_(static_cast<Index>(scene.outputs.size())) {
+LoopPlant compliance_plant(const Scene& scene, const Model& model) {
   require_loop_signals(scene);
-  model_ = linearise(model, at_outputs(scene, Quantity::force),
-                     at_outputs(scene, Quantity::position));
-}
-
-Eigen::MatrixXcd Compliance::open(std::complex<double> s) const {
-  return transfer_function(model_, s).topLeftCorner(n_, n_);
-}
-
-Eigen::MatrixXcd Compliance::closed(std::complex<double> s, const ForceFeedback& feedback) const {
-  return closed_loop(transfer_function(model_, s), n_, n_, feedback(s));
+  const auto n = static_cast<Index>(scene.outputs.size());
+  return loop_plant(linearise(model, at_outputs(scene, Quantity::force),
+                              at_outputs(scene, Quantity::position)),
+                    n, n);
 }
 
 }  // namespace stillframe

@@ -1,29 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <complex>
-
-#include "core/linear/force_feedback.hpp"
-#include "core/linearisation.hpp"
+#include "core/linear/sampled_plant.hpp"
 #include "core/scene/scene.hpp"
 
 namespace stillframe {
 
-/// What forces on the frame do to it: the displacements at the places and along the directions of
-/// the scene's outputs, from forces (N) at the same places along the same directions.
-class Compliance {
- public:
-  /// Linearises about the scene's equilibrium. Errors: as require_loop_signals and the equilibrium.
-  Compliance(const Scene& scene, const Model& model);
+struct Model;
 
-  /// n_y x n_y, m/N, without control; s in rad/s.
-  Eigen::MatrixXcd open(std::complex<double> s) const;
-  /// The same with the continuous law.
-  Eigen::MatrixXcd closed(std::complex<double> s, const ForceFeedback& feedback) const;
-
- private:
-  LinearModel model_;
-  Eigen::Index n_ = 0;
-};
+/// The plant of a scene's loop with forces on the frame in place of the floor: w are forces (N) at
+/// the places and along the directions of the scene's outputs, y the displacements there (m), so
+/// that open_loop and close_loop of it tell what forces on the frame do. About the scene's
+/// equilibrium. Errors: as require_loop_signals and the equilibrium.
+LoopPlant compliance_plant(const Scene& scene, const Model& model);
 
 }  // namespace stillframe

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/frequency_response.hpp"
+#include "core/linear/loop_settings.hpp"
 #include "core/operating_point.hpp"
 #include "core/scene/signals.hpp"
 #include "core/yaml/input_error.hpp"
@@ -94,6 +95,12 @@ ControlLoop make_control_loop(const Scene& scene, const Model& model) {
   loop.gains.leak = two_pi * controller.leak_hz;
   loop.gains.high_pass = two_pi * controller.high_pass_hz;
   loop.gains.roll_off = two_pi * controller.roll_off_hz.value_or(0.0);
+  loop.gains.lead =
+      continuous_lead(controller.lead_samples, {.sample_time = 1 / controller.sample_rate_hz,
+                                                .delay_samples = controller.delay_samples,
+                                                .instruments = scene.instruments,
+                                                .leg_gains = {},
+                                                .leg_delays = {}});
   return loop;
 }
 

@@ -17,11 +17,12 @@ struct ControlLoop {
   LinearModel plant;
   Eigen::Index n_w = 0, n_y = 0, n_legs = 0;
   DesignModel design;
-  ForceFeedback gains;
+  ForceFeedback gains;  ///< of the continuous law: the lead is what sampling does not use up
 
   /// G_11, what the floor does to the frame without control.
   Eigen::MatrixXcd open(std::complex<double> s) const;
-  /// T with the continuous law.
+  /// T with the continuous law, without sampling, delay and instruments. What runs is the sampled
+  /// one: close_loop of core/linear/loop_settings.hpp.
   Eigen::MatrixXcd closed(std::complex<double> s) const;
 };
 

@@ -64,7 +64,7 @@ Eigen::VectorXd virtual_frequencies(const LegMatrices& legs);
 /// they are the eigenvalues of
 ///   q'' = -M^-1 (sigma_0 + d),    sigma_0 = K q - w,  d = w - roll-off of w,
 ///   X sigma_0' = K q' + omega_l K q - (omega_l + K_I) sigma_0 + K_P g' + K_I g,
-///   g' = omega_h (sigma_0 - g),   d' = K q' - sigma_0' - omega_r d
+///   g' = omega_h (sigma_0 - g),   d' = (1 - tau omega_r) (K q' - sigma_0') - omega_r d
 /// in the states L^T q', L^-1 sigma_0, L^-1 d, L^-1 g, L^T q. Errors: Refusal if M is not positive
 /// definite or X is singular.
 Eigen::VectorXcd closed_loop_poles(const LegMatrices& legs, const ForceFeedback& gains,

@@ -140,9 +140,13 @@ namespace {
 void check_signals(const LinearModel& model, Index n_w, Index n_y) {
   for (size_t j = 0; j < model.inputs.size(); ++j) {
     const bool disturbance = static_cast<Index>(j) < n_w;
-    if (model.inputs[j].quantity != (disturbance ? Quantity::acceleration : Quantity::stress)) {
-      throw std::invalid_argument("loop_plant: input '" + model.inputs[j].name + "' is neither " +
-                                  "a disturbing acceleration nor a driving stress in its place");
+    const Quantity is = model.inputs[j].quantity;
+    const bool fits = disturbance ? is == Quantity::acceleration || is == Quantity::force
+                                  : is == Quantity::stress;
+    if (!fits) {
+      throw std::invalid_argument("loop_plant: input '" + model.inputs[j].name + "' is neither a " +
+                                  "disturbing acceleration or force nor a driving stress in its " +
+                                  "place");
     }
   }
   for (size_t i = static_cast<size_t>(n_y); i < model.outputs.size(); ++i) {
@@ -169,7 +173,8 @@ LoopPlant loop_plant(const LinearModel& model, Index n_w, Index n_y) {
   plant.A = MatrixXd::Zero(total, total);
   plant.A.topLeftCorner(2 * n, 2 * n) = state_matrix(model, M);
   plant.B_w = MatrixXd::Zero(total, n_w);
-  plant.B_w.middleRows(n, n) = -M.solve(model.M_r.leftCols(n_w));
+  // Of a force M_r is zero, of a motion B.
+  plant.B_w.middleRows(n, n) = M.solve(model.B.leftCols(n_w) - model.M_r.leftCols(n_w));
   plant.B_u = MatrixXd::Zero(total, m);
   plant.B_u.middleRows(n, n) = M.solve(model.B.rightCols(m));
   if (integrals) {  // states (dw/dt integral: velocity, position) after (q, q')
@@ -191,8 +196,8 @@ LoopPlant loop_plant(const LinearModel& model, Index n_w, Index n_y) {
     return C;
   };
   plant.C_y = state_rows(0, n_y);
-  plant.D_yw =
-      model.Y_a.topRows(n_y) * plant.B_w.middleRows(n, n) + model.R_a.topLeftCorner(n_y, n_w);
+  plant.D_yw = model.Y_a.topRows(n_y) * plant.B_w.middleRows(n, n) +
+               model.R_a.topLeftCorner(n_y, n_w) + model.D_u.topLeftCorner(n_y, n_w);
   plant.D_yu =
       model.Y_a.topRows(n_y) * plant.B_u.middleRows(n, n) + model.D_u.topRightCorner(n_y, m);
   plant.C_sigma = state_rows(n_y, model.Y_p.rows() - n_y);

@@ -28,11 +28,11 @@ InputColumns::Kind input_kind(Quantity quantity);
 /// to 8.4; THEORY section 2. Errors: as mass_factors.
 StateSpace state_space(const LinearModel& model);
 
-/// The linear model as the sampled loop needs it: w the first n_w inputs (all accelerations), u the
-/// remaining m (driving stresses of the legs), y the first n_y outputs, sigma the remaining m
-/// (their stress resultants). Where prescribed motion strains elastic elements, velocity and
-/// position of w join the state (deck, Note 2). Errors: std::invalid_argument if the inputs or
-/// outputs are not of that kind; as mass_factors.
+/// The linear model as the sampled loop needs it: w the first n_w inputs (accelerations and
+/// forces), u the remaining m (driving stresses of the legs), y the first n_y outputs, sigma the
+/// remaining m (their stress resultants). Where prescribed motion strains elastic elements,
+/// velocity and position of w join the state (deck, Note 2). Errors: std::invalid_argument if the
+/// inputs or outputs are not of that kind; as mass_factors.
 LoopPlant loop_plant(const LinearModel& model, Eigen::Index n_w, Eigen::Index n_y);
 
 }  // namespace stillframe

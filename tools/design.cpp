@@ -84,7 +84,7 @@ void add_design(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   verb->add_flag("--json", options->json, "Print JSON (keys below)");
   verb->footer(
-      "The page: gains; poles of the continuous loop; what gets from floor, sensor noise and "
+      "The page: gains; poles of the continuous law; what gets from floor, sensor noise and "
       "forces "
       "to the\n"
       "frame; margins; rates at which the loop is stable; warnings in words. Gains whose sampled "
@@ -92,20 +92,26 @@ void add_design(CLI::App& app, int& exit_code) {
       "loop is not stable are printed and refused: exit code 3, no file written.\n"
       "Keys of --json:\n"
       "  scene, scene_hash, order, legs, target_hz, damping_ratio, K_P, K_I, leak_hz\n"
-      "  closed_loop_poles           [re, im] in rad/s, continuous loop with the whole plant\n"
-      "  exact_order, deck_order     lowest and highest pole over omega_d, largest_real (1/s)\n"
+      "  closed_loop_poles           [re, im] in rad/s, continuous law on the whole plant\n"
+      "  exact_order, deck_order     lowest and highest pole over its target's, largest_real "
+      "(1/s)\n"
       "  spectral_radius, misaligned_spectral_radius   the second: applied force one sample late\n"
       "  frequencies_hz              of the next keys, a row each\n"
-      "  singular_values             of T, open loop; closed_singular_values: continuous law;\n"
-      "                              sampled_singular_values: as it is sampled\n"
-      "  noise_to_acceleration       m/s^2 per N of sensor noise, sampled\n"
-      "  compliance, passive_compliance   m/N at the outputs, continuous law and without\n"
-      "  spread_db, crosstalk_db     of the sampled T: largest over smallest singular value, and\n"
+      "  singular_values             of T, open loop; closed_singular_values: of the loop that "
+      "runs;\n"
+      "                              continuous_singular_values: of its law without sampling, "
+      "delay\n"
+      "                              and instruments\n"
+      "  noise_to_acceleration       m/s^2 per N of sensor noise\n"
+      "  compliance, passive_compliance   m/N at the outputs, of the loop that runs and open\n"
+      "  spread_db, crosstalk_db     of the T that runs: largest over smallest singular value, "
+      "and\n"
       "                              what reaches other outputs than its own; null if not square\n"
       "  margins                     leg_gain, all_gain [down, up]; leg_delay_s, all_delay_s;\n"
       "                              leg_disk, all_disk, all_disk_hz; null if unstable\n"
       "  stable_rates_hz             intervals up to 200 kHz\n"
-      "  recommended                 sample_rate_hz, lead_samples, roll_off_hz, price_db, disk\n"
+      "  recommended                 sample_rate_hz, lead_samples, roll_off_hz, price_db, disk,\n"
+      "                              warnings: those of the page that stay with these settings\n"
       "  warnings");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

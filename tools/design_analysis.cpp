@@ -15,24 +15,43 @@ namespace stillframe::tools {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
+constexpr double highest_rate_hz = 2e5;
 using Complex = std::complex<double>;
 
-FrequencyLine line_at(const LoopDesign& design, const Compliance& compliance, double hz) {
+/// Displacements from forces on the frame, as the loop runs and with it open.
+struct ForceResponses {
+  explicit ForceResponses(const LoopDesign& design)
+      : plant(sample_and_hold(compliance_plant(design.scene, design.model),
+                              design.settings.sampling)),
+        open(open_loop(plant)),
+        closed(close_loop(plant, law_of(design.settings))) {}
+  SampledPlant plant;
+  SampledLoop open, closed;
+};
+
+FrequencyLine line_at(const LoopDesign& design, const ForceResponses& forces, double hz) {
   const Complex s(0, two_pi * hz);
   FrequencyLine line;
   line.hz = hz;
   line.open = singular_values(design.loop.open(s));
-  line.closed = singular_values(design.loop.closed(s));
+  line.continuous = singular_values(design.loop.closed(s));
   const Eigen::MatrixXcd T = transfer(design.closed, two_pi * hz);
-  line.sampled = singular_values(T);
+  line.closed = singular_values(T);
   line.noise = singular_values(noise_transfer(design.closed, two_pi * hz))(0);
-  line.compliance = singular_values(compliance.closed(s, design.settings.feedback))(0);
-  line.passive_compliance = singular_values(compliance.open(s))(0);
+  line.compliance = singular_values(transfer(forces.closed, two_pi * hz))(0);
+  line.passive_compliance = singular_values(transfer(forces.open, two_pi * hz))(0);
   if (T.rows() == T.cols()) line.decoupling = decoupling(T);
   return line;
 }
 
-/// The poles of the design model without leak, each against the nearest target of its modulus.
+/// The moduli of the poles that a target asks for: omega_d, or those of two real ones.
+std::vector<double> moduli_of(const ModeTarget& target) {
+  if (target.zeta <= 1) return {target.omega_d};
+  const double root = std::sqrt(target.zeta * target.zeta - 1);
+  return {target.omega_d / (target.zeta + root), target.omega_d * (target.zeta + root)};
+}
+
+/// The poles of the design model without leak, each against the nearest that a target asks for.
 PoleSpread effect_of(const LoopDesign& design, GainOrder order) {
   const DesignModel& model = design.loop.design;
   const auto targets = mode_targets(*design.scene.controller, model.legs.M.rows());
@@ -44,8 +63,10 @@ PoleSpread effect_of(const LoopDesign& design, GainOrder order) {
     if (pole == Complex(0)) continue;  // of the pure integrators
     double nearest = infinity;
     for (const ModeTarget& target : targets) {
-      const double ratio = std::abs(pole) / target.omega_d;
-      if (std::abs(std::log(ratio)) < std::abs(std::log(nearest))) nearest = ratio;
+      for (const double modulus : moduli_of(target)) {
+        const double ratio = std::abs(pole) / modulus;
+        if (std::abs(std::log(ratio)) < std::abs(std::log(nearest))) nearest = ratio;
+      }
     }
     effect.lowest = std::min(effect.lowest, nearest);
     effect.highest = std::max(effect.highest, nearest);
@@ -54,30 +75,48 @@ PoleSpread effect_of(const LoopDesign& design, GainOrder order) {
   return effect;
 }
 
+double misaligned_radius(LoopSettings settings) {
+  ++settings.sampling.instruments.report_age_samples;
+  return spectral_radius(settings);
+}
+
 /// Whether a loop is stable and meets the rule of `recommend`.
 std::optional<Recommendation> judged(const LoopDesign& design, const LoopSettings& settings) {
   if (!(spectral_radius(settings) < largest_stable_radius)) return std::nullopt;
   const double price =
       price_of_sampling(design.loop, design.scene.controller->lowest_target_hz(), settings);
-  if (price > 3) return std::nullopt;
-  if (!has_disk_margin(settings, 0.5)) return std::nullopt;
+  if (!(price <= 3)) return std::nullopt;
+  const auto [disk, disk_hz] = all_leg_disk_margin(settings, least_disk_margin);
+  if (!(disk >= least_disk_margin)) return std::nullopt;
   Recommendation found{.rate_hz = 1 / settings.sampling.sample_time,
                        .lead_samples = settings.law.lead_samples,
                        .roll_off_hz = {},
                        .price_db = price,
-                       .disk = all_leg_disk_margin(settings).first};
+                       .disk = disk,
+                       .standing = {}};
   if (settings.feedback.roll_off > 0) found.roll_off_hz = settings.feedback.roll_off / two_pi;
   return found;
+}
+
+/// Whether the page of a loop with these settings warns of none of them; if so, what stays is
+/// noted.
+bool goes_unwarned(const LoopSettings& settings, double target_hz, Recommendation& found) {
+  DesignAnalysis analysis;
+  analysis.margins.emplace();
+  analysis.margins->all_disk = found.disk;
+  analysis.rates = stable_rates(settings, 2 * target_hz, highest_rate_hz);
+  if (!settings_warnings(settings, target_hz, analysis).empty()) return false;
+  analysis.radius = spectral_radius(settings);
+  analysis.misaligned_radius = misaligned_radius(settings);
+  found.standing = standing_warnings(settings, target_hz, analysis);
+  return true;
 }
 
 }  // namespace
 
 double matched_lead(const LoopSettings& settings, double roll_off) {
-  const Sampling& sampling = settings.sampling;
-  double lead = sampling.delay_samples + 0.5;
-  if (roll_off > 0) lead += 1 / (roll_off * sampling.sample_time);
-  const double lag = two_pi * sampling.instruments.actuator_lag_hz;
-  return lag > 0 ? lead + 1 / (lag * sampling.sample_time) : lead;
+  const double lead = lateness(settings.sampling);
+  return roll_off > 0 ? lead + 1 / (roll_off * settings.sampling.sample_time) : lead;
 }
 
 double price_of_sampling(const ControlLoop& loop, double target, const LoopSettings& settings) {
@@ -89,7 +128,9 @@ double price_of_sampling(const ControlLoop& loop, double target, const LoopSetti
   for (const double hz : logarithmic_frequencies(target / 4, to, 15)) {
     const double without = singular_values(ideal.closed({0, two_pi * hz}))(0);
     const double real = singular_values(transfer(sampled, two_pi * hz))(0);
-    price = std::max(price, 20 * std::log10(real / without));
+    const double excess = 20 * std::log10(real / without);
+    if (!(excess <= price)) price = excess;
+    if (std::isnan(price)) break;
   }
   return price;
 }
@@ -115,7 +156,9 @@ std::optional<Recommendation> recommend(const LoopDesign& design) {
       if (rate < 4 * target) continue;
       for (const double times : tunings) {
         if (times * target > 0.4 * rate) continue;
-        if (const auto found = judged(design, tuned(rate, times))) return found;
+        const LoopSettings settings = tuned(rate, times);
+        auto found = judged(design, settings);
+        if (found && goes_unwarned(settings, target, *found)) return found;
       }
     }
   }
@@ -124,17 +167,17 @@ std::optional<Recommendation> recommend(const LoopDesign& design) {
 
 DesignAnalysis analyse(const LoopDesign& design) {
   DesignAnalysis out;
-  out.poles = closed_loop_poles(design.settings.plant, design.settings.feedback);
+  out.poles = closed_loop_poles(design.settings.plant, design.loop.gains);
   out.exact = effect_of(design, GainOrder::exact);
   out.deck = effect_of(design, GainOrder::deck);
-  const Compliance compliance(design.scene, design.model);
-  for (const double hz : page_frequencies_hz) out.lines.push_back(line_at(design, compliance, hz));
+  const ForceResponses forces(design);
+  const FrequencyRange range = axis_of(design, design.scene.controller->target_hz);
+  for (const double hz : round_frequencies(range)) out.lines.push_back(line_at(design, forces, hz));
   out.radius = design.radius;
-  LoopSettings misaligned = design.settings;
-  ++misaligned.sampling.instruments.report_age_samples;
-  out.misaligned_radius = spectral_radius(misaligned);
+  out.misaligned_radius = misaligned_radius(design.settings);
   if (out.radius < largest_stable_radius) out.margins = margins(design.settings);
-  out.rates = stable_rates(design.settings, 2 * design.scene.controller->lowest_target_hz(), 2e5);
+  out.rates = stable_rates(design.settings, 2 * design.scene.controller->lowest_target_hz(),
+                           highest_rate_hz);
   out.recommended = recommend(design);
   out.warnings = design_warnings(design, out);
   return out;

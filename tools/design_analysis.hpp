@@ -12,19 +12,20 @@
 
 namespace stillframe::tools {
 
-/// What the loop does at one frequency; singular values are largest first.
+/// What the loop that runs does at one frequency, and its continuous law beside it; singular values
+/// are largest first.
 struct FrequencyLine {
   double hz = 0;
-  Eigen::VectorXd open, closed, sampled;  ///< of T: passive, continuous law, as it is sampled
-  double noise = 0;       ///< largest singular value, m/s^2 per N of sensor noise, sampled
-  double compliance = 0;  ///< largest singular value, m/N, continuous law
-  double passive_compliance = 0;
-  std::optional<Decoupling> decoupling;  ///< of the sampled T, where inputs and outputs pair up
+  Eigen::VectorXd open, closed, continuous;  ///< of T: passive, the loop that runs, its law alone
+  double noise = 0;                      ///< largest singular value, m/s^2 per N of sensor noise
+  double compliance = 0;                 ///< largest singular value, m/N
+  double passive_compliance = 0;         ///< the same with the loop open
+  std::optional<Decoupling> decoupling;  ///< of the T that runs, where inputs and outputs pair up
 };
 
 /// How the continuous poles lie about their targets.
 struct PoleSpread {
-  double lowest = 0, highest = 0;  ///< modulus over omega_d of the modes' own target
+  double lowest = 0, highest = 0;  ///< modulus over that of the nearest pole that a target asks for
   double largest_real = 0;         ///< 1/s
 };
 
@@ -35,6 +36,8 @@ struct Recommendation {
   double price_db = 0;  ///< largest excess of the sampled T over the law without sampling and
                         ///< roll-off, up to four targets
   double disk = 0;      ///< all-leg disk margin
+  std::vector<std::string>
+      standing;  ///< what the page of a loop with these settings still warns of
 };
 
 /// Everything that the design page says.
@@ -50,8 +53,8 @@ struct DesignAnalysis {
   std::vector<std::string> warnings;
 };
 
-/// Frequencies of the page's table, Hz.
-inline constexpr double page_frequencies_hz[] = {1, 2, 5, 10, 20, 50, 100};
+/// The disk margin of all legs below which one is warned of it.
+inline constexpr double least_disk_margin = 0.5;
 
 /// Analyses a design; an unstable one has no margins. Errors: as margins and the core's.
 DesignAnalysis analyse(const LoopDesign& design);
@@ -65,9 +68,10 @@ double matched_lead(const LoopSettings& settings, double roll_off);
 double price_of_sampling(const ControlLoop& loop, double target_hz, const LoopSettings& settings);
 
 /// The lowest of the rates 1, 2, 5, 10, ... (Hz) up to 100 kHz at which the price of sampling is at
-/// most 3 dB and the all-leg disk margin at least 0.5 (factors 0.6 to 1.67, 28 degrees): with the
-/// scene's lead and roll-off if that does, or with a roll-off at 20, 40 or 80 times the lowest
-/// target and the lead that matches it. Delay stays so many samples.
+/// most 3 dB, the all-leg disk margin at least 0.5 (factors 0.6 to 1.67, 28 degrees), and of which
+/// settings_warnings has nothing to say: with the scene's lead and roll-off if that does, or with a
+/// roll-off at 20, 40 or 80 times the lowest target and the lead that matches it. Delay stays so
+/// many samples. What could not be computed recommends nothing.
 std::optional<Recommendation> recommend(const LoopDesign& design);
 
 }  // namespace stillframe::tools

@@ -59,9 +59,11 @@ std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis)
   const bool exact = design.scene.controller->order == GainOrder::exact;
   const PoleSpread& used = exact ? analysis.exact : analysis.deck;
   std::string text = cell(
-      "Design model, no leak: poles at %.6f to %.6f of their omega_d, largest real part %.4g 1/s\n",
+      "Design model, no leak: poles at %.6f to %.6f of what their targets ask for, largest real "
+      "part %.4g 1/s\n",
       used.lowest, used.highest, used.largest_real);
-  text += cell("Continuous loop, all %td poles (rad/s):\n ", analysis.poles.size());
+  text += cell("Poles of the continuous law on the whole plant, all %td (rad/s):\n ",
+               analysis.poles.size());
   size_t column = 0;
   for (const auto& pole : analysis.poles) {
     if (pole.imag() < 0) continue;  // of a pair, one is shown
@@ -79,19 +81,20 @@ std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis)
 std::string transfer_text(const DesignAnalysis& analysis) {
   std::string text =
       "Floor to frame (largest singular value of T), noise of the force sensors to frame, and how "
-      "far a force on the\nframe moves it against no control\n";
+      "far a force on the\nframe moves it against no control; all of the loop that runs, but for "
+      "its continuous law: without sampling,\ndelay and instruments\n";
   const bool square = !analysis.lines.empty() && analysis.lines.front().decoupling.has_value();
-  std::vector<std::string> header{"Hz",         "open dB",       "continuous dB",
-                                  "sampled dB", "noise um/s2/N", "force dB"};
+  std::vector<std::string> header{"Hz",       "open dB",       "closed dB",
+                                  "force dB", "noise um/s2/N", "continuous dB"};
   if (square) header.insert(header.end(), {"spread dB", "crosstalk dB"});
   report::Table table(header, 0);
   for (const FrequencyLine& line : analysis.lines) {
     std::vector<std::string> row{cell("%g", line.hz),
                                  cell("%.1f", decibels(line.open(0))),
                                  cell("%.1f", decibels(line.closed(0))),
-                                 cell("%.1f", decibels(line.sampled(0))),
+                                 cell("%.1f", decibels(line.compliance / line.passive_compliance)),
                                  cell("%.4g", 1e6 * line.noise),
-                                 cell("%.1f", decibels(line.compliance / line.passive_compliance))};
+                                 cell("%.1f", decibels(line.continuous(0)))};
     if (line.decoupling) {
       row.push_back(cell("%.2f", line.decoupling->spread_db));
       row.push_back(cell("%.1f", line.decoupling->crosstalk_db));
@@ -102,7 +105,7 @@ std::string transfer_text(const DesignAnalysis& analysis) {
 }
 
 std::string factor(double value) {
-  return value == 0 ? "none" : std::isinf(value) ? "none" : cell("%.3g", value);
+  return value == 0 || std::isinf(value) ? "no limit" : cell("%.3g", value);
 }
 
 std::string milliseconds(double seconds, double sample_time) {
@@ -119,9 +122,11 @@ std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysi
       "once)\n";
   report::Table table({"leg", "gain down", "gain up", "delay ms", "disk", "disk degrees"}, 1);
   const auto add = [&](const std::string& name, const GainRange& gain, double delay, double disk) {
+    const bool known = !std::isnan(disk);
     table.add({name, factor(gain.lowest), factor(gain.highest),
-               milliseconds(delay, design.gains.sample_time()), cell("%.3f", disk),
-               cell("%.1f", 2 * std::atan(disk / 2) * 180 / std::numbers::pi)});
+               milliseconds(delay, design.gains.sample_time()),
+               known ? cell("%.3f", disk) : "not known",
+               known ? cell("%.1f", 2 * std::atan(disk / 2) * 180 / std::numbers::pi) : ""});
   };
   for (size_t i = 0; i < margins.leg_gain.size(); ++i) {
     const auto j = static_cast<Index>(i);
@@ -149,6 +154,7 @@ std::string limits_text(const DesignAnalysis& analysis) {
         " (up to four targets within %.1f dB of the law without sampling, disk margin "
         "%.2f)\n",
         std::max(best.price_db, 0.0), best.disk);
+    for (const std::string& warning : best.standing) text += "  there still: " + warning + "\n";
   } else {
     text += " no rate up to 100 kHz can be recommended with this delay\n";
   }
@@ -175,7 +181,8 @@ Json recommendation_json(const DesignAnalysis& analysis) {
           {"lead_samples", best.lead_samples},
           {"roll_off_hz", best.roll_off_hz ? Json(*best.roll_off_hz) : Json()},
           {"price_db", best.price_db},
-          {"disk", best.disk}};
+          {"disk", best.disk},
+          {"warnings", best.standing}};
 }
 
 Json spread_json(const PoleSpread& effect) {
@@ -196,14 +203,14 @@ std::string design_page(const LoopDesign& design, const DesignAnalysis& analysis
 Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
   const SceneController& block = *design.scene.controller;
   Json frequencies = Json::array(), open = Json::array(), closed = Json::array(),
-       sampled = Json::array(), noise = Json::array(), compliance = Json::array(),
+       continuous = Json::array(), noise = Json::array(), compliance = Json::array(),
        passive = Json::array(), spread = Json::array(), crosstalk = Json::array(),
        rates = Json::array();
   for (const FrequencyLine& line : analysis.lines) {
     frequencies.push_back(line.hz);
     open.push_back(to_json(line.open));
     closed.push_back(to_json(line.closed));
-    sampled.push_back(to_json(line.sampled));
+    continuous.push_back(to_json(line.continuous));
     noise.push_back(line.noise);
     compliance.push_back(line.compliance);
     passive.push_back(line.passive_compliance);
@@ -228,7 +235,7 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
            {"frequencies_hz", frequencies},
            {"singular_values", open},
            {"closed_singular_values", closed},
-           {"sampled_singular_values", sampled},
+           {"continuous_singular_values", continuous},
            {"noise_to_acceleration", noise},
            {"compliance", compliance},
            {"passive_compliance", passive},

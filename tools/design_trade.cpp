@@ -30,7 +30,9 @@ ControlLoop retargeted(const LoopDesign& design, double factor) {
 }  // namespace
 
 DesignTrade design_trade(const LoopDesign& design, const std::function<void(double)>& progress) {
-  DesignTrade trade{.rates_hz = logarithmic_frequencies(200, 20000, n_rates), .curves = {}};
+  const double slowest = design.scene.controller->lowest_target_hz();
+  DesignTrade trade{.rates_hz = logarithmic_frequencies(40 * slowest, 4000 * slowest, n_rates),
+                    .curves = {}};
   const double total = static_cast<double>(std::size(delays) * std::size(factors));
   for (const double delay : delays) {
     for (const double factor : factors) {

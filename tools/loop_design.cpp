@@ -57,10 +57,16 @@ void sample(LoopDesign& design) {
                      .feedback = design.gains.feedback(),
                      .law = design.gains.law_sampling(),
                      .sampling = design.gains.sampling()};
+  design.loop.gains.lead = continuous_lead(design.gains.lead_samples, design.settings.sampling);
   design.sampled = sample_and_hold(plant, design.gains.sampling());
   design.open = open_loop(design.sampled);
   design.closed = close_loop(design.sampled, controller::law_from_gains(design.gains));
   design.radius = spectral_radius(design.closed);
+}
+
+FrequencyRange axis_of(const LoopDesign& design, const std::vector<double>& targets_hz) {
+  return frequency_range(own_frequencies_hz(feedback_part(design.settings.plant).A), targets_hz,
+                         design.gains.sample_rate_hz);
 }
 
 LoopDesign make_loop_design(const std::filesystem::path& scene_file,

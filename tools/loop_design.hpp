@@ -2,9 +2,11 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "controller/gains.hpp"
 #include "core/control_loop.hpp"
+#include "core/linear/frequency_range.hpp"
 #include "core/linear/loop_settings.hpp"
 #include "core/model/model.hpp"
 #include "core/scene/scene.hpp"
@@ -34,5 +36,8 @@ LoopDesign make_loop_design(const std::filesystem::path& scene,
 /// Fills settings, sampled, open, closed and radius of a design from its loop and gains. Errors: as
 /// loop_plant, sample_and_hold and law_from_gains.
 void sample(LoopDesign& design);
+
+/// The axis of frequency of a loop: that of its plant, of what its gains aim at and of its rate.
+FrequencyRange axis_of(const LoopDesign& design, const std::vector<double>& targets_hz);
 
 }  // namespace stillframe::tools

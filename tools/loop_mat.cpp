@@ -87,7 +87,7 @@ void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path)
   file.add("K_P", design.gains.K_P);
   file.add("K_I", design.gains.K_I);
   add_system(file, "plant", plant_system(design.settings.plant), 0, floor_forces, motion_stresses);
-  add_system(file, "loop", continuous_loop(design.settings.plant, design.settings.feedback), 0,
+  add_system(file, "loop", continuous_loop(design.settings.plant, design.loop.gains), 0,
              floor_noise, motion);
   add_system(file, "open", {design.open.A, design.open.B, design.open.C, design.open.D},
              design.open.sample_time, floor, motion);

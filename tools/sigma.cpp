@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -25,15 +27,16 @@ namespace {
 struct Options {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, plot;
-  double from_hz = 0.1, to_hz = 1000;
+  std::optional<double> from_hz, to_hz;
   int points = 50;
   bool json = false;
 };
 
+/// A row a frequency. With a controller, closed is the loop that runs, NaN above half its rate, and
+/// continuous its law without sampling, delay and instruments.
 struct Curves {
   Eigen::VectorXd frequencies_hz;
-  Eigen::MatrixXd open, closed,
-      sampled;  ///< a row a frequency; closed and sampled only with a controller
+  Eigen::MatrixXd open, closed, continuous;
 };
 
 Eigen::MatrixXd rows_of(const Eigen::VectorXd& frequencies_hz,
@@ -78,21 +81,30 @@ Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequ
 }
 
 Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
-  return {frequencies_hz,
-          rows_of(frequencies_hz,
-                  [&](double omega) {
-                    return design.loop.open({0.0, omega});
-                  }),
-          rows_of(frequencies_hz,
-                  [&](double omega) {
-                    return design.loop.closed({0.0, omega});
-                  }),
-          rows_of(frequencies_hz, [&](double omega) { return transfer(design.closed, omega); })};
+  Curves curves{
+      frequencies_hz,
+      rows_of(frequencies_hz,
+              [&](double omega) {
+                return design.loop.open({0.0, omega});
+              }),
+      rows_of(frequencies_hz, [&](double omega) { return transfer(design.closed, omega); }),
+      rows_of(frequencies_hz, [&](double omega) {
+        return design.loop.closed({0.0, omega});
+      })};
+  for (Index i = 0; i < frequencies_hz.size(); ++i) {
+    if (frequencies_hz(i) <= design.gains.sample_rate_hz / 2) continue;
+    curves.closed.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  return curves;
 }
 
-void print_table(const std::string& title, const Curves& curves) {
+void print_table(const std::string& title, const Curves& curves, double sample_rate_hz) {
   const bool loop = curves.closed.size() > 0;
-  std::cout << title << ": singular values, largest first\n";
+  std::cout << title << ": singular values, largest first"
+            << (loop
+                    ? report::cell("; closed: the loop that runs, sampled at %g Hz", sample_rate_hz)
+                    : "")
+            << "\n";
   std::vector<std::string> header{"Hz"};
   for (const char* kind : {"open", "closed"}) {
     if (!loop && kind == std::string("closed")) continue;
@@ -104,8 +116,10 @@ void print_table(const std::string& title, const Curves& curves) {
     std::vector<std::string> row{report::cell("%.4g", curves.frequencies_hz(f))};
     for (const auto* values : {&curves.open, &curves.closed}) {
       if (values->size() == 0) continue;
-      for (Index i = 0; i < values->cols(); ++i)
-        row.push_back(report::cell("%.4e", (*values)(f, i)));
+      for (Index i = 0; i < values->cols(); ++i) {
+        const double value = (*values)(f, i);
+        row.push_back(std::isnan(value) ? "-" : report::cell("%.4e", value));
+      }
     }
     table.add(row);
   }
@@ -118,7 +132,7 @@ void print_json(const std::string& title, const Curves& curves) {
                 {"singular_values", to_json(curves.open)}};
   if (curves.closed.size() > 0) {
     document["closed_singular_values"] = to_json(curves.closed);
-    document["sampled_singular_values"] = to_json(curves.sampled);
+    document["continuous_singular_values"] = to_json(curves.continuous);
   }
   print(document);
 }
@@ -130,6 +144,7 @@ void plot(const std::string& title, const Curves& curves, const Scene& scene,
   picture.frequencies_hz.assign(curves.frequencies_hz.begin(), curves.frequencies_hz.end());
   picture.open_predicted = curves.open;
   picture.closed_predicted = curves.closed;
+  picture.closed_continuous = curves.continuous;
   if (scene.controller) {
     picture.target_frequency_hz = scene.controller->lowest_target_hz();
     picture.target_damping = scene.controller->damping_ratio.front();
@@ -143,11 +158,20 @@ void plot(const std::string& title, const Curves& curves, const Scene& scene,
   report::plot_singular_values(picture, file);
 }
 
-int run(const Options& options) {
-  if (options.from_hz >= options.to_hz) {
-    throw InputError("--from: found " + std::to_string(options.from_hz) +
+/// The range asked for, or else what the model, its targets and its rate call for.
+FrequencyRange range_of(const Options& options, FrequencyRange range) {
+  range = {options.from_hz.value_or(range.lowest_hz), options.to_hz.value_or(range.highest_hz)};
+  // One end that is given beyond the other that is not moves it along.
+  if (!options.from_hz) range.lowest_hz = std::min(range.lowest_hz, range.highest_hz / 10);
+  if (!options.to_hz) range.highest_hz = std::max(range.highest_hz, range.lowest_hz * 10);
+  if (!(range.lowest_hz < range.highest_hz)) {
+    throw InputError("--from: found " + std::to_string(range.lowest_hz) +
                      ", allowed is below --to");
   }
+  return range;
+}
+
+int run(const Options& options) {
   Patience patience("linearising");
   const Scene scene = read_scene(options.scene, options.controller);
   std::optional<LoopDesign> design;
@@ -157,10 +181,13 @@ int run(const Options& options) {
   } else {
     system = open_system(scene);
   }
+  const FrequencyRange range =
+      range_of(options, design ? axis_of(*design, scene.controller->target_hz)
+                               : frequency_range(own_frequencies_hz(system.A), {}, 0));
   const auto curves_of = [&](int points) {
     patience.now("singular values");
     const Eigen::VectorXd frequencies =
-        logarithmic_frequencies(options.from_hz, options.to_hz, points);
+        logarithmic_frequencies(range.lowest_hz, range.highest_hz, points);
     return design ? with_controller(*design, frequencies)
                   : without_controller(system, frequencies, patience);
   };
@@ -168,14 +195,18 @@ int run(const Options& options) {
     const std::string left_out = left_out_of_analysis(design->scene.instruments);
     if (!left_out.empty()) std::cerr << "stillframe: note: " << left_out << "\n";
   }
-  if (design && options.to_hz > design->gains.sample_rate_hz / 2) {
-    std::cerr << "stillframe: note: above half the sample rate the sampled loop repeats itself\n";
+  if (design && range.highest_hz > design->gains.sample_rate_hz / 2) {
+    std::cerr << "stillframe: note: above half the sample rate the loop that runs has no curve\n";
   }
   // A picture shows a resonance only as high as its grid is fine.
   if (options.plot)
     plot(scene.title, curves_of(std::max(options.points, 1000)), scene, *options.plot);
   const Curves curves = curves_of(options.points);
-  options.json ? print_json(scene.title, curves) : print_table(scene.title, curves);
+  if (options.json) {
+    print_json(scene.title, curves);
+  } else {
+    print_table(scene.title, curves, design ? design->gains.sample_rate_hz : 0);
+  }
   return exit_done;
 }
 
@@ -190,12 +221,13 @@ void add_sigma(CLI::App& app, int& exit_code) {
   verb->add_option("--controller", options->controller,
                    "Controller block that replaces the scene's")
       ->type_name("FILE");
-  verb->add_option("--from", options->from_hz, "Lowest frequency, Hz")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  verb->add_option("--to", options->to_hz, "Highest frequency, Hz")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  verb->add_option("--from", options->from_hz,
+                   "Lowest frequency, Hz; default: a tenth of the slowest mode or target")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--to", options->to_hz,
+                   "Highest frequency, Hz; default: four times the highest of the twelve slowest "
+                   "modes and\nthe targets, at most half the sample rate")
+      ->check(CLI::PositiveNumber);
   verb->add_option("--points", options->points, "Frequencies, evenly spaced on a logarithmic axis")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
@@ -207,9 +239,11 @@ void add_sigma(CLI::App& app, int& exit_code) {
       "scene's operating point. With one: floor accelerations to output accelerations.\n"
       "Keys of --json:\n"
       "  scene, frequencies_hz\n"
-      "  singular_values          open loop, a row a frequency, largest first; null at a pole\n"
-      "  closed_singular_values   with a controller, continuous law\n"
-      "  sampled_singular_values  with a controller, as it is sampled\n"
+      "  singular_values              open loop, a row a frequency, largest first; null at a pole\n"
+      "  closed_singular_values       with a controller: the loop that runs, as it is sampled;\n"
+      "                               null above half its rate\n"
+      "  continuous_singular_values   with a controller: its law without sampling, delay and\n"
+      "                               instruments\n"
       "Example: stillframe sigma config/scenes/cart.yaml --from 0.5 --to 20 --points 9");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

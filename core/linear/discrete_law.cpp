@@ -19,8 +19,9 @@ LinearSystem lead(double samples, Index m) {
 
 }  // namespace
 
-DiscreteLaw sample_law(const ForceFeedback& feedback, const LawSampling& sampling) {
+DiscreteLaw sample_law(ForceFeedback feedback, const LawSampling& sampling) {
   const bool implicit = sampling.realisation == Realisation::implicit_feedthrough;
+  feedback.lead = 0;
   LinearSystem law = tustin(implicit ? strain_feedback(feedback) : stress_feedback(feedback),
                             sampling.sample_time);
   if (sampling.lead_samples > 0) {

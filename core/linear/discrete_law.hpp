@@ -31,8 +31,8 @@ struct LawSampling {
 ///   filtered as the sensor filters sigma (exact for forces held over each sample); naive_pi:
 ///   stress_feedback on sigma; with lead_samples = a > 0, e[k] is first replaced by (1 + a) e[k] -
 ///   a e[k-1], which makes up for a force that acts a samples after its measurement (the delay, and
-///   half a sample of hold).
+///   half a sample of hold). It stands for all of the lead: that of the continuous law is left out.
 /// Source: THEORY section 4, fact 3. Set-up. Errors: as strain_feedback and tustin.
-DiscreteLaw sample_law(const ForceFeedback& feedback, const LawSampling& sampling);
+DiscreteLaw sample_law(ForceFeedback feedback, const LawSampling& sampling);
 
 }  // namespace stillframe

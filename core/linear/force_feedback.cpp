@@ -27,9 +27,11 @@ void check_shapes(const ForceFeedback& feedback) {
   }
 }
 
-LinearSystem low_pass(double corner, Index m) {
+/// (1 + lead s) corner / (s + corner) on m signals.
+LinearSystem low_pass(double corner, double lead, Index m) {
   const MatrixXd I = MatrixXd::Identity(m, m);
-  return {.A = -corner * I, .B = corner * I, .C = I, .D = MatrixXd::Zero(m, m)};
+  const double direct = lead * corner;
+  return {.A = -corner * I, .B = corner * I, .C = (1 - direct) * I, .D = direct * I};
 }
 
 /// s / (s + omega) on m signals.
@@ -54,7 +56,8 @@ MatrixXcd ForceFeedback::operator()(Complex s) const {
   const MatrixXcd P = (K_P.cast<Complex>() * s + K_I) * (pass / (s + omega_l));
   if (roll_off == 0) return -P;
   const MatrixXcd I = MatrixXcd::Identity(m, m);
-  const MatrixXcd F = -(I + P).partialPivLu().solve(P) * (roll_off / (s + roll_off));
+  const MatrixXcd F =
+      -(I + P).partialPivLu().solve(P) * ((1.0 + lead * s) * roll_off / (s + roll_off));
   return (I + F).partialPivLu().solve(F);
 }
 
@@ -85,7 +88,7 @@ LinearSystem strain_feedback(const ForceFeedback& feedback) {
     law.C.resize(m, 2 * m);
     law.C << I, MatrixXd::Zero(m, m);
   }
-  if (feedback.roll_off > 0) law = in_series(law, low_pass(feedback.roll_off, m));
+  if (feedback.roll_off > 0) law = in_series(law, low_pass(feedback.roll_off, feedback.lead, m));
   return law;
 }
 
@@ -97,7 +100,7 @@ LinearSystem stress_feedback(const ForceFeedback& feedback) {
   LinearSystem law{
       .A = -omega_l * I, .B = I, .C = -(feedback.K_I - omega_l * feedback.K_P), .D = -feedback.K_P};
   if (omega_h > 0) law = in_series(law, high_pass(omega_h, m));
-  if (feedback.roll_off > 0) law = in_series(law, low_pass(feedback.roll_off, m));
+  if (feedback.roll_off > 0) law = in_series(law, low_pass(feedback.roll_off, feedback.lead, m));
   return law;
 }
 

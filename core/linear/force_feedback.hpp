@@ -11,13 +11,15 @@ namespace stillframe {
 ///   P(s) = (K_P s + K_I) / (s + omega_l) * s / (s + omega_h)
 /// and no roll-off, C = -P; omega_l = omega_h = 0 is the deck's PI, and a high-pass alone is the
 /// same law as a leak of its frequency. A roll-off omega_r acts on the force that the law adds to
-/// what it takes out of the sensor: F = -(I + P)^-1 P omega_r / (s + omega_r), C = (I + F)^-1 F.
+/// what it takes out of the sensor, and a lead tau beside it: F = -(I + P)^-1 P (1 + tau s) omega_r
+/// / (s + omega_r), C = (I + F)^-1 F.
 /// Source: deck, section 11.2; THEORY section 4.
 struct ForceFeedback {
   Eigen::MatrixXd K_P, K_I;  ///< m x m: 1 and 1/s
   double leak = 0;           ///< omega_l, rad/s
   double high_pass = 0;      ///< omega_h, rad/s
   double roll_off = 0;       ///< omega_r, rad/s; 0: none
+  double lead = 0;           ///< tau, s, of the continuous law with a roll-off; nothing without one
 
   /// C(s), m x m, s in rad/s.
   Eigen::MatrixXcd operator()(std::complex<double> s) const;

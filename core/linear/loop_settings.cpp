@@ -1,6 +1,8 @@
 #include "core/linear/loop_settings.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace stillframe {
 
@@ -23,6 +25,15 @@ DiscreteLaw law_of(const LoopSettings& settings) {
   sampling.sample_time = settings.sampling.sample_time;
   sampling.sensor_filter_hz = settings.sampling.instruments.sensor_filter_hz;
   return sample_law(settings.feedback, sampling);
+}
+
+double lateness(const Sampling& sampling) {
+  const double lag = 2 * std::numbers::pi * sampling.instruments.actuator_lag_hz;
+  return sampling.delay_samples + 0.5 + (lag > 0 ? 1 / (lag * sampling.sample_time) : 0.0);
+}
+
+double continuous_lead(double lead_samples, const Sampling& sampling) {
+  return std::max(lead_samples - lateness(sampling), 0.0) * sampling.sample_time;
 }
 
 SampledLoop close_loop(const LoopSettings& settings) {

@@ -20,6 +20,14 @@ struct LoopSettings {
 /// The sampled law of a loop. Errors: as sample_law.
 DiscreteLaw law_of(const LoopSettings& settings);
 
+/// Samples by which sampling makes a force late: its delay, half a sample of hold, the lag of the
+/// actuators.
+double lateness(const Sampling& sampling);
+
+/// The lead of the continuous law (s): what the sampled law's lead is beyond the lateness that it
+/// makes up for, 0 if it is less.
+double continuous_lead(double lead_samples, const Sampling& sampling);
+
 /// The closed loop as it is sampled. Errors: as close_loop, sample_and_hold and sample_law.
 SampledLoop close_loop(const LoopSettings& settings);
 

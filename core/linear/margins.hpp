@@ -34,20 +34,14 @@ struct Margins {
 
 /// Margins of a stable loop: gains and delays by bisection on the spectral radius, disk margins by
 /// 1 / max over omega of |S_ii - 1/2| and of the structured singular value of S - I/2, S = (I +
-/// L)^-1, L the return ratio at the actuators. The delay is added to the command, and what is
-/// reported as applied follows it. Source: Seiler, Packard and Gahinet, IEEE Control Systems
-/// Magazine 40 (2020) 78-95. Errors: Refusal if the loop is not stable to begin with.
+/// L)^-1, L the return ratio at the actuators, the maximum found and, for one leg, proven by
+/// DiskSearch. A disk margin that could not be computed is NaN. The delay is added to the command,
+/// and what is reported as applied follows it. Source: Seiler, Packard and Gahinet, IEEE Control
+/// Systems Magazine 40 (2020) 78-95. Errors: Refusal if the loop is not stable to begin with.
 Margins margins(const LoopSettings& settings);
 
-/// all_disk and all_disk_hz alone. Errors: as close_loop; the loop is taken to be stable.
-std::pair<double, double> all_leg_disk_margin(const LoopSettings& settings);
-
-/// Whether the all-leg disk margin is `alpha` at least: quick where it is far below. Errors as
-/// all_leg_disk_margin.
-bool has_disk_margin(const LoopSettings& settings, double alpha);
-
-/// Upper bound of the structured singular value of Z (m x m) for m complex scalars: the least
-/// 2-norm of D Z D^-1 over positive diagonal D.
-double diagonal_mu(const Eigen::MatrixXcd& Z);
+/// all_disk and all_disk_hz alone, with `at_least` as for DiskSearch::of_all. Errors: as
+/// close_loop; the loop is taken to be stable.
+std::pair<double, double> all_leg_disk_margin(const LoopSettings& settings, double at_least = 0);
 
 }  // namespace stillframe

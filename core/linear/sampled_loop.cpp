@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -164,7 +165,11 @@ SampledLoop open_loop(const SampledPlant& plant) {
 
 double spectral_radius(const SampledLoop& loop) {
   const Index n = loop.A.rows() - loop.n_exogenous;
-  return loop.A.bottomRightCorner(n, n).eigenvalues().cwiseAbs().maxCoeff();
+  const MatrixXd A = loop.A.bottomRightCorner(n, n);
+  constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+  if (!A.allFinite()) return not_known;
+  const Eigen::EigenSolver<MatrixXd> solver(A, false);
+  return solver.info() == Eigen::Success ? solver.eigenvalues().cwiseAbs().maxCoeff() : not_known;
 }
 
 namespace {

@@ -22,7 +22,7 @@ int main(int argc, char** argv) try {
 
   const std::complex<double> s(0, 2 * std::numbers::pi * 20);
   std::cout << "largest singular value at 20 Hz: open "
-            << stillframe::singular_values(loop.open(s))(0) << ", closed "
+            << stillframe::singular_values(loop.open(s))(0) << ", closed by the continuous law "
             << stillframe::singular_values(loop.closed(s))(0) << "\n";
 } catch (const std::exception& error) {
   std::cerr << error.what() << "\n";

@@ -1,5 +1,6 @@
 #include "report/plots/plot_style.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "report/plots/gnuplot.hpp"
@@ -21,9 +22,18 @@ std::string margins(double left, double right, double bottom, double top) {
 
 std::string frequency_axis(double lowest_hz, double highest_hz, const std::string& title) {
   const std::string label = title.empty() ? "" : "set xlabel " + plot_text(title) + "\n";
+  // Over more than five decades the labels of 2 and 5 would meet.
+  const bool all = highest_hz < 1e5 * lowest_hz;
+  std::string tics;
+  for (int i = static_cast<int>(std::floor(std::log10(lowest_hz)));
+       i <= static_cast<int>(std::ceil(std::log10(highest_hz))); ++i) {
+    for (const char* step : {"1e", "2e", "5e"}) {
+      if (all || step[0] == '1')
+        tics += (tics.empty() ? "" : ", ") + std::string(step) + std::to_string(i);
+    }
+  }
   return "set logscale x 10\nset xrange [" + plot_number(lowest_hz) + ":" +
-         plot_number(highest_hz) +
-         "]\nset xtics (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)\n" + label;
+         plot_number(highest_hz) + "]\nset xtics (" + tics + ")\n" + label;
 }
 
 std::string surround(const Surroundings& around) {

@@ -36,9 +36,7 @@ std::string panel(const TradePlot& plot, size_t c, bool disk) {
   script += frequency_axis(plot.rates_hz(0), plot.rates_hz(plot.rates_hz.size() - 1),
                            disk ? "" : "sample rate (Hz)");
   // The panels of a column share the labels of the lower one.
-  script += disk ? "set xtics ('' 200, '' 500, '' 1000, '' 2000, '' 5000, '' 10000, '' 20000)\n"
-                 : "set xtics ('200' 200, '500' 500, '1k' 1000, '2k' 2000, '5k' 5000, '10k' 10000, "
-                   "'20k' 20000)\n";
+  script += disk ? "set format x ''\n" : "set format x '%.0s%c'\n";
   // Room above the panels for their titles, which a multiplot takes from the panel itself.
   script += disk ? "set label 1 " + plot_text(column.title) + " at graph 0.5, 1.05 center\n"
                  : std::string("unset label 1\n");

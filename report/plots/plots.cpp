@@ -94,6 +94,9 @@ void plot_singular_values(const SingularValuePlot& plot, const std::filesystem::
       "open loop, predicted");
   add("closed", plot.frequencies_hz, in_decibels(plot.closed_predicted),
       line + active_colour + " dashtype (12,6)", "closed loop, predicted");
+  add("continuous", plot.frequencies_hz, in_decibels(plot.closed_continuous),
+      "with lines linewidth 1.2 linecolor rgb " + std::string(active_colour),
+      "closed loop, continuous law");
   add("open_measured", plot.open_measured.frequencies_hz,
       in_decibels(plot.open_measured.singular_values), points(passive_colour, 6),
       "open loop, measured");

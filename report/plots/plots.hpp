@@ -24,7 +24,8 @@ struct SingularValuePlot {
   std::string quantity = "floor to frame acceleration";  ///< on the axis
   std::vector<double> frequencies_hz;                    ///< n_g, Hz, of the predicted curves
   Eigen::MatrixXd open_predicted;                        ///< n_g x n_s
-  Eigen::MatrixXd closed_predicted;                      ///< n_g x n_s
+  Eigen::MatrixXd closed_predicted;                      ///< n_g x n_s, of the loop that runs
+  Eigen::MatrixXd closed_continuous;                     ///< n_g x n_s, of its law without sampling
   MeasuredValues open_measured, closed_measured;
   double target_frequency_hz = 0;  ///< omega_d / 2 pi; no target curve if zero
   double target_damping = 0;       ///< zeta

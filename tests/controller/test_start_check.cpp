@@ -177,7 +177,7 @@ TEST(StartCheck, RefusalSaysWhyAndWhatMends) {
   Gains hopeless = toy::gains(5, 1000, 1);
   hopeless.K_P = -30 * MatrixXd::Identity(4, 4);
   text = refusal(hopeless);
-  EXPECT_TRUE(contains(text, "No setting of the gains file mends it")) << text;
+  EXPECT_TRUE(contains(text, "None of the changes of one or two settings that were tried")) << text;
 }
 
 // What is named must really mend: apply each remedy by hand and simulate.

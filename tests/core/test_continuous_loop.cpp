@@ -23,6 +23,7 @@ constexpr double two_pi = 2 * std::numbers::pi;
 
 struct Corners {
   double leak, high_pass, roll_off;  // rad/s
+  double lead = 0;                   // s
 };
 
 ForceFeedback feedback(const Corners& corners) {
@@ -32,6 +33,7 @@ ForceFeedback feedback(const Corners& corners) {
   out.leak = corners.leak;
   out.high_pass = corners.high_pass;
   out.roll_off = corners.roll_off;
+  out.lead = corners.lead;
   return out;
 }
 
@@ -63,7 +65,7 @@ TEST_P(Feedback, StrainFormAndStressFormAreOneLaw) {
 INSTANTIATE_TEST_SUITE_P(Corners, Feedback,
                          testing::Values(Corners{0, 0, 0}, Corners{0.3, 0, 0}, Corners{0, 0.3, 0},
                                          Corners{0.3, 2, 0}, Corners{0.3, 0, 600},
-                                         Corners{0.3, 2, 600}));
+                                         Corners{0.3, 2, 600}, Corners{0.3, 2, 600, 1e-3}));
 
 TEST(ForceFeedback, AHighPassAloneIsALeak) {
   const Complex s(0, 3);
@@ -86,6 +88,7 @@ class FrameLoop : public testing::TestWithParam<Corners> {
     loop_.gains.leak = GetParam().leak;
     loop_.gains.high_pass = GetParam().high_pass;
     loop_.gains.roll_off = GetParam().roll_off;
+    loop_.gains.lead = GetParam().lead;
   }
   Scene scene_;
   Model model_;
@@ -122,22 +125,33 @@ TEST_P(FrameLoop, PolesAreThoseOfTheLegMatrices) {
 }
 
 TEST_P(FrameLoop, ComplianceIsThatOfTheLegsAtStandstill) {
-  const Compliance compliance(scene_, model_);
+  const LoopPlant plant = compliance_plant(scene_, model_);
   // At the mounts along the legs displacements are elongations: without control 1 / k, crosswise
   // nothing but what is rounded off.
   const double k = 3.95e6;
-  const MatrixXcd open = compliance.open(Complex(0, 1e-9));
+  const Sampling sampling{.sample_time = 1e-3,
+                          .delay_samples = 1,
+                          .instruments = {},
+                          .leg_gains = {},
+                          .leg_delays = {}};
+  const SampledPlant sampled = sample_and_hold(plant, sampling);
+  const MatrixXcd open = transfer(open_loop(sampled), 1e-9);
   EXPECT_LT((open - MatrixXcd::Identity(6, 6) / k).norm(), 1e-9 / k);
   // A force F is balanced by sigma, and K e = sigma - u = (I - C) sigma with u = C sigma: x = K^-1
   // (I - C) F.
   const Complex s(0, 1e-6);
   const MatrixXcd expected = (MatrixXcd::Identity(6, 6) - loop_.gains(s)) / k;
-  EXPECT_LT((compliance.closed(s, loop_.gains) - expected).norm(), 1e-6 * expected.norm());
+  const SampledLoop closed =
+      close_loop(sampled, sample_law(loop_.gains, {.realisation = Realisation::implicit_feedthrough,
+                                                   .sample_time = 1e-3,
+                                                   .lead_samples = 1.5,
+                                                   .sensor_filter_hz = 0}));
+  EXPECT_LT((transfer(closed, s.imag()) - expected).norm(), 1e-6 * expected.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(Corners, FrameLoop,
                          testing::Values(Corners{0.3, 0, 0}, Corners{0.3, 2, 0},
-                                         Corners{0.3, 2, 1200}));
+                                         Corners{0.3, 2, 1200}, Corners{0.3, 2, 1200, 4e-4}));
 
 TEST(DecouplingOf, IsWhatTheMatrixShows) {
   MatrixXcd T = MatrixXcd::Identity(3, 3) * Complex(0, 0.1);

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/control_loop.hpp"
+#include "core/linear/disk_margin.hpp"
 #include "core/linear/margins.hpp"
 #include "core/state_space.hpp"
 #include "core/worst.hpp"

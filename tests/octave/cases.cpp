@@ -247,6 +247,7 @@ Given given(const LoopCase& c) {
             {"leak", number(feedback.leak)},
             {"high_pass", number(feedback.high_pass)},
             {"roll_off", number(feedback.roll_off)},
+            {"tau", number(feedback.lead)},
             {"naive", number(c.settings.law.realisation == Realisation::naive_pi)},
             {"lead", number(c.settings.law.lead_samples)},
             {"sample_time", number(sampling.sample_time)},

@@ -34,13 +34,15 @@ function P = proportional_integral(g)
   end
 end
 
-function sys = low_pass(corner, m)
-  sys = ss(-corner * eye(m), corner * eye(m), eye(m), zeros(m));
+% (1 + tau s) corner / (s + corner).
+function sys = low_pass(corner, tau, m)
+  I = eye(m);
+  sys = ss(-corner * I, corner * I, (1 - tau * corner) * I, tau * corner * I);
 end
 
 function F = rolled_off(F, g)
   if g.roll_off > 0
-    F = low_pass(g.roll_off, rows(g.K_P)) * F;
+    F = low_pass(g.roll_off, g.tau, rows(g.K_P)) * F;
   end
 end
 
@@ -124,8 +126,8 @@ function sys = with_instruments(g)
   m = columns(g.B_u);
   p = columns(g.B_w);
   n_y = rows(g.C_y);
-  if g.lag > 0, actuators = low_pass(g.lag, m); else, actuators = ss(eye(m)); end
-  if g.filter > 0, filters = low_pass(g.filter, m); else, filters = ss(eye(m)); end
+  if g.lag > 0, actuators = low_pass(g.lag, 0, m); else, actuators = ss(eye(m)); end
+  if g.filter > 0, filters = low_pass(g.filter, 0, m); else, filters = ss(eye(m)); end
   plant = ss(g.A, [g.B_w, g.B_u], [g.C_y; g.C_sigma], ...
              [g.D_yw, g.D_yu; zeros(m, p), eye(m)]);
   integrators = ss(zeros(n_y), eye(n_y), eye(n_y), zeros(n_y));
@@ -175,6 +177,7 @@ end
 function law = sampled_law(g)
   m = rows(g.K_P);
   T = g.sample_time;
+  g.tau = 0;  % of the continuous law alone
   if g.naive, F = rolled_off(-proportional_integral(g), g); else, F = strain_law(g); end
   law = c2d(F, T, "tustin");
   if g.lead > 0
@@ -192,7 +195,7 @@ function taken_out = applied_force(g)
   end
   taken_out = delay(g.report_age * ones(m, 1), T);
   if g.filter > 0
-    held = zero_order_hold(low_pass(g.filter, m), T);  % from what is held after t_k to t_k+1
+    held = zero_order_hold(low_pass(g.filter, 0, m), T);  % from what is held after t_k to t_k+1
     taken_out = ss(held.a, held.b, held.c * held.a, held.c * held.b, T) * taken_out;
   end
 end

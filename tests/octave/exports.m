@@ -15,7 +15,7 @@ assert(size(plant), [numel(said.legs) + 6, numel(said.legs) + 6]);
 assert(numel(closed_names), columns(closed.b));
 % The states are balanced and the values of order one; a sum of thirty terms rounds at 1e-14.
 values = sigma(closed(:, 1:6), 2 * pi * said.frequencies_hz(:)');
-assert(values', said.sampled_singular_values, -1e-9);
+assert(values', said.closed_singular_values, -1e-9);
 assert(max(abs(eig(closed.a))), said.spectral_radius, -1e-9);
 
 source(fullfile(examples, 'signals.m'));

@@ -55,7 +55,7 @@ def variables(file):
 def check_models(models, said):
     closed, m = models["closed"], models["loop"]["closed"]
     assert closed.dt == m["Ts"]
-    for frequency, expected in zip(said["frequencies_hz"], said["sampled_singular_values"]):
+    for frequency, expected in zip(said["frequencies_hz"], said["closed_singular_values"]):
         z = numpy.exp(2j * numpy.pi * frequency * closed.dt)
         response = closed.C @ numpy.linalg.solve(z * numpy.eye(len(closed.A)) - closed.A, closed.B) + closed.D
         values = numpy.linalg.svd(response[:, :6], compute_uv=False)

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <fstream>
+#include <iterator>
 
 #include "tests/tools/verb.hpp"
 
@@ -73,12 +76,52 @@ TEST_F(SigmaVerb, AboutTheEquilibrium) {
                [](Complex s) { return 1.0 / (2.0 * s * s + 4.0 * s + 800.0); });
 }
 
-TEST_F(SigmaVerb, ControllerAddsTheClosedLoop) {
-  const Json document =
-      json({"sigma", config("scenes/metrology_frame.yaml"), "--to", "400", "--points", "3"});
-  EXPECT_EQ(document["closed_singular_values"][0].size(), 6u);
-  EXPECT_EQ(document["sampled_singular_values"][0].size(), 6u);
+TEST_F(SigmaVerb, TheClosedLoopIsTheOneThatRuns) {
+  const std::filesystem::path frame = config("scenes/metrology_frame.yaml");
+  const Json design = json({"design", frame});
+  const Json document = json({"sigma", frame, "--from", "20", "--to", "200", "--points", "4"});
   expect_documented_keys("sigma", document);
+  // 20, 43, 93, 200 Hz: both ends are lines of the design page.
+  for (const auto& [i, hz] : {std::pair(0, 20.0), std::pair(3, 200.0)}) {
+    const auto& lines = design["frequencies_hz"];
+    const auto line = std::find(lines.begin(), lines.end(), hz) - lines.begin();
+    for (const char* key :
+         {"singular_values", "closed_singular_values", "continuous_singular_values"}) {
+      const double found = document[key][i][0], expected = design[key][line][0];
+      EXPECT_NEAR(found, expected, 1e-9 * expected) << key << " " << hz;
+    }
+  }
+  // Above the target the continuous law falls by 40 dB a decade, what runs does not.
+  EXPECT_LT(document["continuous_singular_values"][3][0].get<double>(), 1e-3);
+  EXPECT_GT(document["closed_singular_values"][3][0].get<double>(), 0.1);
+}
+
+TEST_F(SigmaVerb, AboveHalfTheRateNothingRuns) {
+  const Said said = run({"sigma", config("scenes/metrology_frame.yaml"), "--from", "400", "--to",
+                         "600", "--points", "2", "--json"});
+  ASSERT_EQ(said.exit_code, 0) << said.error;
+  EXPECT_NE(said.error.find("above half the sample rate"), std::string::npos) << said.error;
+  const Json document = Json::parse(said.output);
+  EXPECT_TRUE(document["closed_singular_values"][0][0].is_number());
+  EXPECT_TRUE(document["closed_singular_values"][1][0].is_null());
+  EXPECT_TRUE(document["continuous_singular_values"][1][0].is_number());
+}
+
+TEST_F(SigmaVerb, TheAxisIsThatOfTheScene) {
+  const auto expect_axis = [&](const std::filesystem::path& scene, double lowest, double highest) {
+    const Json hz = json({"sigma", scene})["frequencies_hz"];
+    EXPECT_NEAR(hz.front().get<double>(), lowest, 1e-9 * lowest) << scene;
+    EXPECT_NEAR(hz.back().get<double>(), highest, 1e-9 * highest) << scene;
+  };
+  expect_axis(write("scene.yaml", hanging_mass), 0.2, 20);  // 3.18 Hz
+  expect_axis(config("scenes/metrology_frame.yaml"), 0.5, 200);
+  // 13.9 to 49 Hz and 5 Hz at a rate of 250 Hz.
+  std::ifstream file(config("controllers/force_feedback_5hz.yaml"));
+  std::string block((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  block.replace(block.find("sample_rate_hz: 1000"), 20, "sample_rate_hz: 250 ");
+  const Json slow = json(
+      {"sigma", config("scenes/metrology_frame.yaml"), "--controller", write("slow.yaml", block)});
+  EXPECT_NEAR(slow["frequencies_hz"].back().get<double>(), 125, 1e-9);
 }
 
 TEST_F(SigmaVerb, PictureOfAnyScene) {

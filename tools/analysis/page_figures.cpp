@@ -22,12 +22,6 @@ std::vector<double> list_of(const Eigen::VectorXd& values) {
   return {values.begin(), values.end()};
 }
 
-/// Fine enough for the resonances of a frame without damping.
-std::vector<double> prediction_grid(const RunAnalyses& runs) {
-  const double rate = runs.any().data.scan.info.sample_rate_hz;
-  return list_of(logarithmic_frequencies(0.5, std::min(200.0, 0.45 * rate), 600));
-}
-
 page::MeasuredValues measured_matrix(const JudgedResponse& judged) {
   const report::FrequencyResponse& response = *judged.measured.response;
   const report::Bands bands = report::singular_value_bands(response, 0.95);
@@ -47,6 +41,14 @@ page::MeasuredValues measured_matrix(const JudgedResponse& judged) {
 const LoopDesign* design_of(const RunAnalyses& runs) {
   const auto& design = runs.any().run.design;
   return design ? &*design : nullptr;
+}
+
+/// Fine enough for the resonances of a frame without damping.
+std::vector<double> prediction_grid(const LoopDesign& design) {
+  std::vector<double> targets_hz;
+  if (const auto target = target_of(design)) targets_hz.push_back(target->frequency_hz);
+  const FrequencyRange range = axis_of(design, targets_hz);
+  return list_of(logarithmic_frequencies(range.lowest_hz, range.highest_hz, 600));
 }
 
 std::vector<double> target_curve(const LoopTarget& target, const std::vector<double>& grid) {
@@ -99,7 +101,7 @@ std::optional<page::SingularValueFigure> singular_value_figure(const RunAnalyses
   figure.allowed_db = allowed_db;
   bool any = false;
   if (const LoopDesign* design = design_of(runs)) {
-    figure.frequencies_hz = prediction_grid(runs);
+    figure.frequencies_hz = prediction_grid(*design);
     figure.open = report::predicted_singular_values(design->open, figure.frequencies_hz);
     figure.closed = report::predicted_singular_values(design->closed, figure.frequencies_hz);
     std::vector<Eigen::MatrixXcd> continuous;
@@ -129,10 +131,11 @@ std::vector<page::TransmissibilityAxis> transmissibility_figures(const RunAnalys
   // A run on a multisine has no axes.
   const auto& any = runs.any().data.axes.empty() && runs.passive ? *runs.passive : runs.any();
   if (any.data.axes.empty()) return figures;
-  const std::vector<double> grid = prediction_grid(runs);
+  std::vector<double> grid;
   std::optional<PredictedResponse> passive, active;
   if (any.axes && any.run.design) {
     try {
+      grid = prediction_grid(*any.run.design);
       const ResponsePrediction prediction(*any.run.design, any.axes->measured.signals);
       passive = prediction.at(grid, false);
       active = prediction.at(grid, true);

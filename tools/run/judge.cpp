@@ -12,9 +12,9 @@ namespace stillframe::tools {
 
 namespace {
 
-std::vector<double> plot_frequencies(double sample_rate_hz) {
-  const Eigen::VectorXd grid =
-      logarithmic_frequencies(0.5, std::min(200.0, 0.45 * sample_rate_hz), 600);
+std::vector<double> plot_frequencies(const LoopDesign& design) {
+  const FrequencyRange range = axis_of(design, design.scene.controller->target_hz);
+  const Eigen::VectorXd grid = logarithmic_frequencies(range.lowest_hz, range.highest_hz, 600);
   return {grid.begin(), grid.end()};
 }
 
@@ -28,7 +28,7 @@ void plot_singular_values(const LoopDesign& design, const RunAnalyses& runs,
                           const RunDirectory& directory) {
   report::SingularValuePlot picture;
   picture.title = design.scene.title;
-  picture.frequencies_hz = plot_frequencies(design.gains.sample_rate_hz);
+  picture.frequencies_hz = plot_frequencies(design);
   picture.open_predicted = report::predicted_singular_values(design.open, picture.frequencies_hz);
   picture.closed_predicted =
       report::predicted_singular_values(design.closed, picture.frequencies_hz);
