@@ -24,6 +24,7 @@ struct Options {
   std::filesystem::path log;
   std::optional<std::int64_t> run_id;
   double segment_s = 64, level = 0.95;
+  std::optional<double> tolerance_db;
   bool json = false;
 };
 
@@ -52,6 +53,22 @@ Json json_of(const std::vector<MatrixXcd>& matrices) {
   return list;
 }
 
+report::Bands bands_of(const JudgedResponse& judged, double level) {
+  return level == 0.95 ? judged.bands
+                       : report::singular_value_bands(*judged.measured.response, level);
+}
+
+Json json_of(const report::PredictionError& error) {
+  return {{"n_compared", error.n_compared},
+          {"n_left_out", error.n_left_out},
+          {"largest_db", error.largest_db},
+          {"at_hz", error.at_frequency_hz},
+          {"beyond_db", error.beyond_db},
+          {"beyond_at_hz", error.beyond_at_hz},
+          {"tolerance_db", error.tolerance_db},
+          {"agrees", error.n_compared > 0 ? Json(error.agrees()) : Json(nullptr)}};
+}
+
 Json json_of(const JudgedResponse& judged, double level) {
   const report::IdentifiedResponse& measured = judged.measured;
   Json json{{"inputs", measured.signals.inputs},
@@ -65,7 +82,7 @@ Json json_of(const JudgedResponse& judged, double level) {
             {"resolution_hz", measured.resolution_hz}};
   if (!measured.response) return json;
   const report::FrequencyResponse& response = *measured.response;
-  const report::Bands bands = report::singular_value_bands(response, level);
+  const report::Bands bands = bands_of(judged, level);
   Json radii = Json::array();
   for (Index l = 0; l < response.n_frequencies(); ++l) {
     radii.push_back(to_json(report::entry_radii(response, l, level)));
@@ -81,13 +98,14 @@ Json json_of(const JudgedResponse& judged, double level) {
   json["dof"] = to_json(response.dof);
   json["input_condition"] = to_json(response.input_condition);
   json["noise_density"] = to_json(response.noise_density);
-  if (const auto errors = prediction_errors(judged)) {
+  if (const auto& errors = judged.errors) {
     json["T_sampled"] = json_of(judged.predicted->sampled);
     json["T_continuous"] = json_of(judged.predicted->continuous);
     json["sampled_singular_values"] = to_json(errors->sampled_values);
     json["continuous_singular_values"] = to_json(errors->continuous_values);
     json["sampled_error_db"] = to_json(errors->sampled.difference_db);
     json["continuous_error_db"] = to_json(errors->continuous.difference_db);
+    json["comparison"] = json_of(errors->sampled);
   }
   return json;
 }
@@ -116,8 +134,8 @@ void print_table(const Shown& item, double level) {
   }
   std::cout << "\n";
   const report::FrequencyResponse& response = *measured.response;
-  const report::Bands bands = report::singular_value_bands(response, level);
-  const auto errors = prediction_errors(*item.response);
+  const report::Bands bands = bands_of(*item.response, level);
+  const auto& errors = item.response->errors;
   report::Table table({"Hz", "largest", "lower", "upper", "smallest", "lower", "upper",
                        "least coherence", "sampled dB", "continuous dB"},
                       0);
@@ -135,11 +153,18 @@ void print_table(const Shown& item, double level) {
                errors ? largest_in(errors->continuous.difference_db, l) : "-"});
   }
   std::cout << table.print();
-  if (errors) {
+  if (errors && errors->sampled.n_compared == 0) {
+    std::cout << "Nothing is known well enough to be compared: no band of a singular value is "
+                 "within 1 dB\n\n";
+  } else if (errors) {
+    const report::PredictionError& sampled = errors->sampled;
     std::cout << cell(
-        "Largest error of %td values of coherence above 0.99: %.4f dB of the sampled "
-        "prediction at %.4g Hz, %.4f dB of the continuous one at %.4g Hz\n\n",
-        errors->sampled.n_compared, errors->sampled.largest_db, errors->sampled.at_frequency_hz,
+        "%td of %td singular values are known well enough to be compared. Largest error %.4f dB of "
+        "the sampled prediction at %.4g Hz, %.4f dB beyond its band%s; %.4f dB of the continuous "
+        "one at %.4g Hz\n\n",
+        sampled.n_compared, sampled.n_compared + sampled.n_left_out, sampled.largest_db,
+        sampled.at_frequency_hz, sampled.beyond_db,
+        sampled.beyond_db > 0 ? cell(" (at %.4g Hz)", sampled.beyond_at_hz).c_str() : "",
         errors->continuous.largest_db, errors->continuous.at_frequency_hz);
   } else {
     std::cout << "No prediction: " << item.response->unpredicted << "\n\n";
@@ -148,16 +173,19 @@ void print_table(const Shown& item, double level) {
 
 int run(const Options& options) {
   Patience patience("reading");
+  report::ComparisonRule rule;
+  if (options.tolerance_db) rule.tolerance_db = *options.tolerance_db;
   const RunAnalysis analysis = analyse_run(
       options.log, {.run_id = options.run_id,
                     .segment_s = options.segment_s,
+                    .comparison = rule,
                     .progress = [&](double share) { patience.now("reading", 100 * share); }});
   patience.now("confidence bands");
   const auto list = shown(analysis);
   if (list.empty()) {
     throw InputError(options.log.string() + ": nothing to identify: " + analysis.run.unreadable);
   }
-  bool identified = false;
+  bool identified = false, compared = false, agrees = true;
   Json document{{"scene", analysis.data.scan.info.scene_name},
                 {"loop", analysis.data.scan.info.loop},
                 {"sample_rate_hz", analysis.data.scan.info.sample_rate_hz},
@@ -171,6 +199,10 @@ int run(const Options& options) {
   }
   for (const Shown& item : list) {
     identified = identified || item.response->measured.response.has_value();
+    if (const auto& errors = item.response->errors) {
+      compared = true;
+      agrees = agrees && errors->sampled.agrees();
+    }
     if (options.json) {
       document[item.key] = json_of(*item.response, options.level);
     } else {
@@ -178,7 +210,7 @@ int run(const Options& options) {
     }
   }
   if (options.json) print(document);
-  return identified ? exit_done : exit_failed;
+  return identified && (!options.tolerance_db || (compared && agrees)) ? exit_done : exit_failed;
 }
 
 }  // namespace
@@ -196,12 +228,15 @@ void add_identify(CLI::App& app, int& exit_code) {
   verb->add_option("--level", options->level, "Probability with which the bands hold the truth")
       ->check(CLI::Range(0.5, 0.999))
       ->capture_default_str();
+  verb->add_option("--tolerance-db", options->tolerance_db,
+                   "Fail if a prediction lies further than this outside the band of its value")
+      ->check(CLI::NonNegativeNumber);
   verb->add_flag("--json", options->json, "Print JSON (keys below)");
   verb->footer(
       "On a multisine floor by its lines (docs/identification.md), on any other by the local\n"
       "polynomial method: the matrix from all floor inputs to the scene's outputs if the floor\n"
       "moves them independently, and the matrix of the scene's comparisons, floor to frame.\n"
-      "Errors in dB are the largest of the singular values with a coherence above 0.99.\n"
+      "Errors in dB are the largest of the singular values whose 95 % bands are within 1 dB.\n"
       "Keys of --json:\n"
       "  scene, loop, sample_rate_hz, n_samples, n_lost, level\n"
       "  matrix, axes: inputs, outputs, method, missing, unpredicted, n_segments, n_filled,\n"
@@ -210,8 +245,13 @@ void add_identify(CLI::App& app, int& exit_code) {
       "    singular_values_upper, coherence (an output), directional_coherence (a singular\n"
       "    value), dof, input_condition, noise_density (output unit^2 / Hz), and if predicted\n"
       "    T_sampled, T_continuous, sampled_singular_values, continuous_singular_values,\n"
-      "    sampled_error_db, continuous_error_db\n"
-      "Exit code 4: nothing could be identified.\n"
+      "    sampled_error_db, continuous_error_db (null: not compared), comparison (with the "
+      "sampled\n"
+      "    prediction: n_compared, n_left_out, largest_db, at_hz, beyond_db, outside all bands\n"
+      "    together at 95 %, beyond_at_hz, tolerance_db, agrees)\n"
+      "Exit code 4: nothing could be identified, or with --tolerance-db nothing could be compared "
+      "or\n"
+      "something lies beyond it.\n"
       "Example: stillframe identify runs/identification/active.lcm");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -18,6 +18,7 @@ struct Options {
   std::optional<std::filesystem::path> out, verdict;
   std::optional<std::int64_t> run_id;
   double segment_s = 64;
+  report::ComparisonRule comparison = {};
   bool json = false;
 };
 
@@ -58,6 +59,7 @@ int run(const Options& options) {
     runs.add(
         analyse_run(log, {.run_id = options.run_id,
                           .segment_s = options.segment_s,
+                          .comparison = options.comparison,
                           .progress = [&](double share) { patience.now(name, 100 * share); }}));
   }
   patience.now("writing the report");
@@ -90,6 +92,10 @@ void add_report(CLI::App& app, int& exit_code) {
   verb->add_option("--segment", options->segment_s,
                    "Broadband identification: s of what is transformed at once; longer is finer")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--tolerance-db", options->comparison.tolerance_db,
+                   "How far a prediction may lie outside the band of a measured value")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   verb->add_flag("--json", options->json, "Print the verdict as JSON");
   verb->footer(

@@ -1,5 +1,6 @@
 #include "report/identification/comparison.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,14 +14,34 @@ using Eigen::MatrixXd;
 
 namespace {
 
-void check_size(const FrequencyResponse& measured, const MatrixXd& predicted, const char* caller) {
-  if (predicted.rows() != measured.singular_values.rows() ||
-      predicted.cols() != measured.singular_values.cols()) {
-    throw std::invalid_argument(std::string(caller) + ": the loop has " +
-                                std::to_string(predicted.cols()) +
-                                " singular values, the measured response " +
-                                std::to_string(measured.singular_values.cols()));
-  }
+/// The level of the bands that are compared with, and of all of them together.
+constexpr double level = 0.95;
+
+/// How much wider the band of one of n values is if all n together are to hold with `level`.
+double joint_width(Index n, double dof) {
+  const double each = 1 - (1 - level) / static_cast<double>(n);
+  return student_quantile(each, 2 * dof) / student_quantile(level, 2 * dof);
+}
+
+bool is_narrow(double value, double lower, double upper, double widest_db) {
+  const double factor = std::pow(10, widest_db / 20);
+  return upper <= factor * value && value <= factor * lower;
+}
+
+/// How far a prediction lies outside a band, dB; infinite if it is not a number.
+double beyond(double predicted, double lower, double upper) {
+  if (lower <= predicted && predicted <= upper) return 0;
+  const double distance =
+      20 * std::max(std::log10(predicted / upper), std::log10(lower / predicted));
+  return distance > 0 ? distance : std::numeric_limits<double>::infinity();
+}
+
+void check_size(const MatrixXd& predicted, Index rows, Index cols, const char* caller) {
+  if (predicted.rows() == rows && predicted.cols() == cols) return;
+  throw std::invalid_argument(
+      std::string(caller) + ": the loop has " + std::to_string(predicted.cols()) +
+      " singular values, the measured response " + std::to_string(cols) + ", at " +
+      std::to_string(predicted.rows()) + " and " + std::to_string(rows) + " frequencies");
 }
 
 }  // namespace
@@ -37,64 +58,80 @@ MatrixXd predicted_singular_values(const SampledLoop& loop,
   return singular_values(T);
 }
 
-PredictionError compare(const FrequencyResponse& measured, const MatrixXd& predicted,
-                        double least_coherence) {
-  check_size(measured, predicted, "compare");
+PredictionError compare(const FrequencyResponse& measured, const Bands& bands,
+                        const MatrixXd& predicted, const ComparisonRule& rule) {
+  const MatrixXd& values = measured.singular_values;
+  check_size(predicted, values.rows(), values.cols(), "compare");
   PredictionError result;
-  const MatrixXd predicted_db = decibels(predicted);
-  result.difference_db = decibels(measured.singular_values) - predicted_db;
-  for (Index l = 0; l < predicted_db.rows(); ++l) {
-    for (Index i = 0; i < predicted_db.cols(); ++i) {
-      double& difference = result.difference_db(l, i);
-      if (!(measured.directional_coherence(l, i) > least_coherence)) {
-        difference = std::numeric_limits<double>::quiet_NaN();
-        continue;
-      }
-      ++result.n_compared;
-      if (!(std::abs(difference) <= result.largest_db)) {
-        result.largest_db = std::abs(difference);
-        result.at_frequency_hz = measured.frequencies_hz[static_cast<std::size_t>(l)];
-      }
+  result.tolerance_db = rule.tolerance_db;
+  result.difference_db.setConstant(values.rows(), values.cols(),
+                                   std::numeric_limits<double>::quiet_NaN());
+  const auto is_compared = [&](Index l, Index i) {
+    return is_narrow(values(l, i), bands.lower(l, i), bands.upper(l, i), rule.widest_db) &&
+           !(predicted(l, i) <= rule.least_rank * predicted(l, 0));
+  };
+  for (Index l = 0; l < values.rows(); ++l) {
+    for (Index i = 0; i < values.cols(); ++i)
+      ++(is_compared(l, i) ? result.n_compared : result.n_left_out);
+  }
+  const auto raise = [](double value, double frequency, double& largest, double& at) {
+    if (value <= largest) return;
+    largest = std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
+    at = frequency;
+  };
+  for (Index l = 0; l < values.rows(); ++l) {
+    const double frequency = measured.frequencies_hz[static_cast<std::size_t>(l)];
+    for (Index i = 0; i < values.cols(); ++i) {
+      if (!is_compared(l, i)) continue;
+      const double value = values(l, i), wider = joint_width(result.n_compared, measured.dof(l));
+      const double difference = 20 * std::log10(value / predicted(l, i));
+      result.difference_db(l, i) = difference;
+      raise(std::abs(difference), frequency, result.largest_db, result.at_frequency_hz);
+      raise(beyond(predicted(l, i), value - wider * (value - bands.lower(l, i)),
+                   value + wider * (bands.upper(l, i) - value)),
+            frequency, result.beyond_db, result.beyond_at_hz);
     }
   }
   return result;
 }
 
-ReductionCheck check_reduction(const FrequencyResponse& open, const FrequencyResponse& closed,
+ReductionCheck check_reduction(const std::vector<double>& frequencies_hz,
+                               const PredictionError& open, const PredictionError& closed,
                                const MatrixXd& open_predicted, const MatrixXd& closed_predicted,
-                               double above_hz, double least_coherence) {
-  if (open.frequencies_hz != closed.frequencies_hz) {
-    throw std::invalid_argument(
-        "check_reduction: open and closed loop were measured at other frequencies");
+                               double above_hz) {
+  const Index n_f = open.difference_db.rows(), n_s = open.difference_db.cols();
+  for (const MatrixXd* other : {&closed.difference_db, &open_predicted, &closed_predicted}) {
+    check_size(*other, n_f, n_s, "check_reduction");
   }
-  check_size(open, open_predicted, "check_reduction");
-  check_size(closed, closed_predicted, "check_reduction");
-  const MatrixXd open_db = decibels(open_predicted), closed_db = decibels(closed_predicted);
-  if (open_db.cols() != closed_db.cols()) {
-    throw std::invalid_argument("check_reduction: open and closed loop differ in size");
+  if (static_cast<Index>(frequencies_hz.size()) != n_f) {
+    throw std::invalid_argument("check_reduction: " + std::to_string(n_f) + " frequencies and " +
+                                std::to_string(frequencies_hz.size()) + " names of them");
   }
-  const MatrixXd measured = decibels(open.singular_values) - decibels(closed.singular_values);
+  const MatrixXd error = open.difference_db - closed.difference_db;  // NaN: not both are compared
+  const MatrixXd reduction = decibels(open_predicted) - decibels(closed_predicted);
   ReductionCheck check;
   check.least_reduction_db = std::numeric_limits<double>::infinity();
-  for (Index l = 0; l < measured.rows(); ++l) {
-    const double frequency = open.frequencies_hz[static_cast<std::size_t>(l)];
+  for (Index l = 0; l < n_f; ++l) {
+    const double frequency = frequencies_hz[static_cast<std::size_t>(l)];
     if (!(frequency > above_hz)) continue;
-    if ((open_db.row(l) - closed_db.row(l)).minCoeff() <= 0) continue;
+    Index n = 0;
+    bool predicted = true;
+    double least = std::numeric_limits<double>::infinity(), largest_error = 0;
+    for (Index i = 0; i < n_s; ++i) {
+      if (std::isnan(error(l, i))) continue;
+      ++n;
+      predicted = predicted && reduction(l, i) > 0;
+      least = std::min(least, reduction(l, i) + error(l, i));
+      largest_error = std::max(largest_error, std::abs(error(l, i)));
+    }
+    if (n == 0 || !predicted) continue;
     ++check.n_frequencies;
-    const double least = measured.row(l).minCoeff();
+    check.n_compared += n;
     if (least > 0) ++check.n_below;
     check.least_reduction_db = std::min(check.least_reduction_db, least);
-    for (Index i = 0; i < measured.cols(); ++i) {
-      if (!(open.directional_coherence(l, i) > least_coherence) ||
-          !(closed.directional_coherence(l, i) > least_coherence)) {
-        continue;
-      }
-      ++check.n_compared;
-      const double error = std::abs(measured(l, i) - (open_db(l, i) - closed_db(l, i)));
-      if (!(error <= check.largest_error_db)) {
-        check.largest_error_db = error;
-        check.at_frequency_hz = frequency;
-      }
+    if (!(largest_error <= check.largest_error_db)) {
+      check.largest_error_db = largest_error;
+      check.at_frequency_hz = frequency;
     }
   }
   return check;

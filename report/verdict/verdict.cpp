@@ -12,28 +12,26 @@ namespace stillframe::report {
 using nlohmann::ordered_json;
 
 bool IdentificationSummary::pass() const {
-  return n_frequencies > 0 && n_compared > 0 && open_largest_db <= allowed_db &&
-         closed_largest_db <= allowed_db && reduction_largest_error_db <= allowed_db &&
+  return n_frequencies > 0 && n_compared > 0 && beyond_db <= allowed_db &&
          n_closed_below_open == n_reduction_frequencies;
 }
 
 IdentificationSummary summarise(const PredictionError& open, const PredictionError& closed,
                                 const ReductionCheck& reduction,
                                 const std::vector<double>& frequencies_hz,
-                                double reduction_above_hz, double least_coherence,
-                                double allowed_db) {
+                                double reduction_above_hz) {
   const auto [lowest, highest] = std::minmax_element(frequencies_hz.begin(), frequencies_hz.end());
   const bool any = !frequencies_hz.empty();
   return {.n_frequencies = static_cast<int>(frequencies_hz.size()),
           .lowest_hz = any ? *lowest : 0,
           .highest_hz = any ? *highest : 0,
-          .least_coherence = least_coherence,
           .n_compared = static_cast<int>(open.n_compared + closed.n_compared),
-          .allowed_db = allowed_db,
+          .allowed_db = open.tolerance_db,
           .open_largest_db = open.largest_db,
           .open_at_hz = open.at_frequency_hz,
           .closed_largest_db = closed.largest_db,
           .closed_at_hz = closed.at_frequency_hz,
+          .beyond_db = std::max(open.beyond_db, closed.beyond_db),
           .reduction_above_hz = reduction_above_hz,
           .n_reduction_frequencies = static_cast<int>(reduction.n_frequencies),
           .n_closed_below_open = static_cast<int>(reduction.n_below),
@@ -129,13 +127,13 @@ ordered_json json_of(const IdentificationSummary& id) {
           {"n_frequencies", id.n_frequencies},
           {"lowest_hz", id.lowest_hz},
           {"highest_hz", id.highest_hz},
-          {"least_coherence", id.least_coherence},
           {"n_compared", id.n_compared},
           {"allowed_db", id.allowed_db},
           {"open_largest_db", id.open_largest_db},
           {"open_at_hz", id.open_at_hz},
           {"closed_largest_db", id.closed_largest_db},
           {"closed_at_hz", id.closed_at_hz},
+          {"beyond_db", id.beyond_db},
           {"reduction_above_hz", id.reduction_above_hz},
           {"n_reduction_frequencies", id.n_reduction_frequencies},
           {"n_closed_below_open", id.n_closed_below_open},
@@ -164,6 +162,8 @@ ordered_json json_of(const ResponseSummary& response) {
           {"n_compared", response.n_compared},
           {"sampled_largest_db", response.sampled_largest_db},
           {"sampled_at_hz", response.sampled_at_hz},
+          {"beyond_db", response.beyond_db},
+          {"tolerance_db", response.tolerance_db},
           {"continuous_largest_db", response.continuous_largest_db},
           {"continuous_at_hz", response.continuous_at_hz},
           {"n_segments", response.n_segments},

@@ -56,16 +56,17 @@ struct TimingSummary {
 struct IdentificationSummary {
   int n_frequencies = 0;
   double lowest_hz = 0, highest_hz = 0;
-  double least_coherence = 0;  ///< values of less are not compared
-  int n_compared = 0;          ///< of both loops
-  double allowed_db = 0;       ///< on each deviation below
+  int n_compared = 0;     ///< values of both loops (ComparisonRule)
+  double allowed_db = 0;  ///< beyond the bands
   double open_largest_db = 0, open_at_hz = 0;
   double closed_largest_db = 0, closed_at_hz = 0;
+  double beyond_db = 0;  ///< furthest that a prediction of either lies outside the value's band
   double reduction_above_hz = 0;  ///< the reduction is judged above this
   int n_reduction_frequencies = 0, n_closed_below_open = 0;
   double reduction_largest_error_db = 0;
 
-  /// All deviations allowed, and the closed loop below the open one wherever it is judged.
+  /// All predictions within their values' bands and what is allowed beyond, and the closed loop
+  /// below the open one wherever it is judged.
   bool pass() const;
 };
 
@@ -111,8 +112,10 @@ struct ResponseSummary {
   std::string method = {};   ///< multisine or broadband
   std::string missing = {};  ///< why nothing was identified or compared; else empty
   int n_frequencies = 0;
-  int n_compared = 0;                                ///< singular values of coherence above 0.99
+  int n_compared = 0;                                ///< singular values (ComparisonRule)
   double sampled_largest_db = 0, sampled_at_hz = 0;  ///< against what the sampled loop must show
+  double beyond_db = 0;     ///< furthest that that lies outside the band of a value
+  double tolerance_db = 0;  ///< what is allowed of it
   double continuous_largest_db = 0, continuous_at_hz = 0;
   std::int64_t n_segments = 0, n_filled = 0, n_left_out = 0;  ///< samples but for the first
   double resolution_hz = 0;
@@ -163,8 +166,7 @@ struct Verdict {
 IdentificationSummary summarise(const PredictionError& open, const PredictionError& closed,
                                 const ReductionCheck& reduction,
                                 const std::vector<double>& frequencies_hz,
-                                double reduction_above_hz, double least_coherence,
-                                double allowed_db);
+                                double reduction_above_hz);
 
 /// The verdict as JSON. Numbers read back to the same bits (up to 17 significant digits), a number
 /// that is not finite is null. Keys:
@@ -180,11 +182,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///   timing[]: loop source n_periods n_late n_lost n_duplicates n_listened worst_wake_up_us
 ///     worst_compute_us, wake_up and compute if known: p50_us p99_us p999_us
 ///   identification (if any): pass n_frequencies lowest_hz highest_hz
-///   least_coherence
-///     n_compared
-///   allowed_db open_largest_db
-///     open_at_hz closed_largest_db closed_at_hz reduction_above_hz n_reduction_frequencies
-///     n_closed_below_open reduction_largest_error_db
+///     n_compared allowed_db open_largest_db open_at_hz closed_largest_db closed_at_hz beyond_db
+///     reduction_above_hz n_reduction_frequencies n_closed_below_open reduction_largest_error_db
 ///   axes[]: axis, then floor, passive, active (those there are): rms_acceleration (m/s^2, 1-80 Hz)
 ///     peak_acceleration (m/s^2) largest_band_velocity (m/s rms) largest_band_hz vibration_class
 ///     third_octave_velocity (m/s rms) cumulative_rms (m/s^2), a number for each of
@@ -193,7 +192,7 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     floor passive active (m/s^2 rms in it; null: none)
 ///   third_octave_bands_hz: nominal centres
 ///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
-///   sampled_at_hz
+///     sampled_at_hz beyond_db tolerance_db
 ///     continuous_largest_db continuous_at_hz n_segments n_filled n_left_out resolution_hz
 ///   transmissibility[]: axis loop frequencies_hz value lower upper coherence
 ///   shocks[]: axis loop time_s floor_level frame_level (m/s^2 rms of 0.1 s) settling_s (null:

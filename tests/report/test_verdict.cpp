@@ -56,13 +56,13 @@ Verdict sample_verdict() {
   verdict.identification = IdentificationSummary{.n_frequencies = 40,
                                                  .lowest_hz = 1,
                                                  .highest_hz = 100,
-                                                 .least_coherence = 0.99,
                                                  .n_compared = 480,
                                                  .allowed_db = 0.2,
                                                  .open_largest_db = 0.0123,
                                                  .open_at_hz = 14.5,
                                                  .closed_largest_db = 0.1,
                                                  .closed_at_hz = 80,
+                                                 .beyond_db = 0.02,
                                                  .reduction_above_hz = 10,
                                                  .n_reduction_frequencies = 22,
                                                  .n_closed_below_open = 22,
@@ -94,9 +94,9 @@ TEST(Verdict, TheIdentificationPassesOnlyIfNothingIsWrong) {
   };
   using Id = IdentificationSummary;
   EXPECT_TRUE(passes([](Id&) {}));
-  EXPECT_FALSE(passes([](Id& id) { id.open_largest_db = 0.21; }));
-  EXPECT_FALSE(passes([](Id& id) { id.closed_largest_db = std::nan(""); }));
-  EXPECT_FALSE(passes([](Id& id) { id.reduction_largest_error_db = 0.21; }));
+  EXPECT_TRUE(passes([](Id& id) { id.open_largest_db = 0.9; }));
+  EXPECT_FALSE(passes([](Id& id) { id.beyond_db = 0.21; }));
+  EXPECT_FALSE(passes([](Id& id) { id.beyond_db = std::nan(""); }));
   EXPECT_FALSE(passes([](Id& id) { id.n_closed_below_open = 21; }));
   EXPECT_FALSE(passes([](Id& id) { id.n_frequencies = 0; }));
   EXPECT_FALSE(passes([](Id& id) { id.n_compared = 0; }));
@@ -173,12 +173,16 @@ TEST(Verdict, SummaryComesFromTheComparison) {
   open.n_compared = 5;
   closed.largest_db = 0.3;
   closed.n_compared = 4;
+  closed.beyond_db = 0.25;
+  open.tolerance_db = closed.tolerance_db = 0.2;
   const ReductionCheck reduction{.n_frequencies = 2, .n_below = 2};
-  const auto id = summarise(open, closed, reduction, {1, 20, 30}, 10, 0.99, 0.2);
+  const auto id = summarise(open, closed, reduction, {1, 20, 30}, 10);
   EXPECT_EQ(id.n_frequencies, 3);
   EXPECT_EQ(id.n_compared, 9);
   EXPECT_EQ(id.highest_hz, 30);
   EXPECT_EQ(id.open_largest_db, 0.05);
+  EXPECT_EQ(id.beyond_db, 0.25);
+  EXPECT_EQ(id.allowed_db, 0.2);
   EXPECT_FALSE(id.pass());
 }
 

@@ -24,15 +24,14 @@ std::vector<double> list_of(const Eigen::VectorXd& values) {
 
 page::MeasuredValues measured_matrix(const JudgedResponse& judged) {
   const report::FrequencyResponse& response = *judged.measured.response;
-  const report::Bands bands = report::singular_value_bands(response, 0.95);
   page::MeasuredValues values;
   values.frequencies_hz = response.frequencies_hz;
   values.values = response.singular_values;
-  values.lower = bands.lower;
-  values.upper = bands.upper;
+  values.lower = judged.bands.lower;
+  values.upper = judged.bands.upper;
   values.coherence = list_of(response.directional_coherence.rowwise().minCoeff());
-  if (const auto errors = prediction_errors(judged)) {
-    values.difference_db = errors->sampled.difference_db;
+  if (judged.errors) {
+    values.difference_db = judged.errors->sampled.difference_db;
   }
   return values;
 }
@@ -98,7 +97,6 @@ page::Curve noise_model(const std::string& name, bool high) {
 
 std::optional<page::SingularValueFigure> singular_value_figure(const RunAnalyses& runs) {
   page::SingularValueFigure figure;
-  figure.allowed_db = allowed_db;
   bool any = false;
   if (const LoopDesign* design = design_of(runs)) {
     figure.frequencies_hz = prediction_grid(*design);
@@ -117,6 +115,7 @@ std::optional<page::SingularValueFigure> singular_value_figure(const RunAnalyses
   const auto measure = [&](const std::optional<RunAnalysis>& run, page::MeasuredValues& values) {
     if (!run || !run->matrix || !run->matrix->measured.response) return;
     values = measured_matrix(*run->matrix);
+    if (run->matrix->errors) figure.allowed_db = run->matrix->errors->sampled.tolerance_db;
     any = true;
   };
   measure(runs.passive, figure.open_measured);

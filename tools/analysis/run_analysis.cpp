@@ -9,18 +9,27 @@ namespace stillframe::tools {
 namespace {
 
 std::optional<JudgedResponse> judged(std::optional<report::IdentifiedResponse>& measured,
-                                     const RecordedRun& run, bool active) {
+                                     const RecordedRun& run, bool active,
+                                     const report::ComparisonRule& rule) {
   if (!measured) return std::nullopt;
-  JudgedResponse result{.measured = std::move(*measured), .predicted = {}, .unpredicted = {}};
+  JudgedResponse result{.measured = std::move(*measured)};
   measured.reset();
+  const auto& response = result.measured.response;
+  if (response) result.bands = report::singular_value_bands(*response, 0.95);
   if (!run.design) {
     result.unpredicted = run.unreadable;
     return result;
   }
-  if (!result.measured.response) return result;
+  if (!response) return result;
   try {
     result.predicted = ResponsePrediction(*run.design, result.measured.signals)
-                           .at(result.measured.response->frequencies_hz, active);
+                           .at(response->frequencies_hz, active);
+    PredictionErrors errors;
+    errors.sampled_values = report::singular_values(result.predicted->sampled);
+    errors.continuous_values = report::singular_values(result.predicted->continuous);
+    errors.sampled = report::compare(*response, result.bands, errors.sampled_values, rule);
+    errors.continuous = report::compare(*response, result.bands, errors.continuous_values, rule);
+    result.errors = std::move(errors);
   } catch (const std::exception& error) {
     result.unpredicted = error.what();
   }
@@ -41,8 +50,8 @@ RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings
     plan.segment_s = settings.segment_s;
     return plan;
   });
-  result.matrix = judged(result.data.matrix, result.run, result.active());
-  result.axes = judged(result.data.axis_matrix, result.run, result.active());
+  result.matrix = judged(result.data.matrix, result.run, result.active(), settings.comparison);
+  result.axes = judged(result.data.axis_matrix, result.run, result.active(), settings.comparison);
   return result;
 }
 

@@ -6,16 +6,26 @@
 #include <vector>
 
 #include "report/analysis/log_analyser.hpp"
+#include "report/identification/comparison.hpp"
 #include "tools/analysis/recorded_run.hpp"
 #include "tools/analysis/response_prediction.hpp"
 
 namespace stillframe::tools {
 
+/// Measured singular values against both predictions.
+struct PredictionErrors {
+  Eigen::MatrixXd sampled_values, continuous_values;  ///< n_f x n_s, predicted
+  report::PredictionError sampled, continuous;
+};
+
 /// An identified response beside what the log's own model has for it.
 struct JudgedResponse {
   report::IdentifiedResponse measured;
-  std::optional<PredictedResponse> predicted;  ///< at the same frequencies, of the loop that ran
-  std::string unpredicted;                     ///< why there is none
+  report::Bands bands = {};  ///< 95 %, of its singular values, if it is there
+  std::optional<PredictedResponse> predicted =
+      {};                                       ///< at the same frequencies, of the loop that ran
+  std::string unpredicted = {};                 ///< why there is none
+  std::optional<PredictionErrors> errors = {};  ///< where both are there
 };
 
 /// One log, taken apart and set against its own model.
@@ -61,8 +71,9 @@ struct RunAnalyses {
 /// How a log is analysed.
 struct AnalysisSettings {
   std::optional<std::int64_t> run_id;
-  double segment_s = 64;                 ///< of broadband identification
-  std::function<void(double)> progress;  ///< share of the file, 0 to 1
+  double segment_s = 64;  ///< of broadband identification
+  report::ComparisonRule comparison = {};
+  std::function<void(double)> progress = {};  ///< share of the file, 0 to 1
 };
 
 /// Errors: as scan_log.

@@ -30,10 +30,15 @@ report::ResponseSummary summary_of(const JudgedResponse& response, const std::st
   if (measured.response) {
     summary.n_frequencies = static_cast<int>(measured.response->n_frequencies());
   }
-  if (const auto errors = prediction_errors(response)) {
+  if (const auto& errors = response.errors) {
     summary.n_compared = static_cast<int>(errors->sampled.n_compared);
     summary.sampled_largest_db = errors->sampled.largest_db;
     summary.sampled_at_hz = errors->sampled.at_frequency_hz;
+    summary.beyond_db = errors->sampled.beyond_db;
+    summary.tolerance_db = errors->sampled.tolerance_db;
+    if (summary.n_compared == 0 && summary.missing.empty()) {
+      summary.missing = "no singular value is known to 1 dB, so that none is compared";
+    }
     summary.continuous_largest_db = errors->continuous.largest_db;
     summary.continuous_at_hz = errors->continuous.at_frequency_hz;
   }
@@ -88,13 +93,11 @@ std::optional<report::IdentificationSummary> judged(const RunAnalyses& runs,
     return std::nullopt;
   }
   const double above_hz = 2 * *std::min_element(targets.begin(), targets.end());
-  const auto open = prediction_errors(*runs.passive->matrix);
-  const auto closed = prediction_errors(*runs.active->matrix);
+  const auto &open = runs.passive->matrix->errors, &closed = runs.active->matrix->errors;
   const auto reduction = reduction_check(runs, above_hz);
   if (!open || !closed || !reduction) return std::nullopt;
   return report::summarise(open->sampled, closed->sampled, *reduction,
-                           runs.active->matrix->measured.response->frequencies_hz, above_hz,
-                           report::default_least_coherence, allowed_db);
+                           runs.active->matrix->measured.response->frequencies_hz, above_hz);
 }
 
 }  // namespace

@@ -40,14 +40,14 @@ void plot_singular_values(const LoopDesign& design, const RunAnalyses& runs,
 }
 
 void plot_errors(const LoopDesign& design, const RunAnalyses& runs, const RunDirectory& directory) {
-  const auto open = prediction_errors(*runs.passive->matrix);
-  const auto closed = prediction_errors(*runs.active->matrix);
+  const auto& open = runs.passive->matrix->errors;
+  const auto& closed = runs.active->matrix->errors;
   report::plot_differences(
       {.title = design.scene.title,
        .frequencies_hz = runs.active->matrix->measured.response->frequencies_hz,
        .open_db = open->sampled.difference_db,
        .closed_db = closed->sampled.difference_db,
-       .allowed_db = allowed_db},
+       .allowed_db = open->sampled.tolerance_db},
       directory / "prediction_error.png");
 }
 
