@@ -46,9 +46,9 @@ inline std::unique_ptr<floor::FloorSource> floor_of(const Scene& scene,
 }
 
 /// Runs a scene's plant for so many samples. Throws std::runtime_error with the plant's reason.
-inline PlantRun run_plant(const Scene& scene, const std::filesystem::path& floor, Index samples,
-                          double force_amplitude) {
-  Plant plant(scene, floor_of(scene, floor));
+inline PlantRun run_plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor,
+                          Index samples, double force_amplitude) {
+  Plant plant(scene, std::move(floor));
   const auto n_legs = static_cast<Index>(scene.controller->legs.size());
   const auto n_y = static_cast<Index>(scene.outputs.size());
   PlantRun run{Eigen::MatrixXd(samples, n_y), Eigen::MatrixXd(samples, n_legs)};
@@ -68,6 +68,11 @@ inline PlantRun run_plant(const Scene& scene, const std::filesystem::path& floor
   run.evaluations_per_sample =
       static_cast<double>(plant.evaluations()) / static_cast<double>(samples);
   return run;
+}
+
+inline PlantRun run_plant(const Scene& scene, const std::filesystem::path& floor, Index samples,
+                          double force_amplitude) {
+  return run_plant(scene, floor_of(scene, floor), samples, force_amplitude);
 }
 
 /// |a - b| / |b| over all entries.

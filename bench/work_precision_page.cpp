@@ -57,12 +57,14 @@ std::string scene_markdown(const json& scene) {
   std::string text = "### " + std::string(1, static_cast<char>(std::toupper(name[0]))) +
                      name.substr(1) + "\n\n`" + scene.at("file").get<std::string>() + ".yaml`, " +
                      std::to_string(scene.at("samples").get<int>()) +
-                     " samples. The reference and the run that checks it differ by " +
-                     cell("%.1e", scene.at("check_acceleration").get<double>()) +
+                     " samples. The references, `nodal` and `" +
+                     scene.at("minimal").get<std::string>() + "`, differ by " +
+                     cell("%.1e", scene.at("known_acceleration").get<double>()) +
                      " in the accelerations and " +
-                     cell("%.1e", scene.at("check_sigma").get<double>()) + " in sigma. " +
+                     cell("%.1e", scene.at("known_sigma").get<double>()) +
+                     " in sigma: no error below is known. " +
                      envelope_line(scene) + "\n![Error against time](images/" + file_name(name) +
-                     ")\n\n| method | tolerance or steps | us a sample | evaluations | error of "
+                     ")\n\n| method | tolerance | us a sample | evaluations | error of "
                      "accelerations | error of sigma |\n|---|---|---|---|---|---|\n";
   for (const json& point : scene.at("points")) {
     text += "| `" + point.at("method").get<std::string>() + "` | " +
@@ -120,6 +122,30 @@ void plot_scene(const json& scene, const std::filesystem::path& folder) {
 std::string work_precision_markdown(const json& result) {
   std::string text;
   for (const json& scene : result.at("scenes")) text += scene_markdown(scene);
+  return text;
+}
+
+std::string honesty_markdown(const json& rows) {
+  const std::vector<std::string> methods{"exponential", "dormand_prince", "fehlberg", "nodal",
+                                         "auto"};
+  std::string text = "| scene | floor m/s^2 | references differ by |";
+  for (const auto& method : methods) text += " `" + method + "` |";
+  text += "\n|---|---|---|---|---|---|---|---|\n";
+  for (const json& row : rows) {
+    text += "| " + row.at("scene").get<std::string>() + " | " +
+            cell("%g", row.at("floor").get<double>()) + " | ";
+    if (row.contains("skipped")) {
+      text += row.at("skipped").get<std::string>() + " | | | | | |\n";
+      continue;
+    }
+    text += cell("%.0e", row.at("known").get<double>()) + " | ";
+    for (const auto& method : methods) {
+      text += cell("%.2g", row.at(method).at(0).get<double>()) + ", " +
+              cell("%.2g", row.at(method).at(1).get<double>()) + " | ";
+    }
+    text.pop_back();
+    text += "\n";
+  }
   return text;
 }
 

@@ -60,6 +60,24 @@ void add(double& value, double& rest, DoubleDouble more) noexcept {
 
 }  // namespace
 
+HeldCourse::HeldCourse(const Eigen::VectorXd& value, const Eigen::VectorXd& rate,
+                       const Eigen::VectorXd& acceleration)
+    : value_(value),
+      rate_(rate),
+      acceleration_(acceleration),
+      value_rest_(Eigen::VectorXd::Zero(value.size())),
+      rate_rest_(value_rest_) {}
+
+void HeldCourse::finish(double duration) noexcept {
+  for (Index i = 0; i < value_.size(); ++i) {
+    const DoubleDouble gain = DoubleDouble::product(duration, acceleration_(i));
+    const DoubleDouble mean =
+        DoubleDouble(rate_(i), rate_rest_(i)) + DoubleDouble(0.5 * gain.high, 0.5 * gain.low);
+    add(value_(i), value_rest_(i), DoubleDouble(duration) * mean);
+    add(rate_(i), rate_rest_(i), gain);
+  }
+}
+
 Eigen::MatrixXd rigid_floor_map(const Model& model) {
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(model.n_r, 6);
   const Index first = model.n_x - model.n_rx;
@@ -88,11 +106,8 @@ FloorMotion::FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene
     : source_(std::move(source)),
       inputs_(static_cast<Index>(scene.inputs.size()), model.n_r),
       channels_(Eigen::VectorXd::Zero(source_->channels())),
-      q_r_(Eigen::VectorXd::Zero(model.n_r)),
-      q_r_dot_(Eigen::VectorXd::Zero(model.n_r)),
-      q_r_ddot_(Eigen::VectorXd::Zero(model.n_r)),
-      q_r_rest_(Eigen::VectorXd::Zero(model.n_r)),
-      q_r_dot_rest_(Eigen::VectorXd::Zero(model.n_r)) {
+      stated_(model.q_r_0, model.q_r_dot_0, model.q_r_ddot_0),
+      floor_(0 * model.q_r_0, 0 * model.q_r_0, 0 * model.q_r_0) {
   if (model.n_r == 0) {
     throw InputError(scene.file + ": the floor has nothing to move: no node is under 'prescribed'");
   }
@@ -107,26 +122,24 @@ FloorMotion::FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene
 
 void FloorMotion::take(std::int64_t k) noexcept {
   source_->sample(k, channels_);
-  q_r_ddot_.noalias() = map_ * channels_;
+  floor_.acceleration().noalias() = map_ * channels_;
 }
 
-void FloorMotion::at(double t, Eigen::VectorXd& q_r, Eigen::VectorXd& q_r_dot) const noexcept {
-  q_r = q_r_ + t * (q_r_dot_ + 0.5 * t * q_r_ddot_);
-  q_r_dot = q_r_dot_ + t * q_r_ddot_;
+void FloorMotion::at(double t, Eigen::VectorXd& q_r, Eigen::VectorXd& q_r_dot,
+                     Eigen::VectorXd& q_r_ddot) const noexcept {
+  floor_.at(t, q_r, q_r_dot);
+  stated_.add_at(t, q_r, q_r_dot);
+  q_r_ddot = stated_.acceleration() + floor_.acceleration();
 }
 
 void FloorMotion::finish(double duration) noexcept {
-  for (Index i = 0; i < q_r_.size(); ++i) {
-    const DoubleDouble gain = DoubleDouble::product(duration, q_r_ddot_(i));
-    const DoubleDouble mean =
-        DoubleDouble(q_r_dot_(i), q_r_dot_rest_(i)) + DoubleDouble(0.5 * gain.high, 0.5 * gain.low);
-    add(q_r_(i), q_r_rest_(i), DoubleDouble(duration) * mean);
-    add(q_r_dot_(i), q_r_dot_rest_(i), gain);
-  }
+  stated_.finish(duration);
+  floor_.finish(duration);
 }
 
 void FloorMotion::along_inputs(Eigen::VectorXd& acceleration) const noexcept {
-  acceleration.noalias() = inputs_ * q_r_ddot_;
+  acceleration.noalias() = inputs_ * floor_.acceleration();
+  acceleration.noalias() += inputs_ * stated_.acceleration();
 }
 
 }  // namespace stillframe

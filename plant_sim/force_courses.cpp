@@ -10,6 +10,7 @@
 #include "plant_sim/floor/recording_file.hpp"
 #include "plant_sim/floor/resample.hpp"
 #include "plant_sim/floor/shaped_noise.hpp"
+#include "plant_sim/floor/white.hpp"
 
 namespace stillframe {
 
@@ -76,7 +77,9 @@ void require_below(double frequency_hz, double sample_time, const std::string& p
                    " Hz, half the control rate");
 }
 
-Eigen::VectorXd noise_table(const ForceNoise& noise, double T, const std::string& place) {
+/// name: of the disturbance; each has a noise of its own.
+Eigen::VectorXd noise_table(const ForceNoise& noise, double T, const std::string& name,
+                            const std::string& place) {
   require_below(noise.psd.front().first, T, place);
   if (noise.period_s / T > most_samples) {
     throw InputError(place + ": period_s: found " + std::to_string(noise.period_s) +
@@ -84,10 +87,10 @@ Eigen::VectorXd noise_table(const ForceNoise& noise, double T, const std::string
   }
   const floor::NoiseShape shape{
       .density = floor::PointsDensity{noise.psd},
-      .seed = noise.seed,
+      .seed = floor::seed_of(noise.seed, "disturbance " + name),
       .rate = 1.0 / T,
       .period = std::max<std::int64_t>(1, std::llround(noise.period_s / T))};
-  return floor::periodic_noise(shape, 1, false).col(0);
+  return floor::periodic_noise(shape, {0}, false).col(0);
 }
 
 Eigen::VectorXd recording_table(const ForceRecording& force, double T, const std::string& place) {
@@ -130,7 +133,7 @@ ForceCourse::ForceCourse(const SceneDisturbance& disturbance, double sample_time
   } else if (const auto* sweep = std::get_if<ForceSweep>(&force_)) {
     require_below(std::max(sweep->from_hz, sweep->to_hz), sample_time, place);
   } else if (const auto* noise = std::get_if<ForceNoise>(&force_)) {
-    table_ = noise_table(*noise, sample_time, place);
+    table_ = noise_table(*noise, sample_time, disturbance.name, place);
   } else if (const auto* recording = std::get_if<ForceRecording>(&force_)) {
     table_ = recording_table(*recording, sample_time, place);
   }

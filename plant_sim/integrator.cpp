@@ -1,46 +1,135 @@
 #include "plant_sim/integrator.hpp"
 
-#include "plant_sim/sundials/backend.hpp"
+#include <arkode/arkode_erkstep.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+
+#include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace stillframe {
 
 namespace {
 
-std::unique_ptr<Integrator::Backend> make(Eigen::Index n, Eigen::Index n_filtered,
-                                          Integrator::RightHandSide f,
-                                          Integrator::Settings settings) {
-  switch (settings.scheme) {
-    case Scheme::implicit_runge_kutta:
-      return make_implicit(n, n_filtered, std::move(f), std::move(settings));
-    case Scheme::adams:
-    case Scheme::bdf:
-      return make_multistep(n, n_filtered, std::move(f), std::move(settings));
-    default:
-      return make_explicit(n, n_filtered, std::move(f), std::move(settings));
-  }
+constexpr int max_steps = 100'000;  // within one part
+
+using Map = Eigen::Map<Eigen::VectorXd>;
+
+Map view(N_Vector vector) { return {N_VGetArrayPointer(vector), N_VGetLength(vector)}; }
+
+void check(int flag, const char* what) {
+  if (flag < 0) throw std::runtime_error(std::string("SUNDIALS: ") + what + " failed");
 }
 
 }  // namespace
 
-Integrator::Integrator(Eigen::Index n, RightHandSide f, Settings settings, Eigen::Index n_filtered)
-    : backend_(make(n, n_filtered, std::move(f), std::move(settings))) {}
+struct Integrator::Impl {
+  Eigen::Index n, n_filtered;
+  RightHandSide f;
+  double relative_tolerance;
+  double position_scale = 0, velocity_scale = 0;
+  long evaluations = 0;
+  SUNContext context = nullptr;
+  N_Vector state = nullptr;
+  void* memory = nullptr;
 
-Integrator::Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance,
+  Impl(Eigen::Index positions, Eigen::Index filtered, RightHandSide rate, double tolerance)
+      : n(positions), n_filtered(filtered), f(std::move(rate)), relative_tolerance(tolerance) {}
+  ~Impl() {
+    if (memory) ERKStepFree(&memory);
+    if (state) N_VDestroy(state);
+    if (context) SUNContext_Free(&context);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void set_up(Scheme scheme) {
+    check(SUNContext_Create(nullptr, &context), "SUNContext_Create");
+    state = N_VNew_Serial(2 * n + n_filtered, context);
+    if (!state) throw std::runtime_error("SUNDIALS: N_VNew_Serial failed");
+    view(state).setZero();
+    memory = ERKStepCreate(&Impl::right_hand_side, 0.0, state, context);
+    if (!memory) throw std::runtime_error("SUNDIALS: ERKStepCreate failed");
+    check(ERKStepSetTableNum(memory, scheme == Scheme::fehlberg ? ARKODE_FEHLBERG_13_7_8
+                                                                : ARKODE_DORMAND_PRINCE_7_4_5),
+          "ERKStepSetTableNum");
+    check(ERKStepSetUserData(memory, this), "ERKStepSetUserData");
+    // Steps by the present error alone: the estimate of the 8(7) pair vanishes where f depends on t
+    // more than on y, and a controller that looks back at it then fails too often in a row.
+    check(ERKStepSetAdaptivityMethod(memory, ARK_ADAPT_I, 1, 0, nullptr),
+          "ERKStepSetAdaptivityMethod");
+    check(ERKStepSetMaxErrTestFails(memory, 20), "ERKStepSetMaxErrTestFails");
+    check(ERKStepWFtolerances(memory, &Impl::weights), "ERKStepWFtolerances");
+    // The caller reports failures in its own words; SUNDIALS would print them to stderr.
+    check(ERKStepSetErrHandlerFn(memory, &Impl::silent, nullptr), "ERKStepSetErrHandlerFn");
+  }
+
+  static int right_hand_side(realtype t, N_Vector y, N_Vector dy_dt, void* user) noexcept {
+    auto& self = *static_cast<Impl*>(user);
+    ++self.evaluations;
+    // Positive: recoverable, SUNDIALS tries a smaller step before it gives up.
+    return self.f(t, view(y), view(dy_dt)) ? 0 : 1;
+  }
+
+  static int weights(N_Vector y, N_Vector weight, void* user) noexcept {
+    const auto& self = *static_cast<const Impl*>(user);
+    const Map values = view(y);
+    Map w = view(weight);
+    // Of so many entries from begin on. A few roundings of what they are can be met by no step.
+    const auto weigh = [&](Eigen::Index begin, Eigen::Index count, double scale) {
+      if (count == 0) return true;
+      constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
+      const double size = values.segment(begin, count).lpNorm<Eigen::Infinity>();
+      const double error = self.relative_tolerance * (scale + 0.01 * size) + rounding * size;
+      w.segment(begin, count).setConstant(1.0 / error);
+      return error > 0;
+    };
+    const bool sound = weigh(0, self.n, self.position_scale) &&
+                       weigh(self.n, self.n, self.velocity_scale) &&
+                       weigh(2 * self.n, self.n_filtered, self.position_scale);
+    return sound ? 0 : -1;
+  }
+  static void silent(int, const char*, const char*, char*, void*) noexcept {}
+
+  bool restart(double duration) noexcept {
+    return ERKStepReset(memory, 0.0, state) >= 0 && ERKStepSetInitStep(memory, duration) >= 0 &&
+           ERKStepSetStopTime(memory, duration) >= 0;
+  }
+};
+
+Integrator::Integrator(Eigen::Index n, RightHandSide f, Scheme scheme, double relative_tolerance,
                        Eigen::Index n_filtered)
-    : Integrator(n, std::move(f),
-                 Settings{.scheme = Scheme::dormand_prince,
-                          .relative_tolerance = relative_tolerance,
-                          .steps_per_part = 1,
-                          .jacobian = {}},
-                 n_filtered) {}
+    : impl_(std::make_unique<Impl>(n, n_filtered, std::move(f), relative_tolerance)) {
+  impl_->set_up(scheme);
+}
 
 Integrator::~Integrator() = default;
 
 Integrator::Status Integrator::advance(Eigen::VectorXd& y, double duration,
-                                       double acceleration_scale) noexcept {
-  return backend_->advance(y, duration, acceleration_scale);
+                                       double acceleration) noexcept {
+  Impl& self = *impl_;
+  // The smallest normal numbers keep the weights finite for a frame at rest on a floor at rest.
+  self.position_scale = acceleration * duration * duration + 1e-290;
+  self.velocity_scale = acceleration * duration + 1e-290;
+  view(self.state) = y;
+  if (!self.restart(duration)) return Status::failed;
+  // Step by step up to the stop time: what a call over the whole time returns is interpolated.
+  realtype reached = 0;
+  int flag = 0;
+  for (int steps = 0; reached < duration && flag >= 0; ++steps) {
+    if (steps == max_steps) return Status::too_many_steps;
+    flag = ERKStepEvolve(self.memory, duration, self.state, &reached, ARK_ONE_STEP);
+  }
+  if (flag == ARK_RHSFUNC_FAIL || flag == ARK_FIRST_RHSFUNC_ERR || flag == ARK_REPTD_RHSFUNC_ERR ||
+      flag == ARK_UNREC_RHSFUNC_ERR) {
+    return Status::right_hand_side_failed;
+  }
+  if (flag < 0) return Status::failed;
+  y = view(self.state);
+  return Status::ok;
 }
 
-long Integrator::evaluations() const noexcept { return backend_->evaluations(); }
+long Integrator::evaluations() const noexcept { return impl_->evaluations; }
 
 }  // namespace stillframe

@@ -58,6 +58,8 @@ Plant::Plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor)
   }
   const auto n_frame = static_cast<Index>(scene.outputs.size() + scene.monitors.size());
   velocity_before_ = velocity_ = Eigen::VectorXd::Zero(n_frame);
+  motion_->velocities(velocity_);
+  velocity_before_ = velocity_;
   stress_ = Eigen::VectorXd::Zero(n_legs());
   reading_ = {Eigen::VectorXd::Zero(static_cast<Index>(scene.inputs.size())), stress_, stress_,
               velocity_};

@@ -25,8 +25,8 @@ struct Reading {
 /// Set-up: construction. read() and advance() do not allocate while the motion can go on.
 class Plant {
  public:
-  /// Errors: InputError as require_loop_signals, FloorMotion and choose_method; Refusal if the
-  /// scene has no equilibrium, in which it starts.
+  /// Starts at the scene's operating point, its prescribed motion included, which goes on. Errors:
+  /// InputError as require_loop_signals, FloorMotion and make_motion; Refusal as nominal_motion.
   Plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor);
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;

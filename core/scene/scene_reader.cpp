@@ -36,38 +36,23 @@ const std::map<std::string, PlantMethod, std::less<>> plant_methods{
     {"exponential", PlantMethod::exponential},
     {"dormand_prince", PlantMethod::dormand_prince},
     {"fehlberg", PlantMethod::fehlberg},
-    {"runge_kutta", PlantMethod::runge_kutta},
-    {"implicit_runge_kutta", PlantMethod::implicit_runge_kutta},
-    {"adams", PlantMethod::adams},
-    {"bdf", PlantMethod::bdf},
     {"nodal", PlantMethod::nodal},
-    {"ida", PlantMethod::ida},
 };
 
 SceneSimulation read_simulation(const YamlReader& block) {
-  block.allow_only({"duration_s", "relative_tolerance", "method", "steps_per_sample"});
+  block.allow_only({"duration_s", "relative_tolerance", "method"});
   SceneSimulation simulation;
   simulation.place = block.place();
   if (const auto value = block.find("duration_s")) simulation.duration_s = value->positive();
   if (const auto value = block.find("relative_tolerance")) {
     simulation.relative_tolerance = value->positive();
-    if (simulation.relative_tolerance > 1e-2 || simulation.relative_tolerance < 1e-14) {
-      value->fail("found " + value->text() + ", allowed is 1e-14 to 1e-2");
+    if (simulation.relative_tolerance > 1e-2 || simulation.relative_tolerance < 1e-12) {
+      value->fail("found " + value->text() + ", allowed is 1e-12 to 1e-2");
     }
   }
   if (const auto value = block.find("method")) {
     simulation.method = plant_methods.at(
-        value->one_of({"auto", "linear", "exponential", "dormand_prince", "fehlberg", "runge_kutta",
-                       "implicit_runge_kutta", "adams", "bdf", "nodal", "ida"}));
-  }
-  if (const auto value = block.find("steps_per_sample")) {
-    if (simulation.method != PlantMethod::runge_kutta) {
-      value->fail("only 'method: runge_kutta' has a number of steps");
-    }
-    simulation.steps_per_sample = static_cast<int>(value->integer(1));
-    if (simulation.steps_per_sample > 10000) {
-      value->fail("found " + value->text() + ", allowed is 1 to 10000");
-    }
+        value->one_of({"auto", "linear", "exponential", "dormand_prince", "fehlberg", "nodal"}));
   }
   return simulation;
 }

@@ -92,7 +92,7 @@ std::unique_ptr<FloorSource> make(const FloorSpec&, const MultisinePlan& plan) {
 }
 
 std::unique_ptr<FloorSource> make(const FloorSpec& floor, const WhiteSpec& spec) {
-  Eigen::MatrixXd table = gaussian_noise(spec.seed, floor.inputs, spec.n_samples);
+  Eigen::MatrixXd table = gaussian_noise(spec.seed, first_channels(floor.inputs), spec.n_samples);
   table *= spec.rms / white_noise_gain(spec.high_pass_hz, floor.sample_rate_hz);
   high_pass(table, spec.high_pass_hz, floor.sample_rate_hz, spec.ring_out);
   return std::make_unique<TabulatedFloor>(FloorChannels::inputs, std::move(table));
@@ -115,7 +115,7 @@ std::unique_ptr<FloorSource> make(const FloorSpec& floor, const NoiseSpec& spec)
   const auto fade = std::min(static_cast<std::int64_t>(std::ceil(2.0 * rate / spec.high_pass_hz)),
                              spec.n_samples / 4);
   return std::make_unique<NoiseFloor>(rigid ? FloorChannels::rigid : FloorChannels::inputs,
-                                      std::move(patterns), periodic_noise(shape, noises, true),
+                                      std::move(patterns), periodic_noise(shape, rigid ? spec.axes : first_channels(noises), true),
                                       rate, spec.n_samples, fade);
 }
 
@@ -128,11 +128,21 @@ std::unique_ptr<FloorSource> make(const FloorSpec& floor, const CourseSpec& spec
                                         course, spec.begin, spec.n_samples);
 }
 
+/// The first part of a sum keeps its seed, so that it is the noise that it is alone.
+FloorSpec with_seed_of_part(FloorSpec part, std::size_t i) {
+  const auto make_own = [&](std::uint64_t& seed) {
+    if (i > 0) seed = seed_of(seed, "floor part " + std::to_string(i));
+  };
+  if (auto* noise = std::get_if<NoiseSpec>(&part.kind)) make_own(noise->seed);
+  if (auto* white = std::get_if<WhiteSpec>(&part.kind)) make_own(white->seed);
+  return part;
+}
+
 std::unique_ptr<FloorSource> make(const FloorSpec& floor, const SumSpec& spec) {
   std::vector<std::unique_ptr<FloorSource>> parts;
   std::int64_t longest = 0;
   for (const FloorSpec& part : spec.parts) {
-    parts.push_back(make_floor_source(part));
+    parts.push_back(make_floor_source(with_seed_of_part(part, parts.size())));
     longest = std::max(longest, parts.back()->n_samples());
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {

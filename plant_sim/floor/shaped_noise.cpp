@@ -33,7 +33,8 @@ std::vector<double> line_amplitudes(const NoiseShape& shape, std::int64_t n, boo
 
 }  // namespace
 
-Eigen::MatrixXd periodic_noise(const NoiseShape& shape, Eigen::Index channels, bool positions) {
+Eigen::MatrixXd periodic_noise(const NoiseShape& shape, const std::vector<Eigen::Index>& channels,
+                               bool positions) {
   if (!(shape.rate > 0.0) || shape.period < 1) {
     throw std::invalid_argument("periodic_noise: expected a rate above 0 and a period, got " +
                                 std::to_string(shape.rate) + " and " +
@@ -45,8 +46,8 @@ Eigen::MatrixXd periodic_noise(const NoiseShape& shape, Eigen::Index channels, b
   const Eigen::MatrixXd gaussian = gaussian_noise(shape.seed, channels, 2 * n_lines);
   const kissfft<double> backward(static_cast<std::size_t>(n), true);
   std::vector<Complex> lines(static_cast<std::size_t>(n)), sum(lines.size());
-  Eigen::MatrixXd noise(n, channels);
-  for (Eigen::Index i = 0; i < channels; ++i) {
+  Eigen::MatrixXd noise(n, gaussian.rows());
+  for (Eigen::Index i = 0; i < noise.cols(); ++i) {
     std::fill(lines.begin(), lines.end(), Complex(0.0, 0.0));
     for (std::size_t b = 1; b < amplitudes.size(); ++b) {
       const auto column = static_cast<Eigen::Index>(2 * b);

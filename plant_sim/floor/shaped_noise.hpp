@@ -23,7 +23,8 @@ struct NoiseShape {
 /// |H|^2 = 1 / (1 + (high_pass / f)^8). `positions` divides by g = held_acceleration_gain, so that
 /// held_acceleration of the result has the density; without it g = 1. The mean is zero.
 /// Returns n x channels. Source: M. Shinozuka, C.-M. Jan, J. Sound Vib. 25 (1972) 111-128. Set-up.
-Eigen::MatrixXd periodic_noise(const NoiseShape& shape, Eigen::Index channels, bool positions);
+Eigen::MatrixXd periodic_noise(const NoiseShape& shape, const std::vector<Eigen::Index>& channels,
+                               bool positions);
 
 /// Shaped noise on several channels, each on its own, faded in and out; repeats after its period.
 /// It is faded as a position, from and to rest: integrated, it does not drift. Set-up: the

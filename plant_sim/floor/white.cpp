@@ -20,10 +20,18 @@ double uniform(std::uint64_t word) { return static_cast<double>((word >> 11) + 1
 
 }  // namespace
 
-Eigen::MatrixXd gaussian_noise(std::uint64_t seed, Eigen::Index channels, Eigen::Index samples) {
-  Eigen::MatrixXd noise(channels, samples);
-  for (Eigen::Index i = 0; i < channels; ++i) {
-    std::uint64_t state = mix(mix(seed + stride) + static_cast<std::uint64_t>(i) + 1);
+std::uint64_t seed_of(std::uint64_t seed, std::string_view source) {
+  std::uint64_t word = mix(seed + stride);
+  for (const char letter : source) word = mix(word + static_cast<unsigned char>(letter) + stride);
+  return word;
+}
+
+Eigen::MatrixXd gaussian_noise(std::uint64_t seed, const std::vector<Eigen::Index>& channels,
+                               Eigen::Index samples) {
+  Eigen::MatrixXd noise(static_cast<Eigen::Index>(channels.size()), samples);
+  for (Eigen::Index i = 0; i < noise.rows(); ++i) {
+    const auto channel = static_cast<std::uint64_t>(channels[static_cast<std::size_t>(i)]);
+    std::uint64_t state = mix(mix(seed + stride) + channel + 1);
     for (Eigen::Index k = 0; k < samples; k += 2) {
       const double radius = std::sqrt(-2.0 * std::log(uniform(mix(state += stride))));
       const double angle = 2.0 * std::numbers::pi * uniform(mix(state += stride));

@@ -1,42 +1,25 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 
-#include "plant_sim/motion/exponential_motion.hpp"
-#include "plant_sim/motion/ode_motion.hpp"
+#include "plant_sim/motion/motion.hpp"
 
 namespace stillframe {
 
-/// The exponential method, until the motion is so large that its linear part is of no use and its
-/// parts are halved again and again: where it needs more evaluations in most parts than an explicit
-/// method would, that one soon goes on from the same state. A scene does not say beforehand how far
-/// it will swing.
+/// Of two methods the one that is cheaper at present, counted in evaluations of the equations: a
+/// scene does not say beforehand how far it will swing, and when it will be quiet again. The one for
+/// small motion goes on while it is as cheap as it can be. Where it is not, and now and then while
+/// the other one goes on, the method that rests is given a few parts of the motion to show what it
+/// costs there; each time that it costs more, it rests twice as long. Set-up: construction; the rest
+/// is hot as Motion, but the change from one method to the other allocates.
 class AdaptiveMotion final : public Motion {
  public:
-  /// Both at rest in the same equilibrium, on the same model, at the same tolerance.
-  AdaptiveMotion(std::unique_ptr<ExponentialMotion> small, std::unique_ptr<OdeMotion> large,
-                 double relative_tolerance)
-      : small_(std::move(small)),
-        large_(std::move(large)),
-        current_(small_.get()),
-        // Twice what the explicit method takes on the frame, 8 a part at 1e-5 to 53 at 1e-11.
-        explicit_evaluations_(std::lround(16 * std::pow(1e-5 / relative_tolerance, 0.14))) {}
+  /// Both at the same operating point, on the same model, at the same tolerance. large_weight: time
+  /// of an evaluation of `large` over that of one of `small`.
+  AdaptiveMotion(std::unique_ptr<NonlinearMotion> small, std::unique_ptr<NonlinearMotion> large,
+                 double large_weight, Eigen::Index size);
 
-  Status advance(const Drive& drive, double duration) noexcept override {
-    if (current_ == large_.get()) return large_->advance(drive, duration);
-    if (n_costly_ >= most_costly) {
-      large_->start_from(small_->state(), small_->positions());
-      current_ = large_.get();
-      return large_->advance(drive, duration);
-    }
-    const long before = small_->evaluations();
-    const Status status = small_->advance(drive, duration);
-    const bool costly = small_->evaluations() - before > explicit_evaluations_;
-    n_costly_ = std::max(n_costly_ + (costly ? 1 : -1), 0);
-    return status;
-  }
+  Status advance(const Drive& drive, double duration) noexcept override;
   void velocities(Eigen::VectorXd& v) const noexcept override { current_->velocities(v); }
   void elastic_stresses(Eigen::VectorXd& sigma) const noexcept override {
     current_->elastic_stresses(sigma);
@@ -48,18 +31,24 @@ class AdaptiveMotion final : public Motion {
     return small_->evaluations() + large_->evaluations();
   }
   std::string where() const override { return current_->where(); }
-  /// Whether the explicit method goes on.
+  /// Whether the method for large motion goes on.
   bool is_large() const noexcept { return current_ == large_.get(); }
 
  private:
-  /// A shock that is over soon is not worth leaving the exponential method for.
-  static constexpr int most_costly = 50;
+  double weight() const noexcept { return is_large() ? large_weight_ : 1; }
+  bool change(const Drive& drive) noexcept;
+  /// After a part at such a cost, decides who makes the next one.
+  void judge(double cost) noexcept;
 
-  std::unique_ptr<ExponentialMotion> small_;
-  std::unique_ptr<OdeMotion> large_;
-  Motion* current_;
-  long explicit_evaluations_;
-  int n_costly_ = 0;  ///< parts that were costly of late, less those that were not
+  std::unique_ptr<NonlinearMotion> small_, large_;
+  double large_weight_;
+  NonlinearMotion* current_;
+  MotionSnapshot snapshot_;
+  bool change_next_ = false, on_trial_ = false;
+  int parts_ = 0;          ///< since the last change, or since a cost was last looked at
+  int wait_;               ///< parts until the other method has its next trial
+  double cost_ = 0;        ///< of the present method, mean of late, in evaluations of `small` a part
+  double cost_before_ = 0;  ///< of the other method when it was left
 };
 
 }  // namespace stillframe

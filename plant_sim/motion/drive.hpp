@@ -29,8 +29,7 @@ class Drive final : public Inputs {
 
   void at(double t, Eigen::VectorXd& q_r, Eigen::VectorXd& q_r_dot, Eigen::VectorXd& q_r_ddot,
           Eigen::VectorXd& sigma_a) const noexcept override {
-    floor_.at(t, q_r, q_r_dot);
-    q_r_ddot = floor_.q_r_ddot();
+    floor_.at(t, q_r, q_r_dot, q_r_ddot);
     for (size_t i = 0; i < legs_.size(); ++i) {
       sigma_a(legs_[i]) = actuators_.acting(static_cast<Eigen::Index>(i), t);
     }
@@ -40,7 +39,7 @@ class Drive final : public Inputs {
   }
 
   /// The part of the inputs that a linear plant answers in closed form, at the start of the part:
-  ///   q^r(t) = q_r + t q'_r + t^2 q''_r / 2,   sigma_a(t) = settled + transient exp(-rate t).
+  ///   w(t) = w + t w' + t^2 w'' / 2,   sigma_a(t) = settled + transient exp(-rate t).
   const FloorMotion& floor() const noexcept { return floor_; }
   const Actuators& actuators() const noexcept { return actuators_; }
   FloorMotion& floor() noexcept { return floor_; }

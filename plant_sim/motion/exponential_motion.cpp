@@ -17,9 +17,8 @@ namespace {
 
 constexpr int most_halvings = 20;
 constexpr int most_sweeps = 10;
-/// Parts after which a second sweep is made only to see how fast the sweeps converge: the motion
-/// may have grown meanwhile.
-constexpr int look_every = 16;
+/// Of the tolerance, what the sweeps may leave.
+constexpr double sweep_share = 0.05;
 /// What rounding leaves of relative differences, in some multiplications.
 constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
 
@@ -78,14 +77,15 @@ ExponentialMotion::ExponentialMotion(MinimalEquations equations, LinearEquations
       relative_tolerance_(relative_tolerance),
       A_sizes_(linear_.A.bottomRows(equations_.size() - equations_.n_d()).cwiseAbs()),
       start_(start_for(drive)),
-      y_(VectorXd::Zero(equations_.size())),
-      end_(y_),
+      y_(equations_.start()),
+      begin_(y_),
+      end_(VectorXd::Zero(y_.size())),
       seen_end_(y_),
-      x_dot_(VectorXd::Zero(equations_.model().n_x)),
-      change_(y_),
-      rate_(y_),
+      x_dot_(equations_.data().x_dot),
+      change_(VectorXd::Zero(y_.size())),
+      rate_(change_),
       linear_rate_(VectorXd::Zero(equations_.size() - equations_.n_d())),
-      q_r_(drive.floor().q_r_ddot()),
+      q_r_(drive.floor().floor_acceleration()),
       q_r_dot_(q_r_),
       legs_a_(VectorXd::Zero(equations_.n_legs())),
       nodes_(MatrixXd::Zero(y_.size(), n_nodes)),
@@ -134,18 +134,19 @@ void ExponentialMotion::start_sweeps(const Drive& drive, double from, const Part
 
 bool ExponentialMotion::evaluate_rests(const Drive& drive, double from, const Part& part) noexcept {
   const Index n_g = linear_rate_.size();
-  acceleration_ = equations_.rest_acceleration() * 100 / relative_tolerance_;
+  acceleration_ =
+      std::max(acceleration_, equations_.rest_acceleration() * 100 / relative_tolerance_);
   for (int i = 0; i < n_nodes; ++i) {
     const double tau = part.steps[static_cast<size_t>(i)].tau(), t = from + tau;
     if (!equations_.evaluate(drive, t, nodes_.col(i), rate_)) return false;
     acceleration_ = std::max(acceleration_, equations_.q_d_ddot().lpNorm<Eigen::Infinity>());
-    drive.floor().at(t, q_r_, q_r_dot_);
+    drive.floor().floor_at(t, q_r_, q_r_dot_);
     const double left = std::exp(-drive.actuators().rate() * tau);
     legs_a_ = start_.settled + left * start_.transient;
     linear_rate_.noalias() = linear_.A.bottomRows(n_g) * nodes_.col(i);
     linear_rate_.noalias() += linear_.B_p.bottomRows(n_g) * q_r_;
     linear_rate_.noalias() += linear_.B_v.bottomRows(n_g) * q_r_dot_;
-    linear_rate_.noalias() += linear_.B_a.bottomRows(n_g) * drive.floor().q_r_ddot();
+    linear_rate_.noalias() += linear_.B_a.bottomRows(n_g) * drive.floor().floor_acceleration();
     linear_rate_.noalias() += linear_.B_u.bottomRows(n_g) * legs_a_;
     if (drive.external().size() > 0) {
       linear_rate_.noalias() += linear_.B_f.bottomRows(n_g) * drive.external();
@@ -155,25 +156,24 @@ bool ExponentialMotion::evaluate_rests(const Drive& drive, double from, const Pa
   return true;
 }
 
-double ExponentialMotion::size_of(const VectorXd& dy, double duration) const noexcept {
+double ExponentialMotion::size_of(const VectorXd& dy) const noexcept {
   const Index n = equations_.n_d();
   // The smallest normal numbers keep it finite for a frame at rest on a floor at rest.
-  const double velocity_floor = acceleration_ * duration + 1e-290;
-  const double position_floor = velocity_floor * duration + 1e-290;
-  const auto part = [&](Index begin, Index count, double floor) {
-    if (count == 0) return 0.0;
-    const double size = std::max(y_.segment(begin, count).lpNorm<Eigen::Infinity>(),
-                                 end_.segment(begin, count).lpNorm<Eigen::Infinity>());
-    return dy.segment(begin, count).lpNorm<Eigen::Infinity>() /
-           (relative_tolerance_ * (size + floor));
+  const double velocity = acceleration_ * whole_ + 1e-290;
+  const double position = velocity * whole_ + 1e-290;
+  const auto part = [&](Index begin, Index count, double scale) {
+    return count == 0 ? 0.0
+                      : dy.segment(begin, count).lpNorm<Eigen::Infinity>() /
+                            (relative_tolerance_ * scale);
   };
-  return std::max({part(0, n, position_floor), part(n, n, velocity_floor),
-                   part(2 * n, equations_.n_filtered(), position_floor)});
+  return std::max({part(0, n, position), part(n, n, velocity),
+                   part(2 * n, equations_.n_filtered(), position)});
 }
 
 double ExponentialMotion::collocation_error(const Part& part) noexcept {
   // g = a_0 P_0 + a_1 P_1 + a_2 P_2 in Legendre polynomials of [0, 1], from divided differences;
-  // a_3 is about as much smaller than a_2 as that is smaller than a_1.
+  // a_3 is about as much smaller than a_2 as that is smaller than a_1, and so on. The points
+  // integrate up to a_4 exactly where motion is slow; what is fast divides a_3 by its frequency.
   static const auto c = radau_points();
   const double a_1 = (g_.col(2) - g_.col(0)).lpNorm<Eigen::Infinity>() / (c[2] - c[0]) / 2;
   linear_rate_ =
@@ -182,7 +182,8 @@ double ExponentialMotion::collocation_error(const Part& part) noexcept {
   const double a_2 = linear_rate_.lpNorm<Eigen::Infinity>();
   if (a_2 <= rounding * acceleration_) return 0;
   change_.noalias() = part.W_even * linear_rate_;
-  return std::min(1.0, a_2 / std::max(a_1, a_2)) * size_of(change_, part.duration);
+  const double ratio = std::min(1.0, a_2 / std::max(a_1, a_2));
+  return ratio * ratio * size_of(change_);
 }
 
 double ExponentialMotion::rounding_size(const Part& part) noexcept {
@@ -191,7 +192,7 @@ double ExponentialMotion::rounding_size(const Part& part) noexcept {
   linear_rate_.noalias() = A_sizes_ * change_;
   linear_rate_ *= 8 * std::numeric_limits<double>::epsilon();
   change_.noalias() = part.W_sizes * linear_rate_;
-  return size_of(change_, part.duration);
+  return size_of(change_);
 }
 
 /// The change of y at a node if g changes by g_new_.
@@ -201,10 +202,19 @@ void ExponentialMotion::change_at(const Part& part, int node) noexcept {
   change_.noalias() += part.W[static_cast<size_t>(3 * node + 2)] * g_new_.col(2);
 }
 
+/// The rate at which the sweeps converge, before a second one shows it. The motion may have grown
+/// since it was last seen: it ages as in RADAU5 (Hairer, Wanner, Solving ordinary differential
+/// equations II, section IV.8), and it counts only where the first sweep changes no more than twice
+/// what it did then.
+double ExponentialMotion::rate_of_first(double size) noexcept {
+  rate_ago_ = std::pow(rate_ago_, 0.8);
+  return size <= 2 * size_ago_ ? rate_ago_ : 1.0;
+}
+
 ExponentialMotion::Outcome ExponentialMotion::attempt(const Drive& drive, double from,
                                                       const Part& part) noexcept {
   // Changes of this size in units of the tolerance are rounding.
-  const double enough = std::max(0.05, rounding / relative_tolerance_);
+  const double enough = std::max(sweep_share, rounding / relative_tolerance_);
   start_sweeps(drive, from, part);
   double before = 0;
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
@@ -215,18 +225,21 @@ ExponentialMotion::Outcome ExponentialMotion::attempt(const Drive& drive, double
     change_at(part, 2);
     seen_end_ = end_;
     end_ += change_;
-    const double size = size_of(change_, part.duration);
+    const double size = size_of(change_);
     if (!std::isfinite(size)) return Outcome::halve;
-    if (sweep > 1) {
-      const double seen = size < enough ? 0.0 : size / before;
-      if (seen > 0.5) return size < rounding_size(part) ? Outcome::ok : Outcome::halve;
-      contraction_ = std::max(3 * seen, 1e-6);
-      since_seen_ = 0;
+    const double seen = sweep > 1 ? size / before : rate_of_first(size);
+    if (sweep == 2) {
+      rate_ago_ = std::clamp(3 * seen, 1e-6, 1.0);
+      size_ago_ = before;
     }
-    if (size * contraction_ < enough && (sweep > 1 || ++since_seen_ < look_every)) {
+    const double left = sweep > 1 ? size * seen / (1 - std::min(seen, 0.5)) : size * seen;
+    if (left < enough) {
       const double error = collocation_error(part);
+      // It grows with the fifth power of the duration or faster.
+      easy_ = sweep <= 2 && error < 0.02;
       return error < 1 || error < rounding_size(part) ? Outcome::ok : Outcome::halve;
     }
+    if (sweep > 1 && seen > 0.5) return size < rounding_size(part) ? Outcome::ok : Outcome::halve;
     before = size;
     nodes_.col(2) = end_;
     for (int i = 0; i < 2; ++i) {
@@ -239,25 +252,30 @@ ExponentialMotion::Outcome ExponentialMotion::attempt(const Drive& drive, double
 
 Motion::Status ExponentialMotion::advance(const Drive& drive, double duration) noexcept {
   std::int64_t done = 0;  // in parts of duration / 2^halvings_
+  whole_ = duration;
+  acceleration_ = 0;
+  begin_ = y_;
   while (done < (std::int64_t{1} << halvings_)) {
     const double h = std::ldexp(duration, -halvings_);
+    const double known = acceleration_;
     const Outcome outcome = attempt(drive, static_cast<double>(done) * h, part(drive, h));
     if (outcome == Outcome::ok) {
       y_.swap(end_);
       last_duration_ = h;
       ++done;
       // Back to longer parts where one begins.
-      while (halvings_ > 0 && done % 2 == 0 && contraction_ < 0.1) {
+      if (easy_ && halvings_ > 0 && done % 2 == 0) {
         --halvings_;
         done /= 2;
       }
       continue;
     }
+    acceleration_ = known;  // an attempt that failed may have been anywhere
     g_.setZero();
     last_duration_ = 0;
-    contraction_ = 1;
     if (++halvings_ > most_halvings) {
       halvings_ = 0;
+      y_ = begin_;
       return outcome == Outcome::cannot_evaluate ? Status::equations_failed : Status::failed;
     }
     done *= 2;
@@ -268,6 +286,21 @@ Motion::Status ExponentialMotion::advance(const Drive& drive, double duration) n
   x_dot_ = data.x_dot;
   x_dot_.noalias() += data.DF * end_.segment(equations_.n_d(), equations_.n_d());
   return Status::ok;
+}
+
+bool ExponentialMotion::hand_over(const Drive& drive, MotionSnapshot& to) noexcept {
+  return equations_.hand_over(drive, y_, to);
+}
+
+void ExponentialMotion::take_over(const MotionSnapshot& from) noexcept {
+  equations_.take_over(from);
+  y_ = from.y;
+  end_.setZero();
+  x_dot_ = from.x_dot;
+  g_.setZero();
+  last_duration_ = 0;
+  halvings_ = 0;
+  rate_ago_ = 1;
 }
 
 void ExponentialMotion::velocities(VectorXd& v) const noexcept {

@@ -12,13 +12,14 @@ namespace stillframe {
 ///   y(t) = y_lin(t) + integral of exp((t - s) A) g(s, y(s)) ds,   g = f - (A y + B u),
 /// with g collocated at the three Radau points of a part and found by fixed-point sweeps. Stiffness
 /// costs nothing where it is linear, and the nearer the motion is to linear the fewer evaluations
-/// are needed: three a part in small motion. A part in which the sweeps converge slowly or
-/// the collocation is too coarse is halved. Source: Hochbruck and Ostermann, Acta Numerica 19
+/// are needed: three a part in small motion, where one sweep changes less than the tolerance. A
+/// part in which the sweeps converge slowly or the collocation is too coarse is halved. Source: Hochbruck and Ostermann, Acta Numerica 19
 /// (2010) 209-286 (exponential collocation).
-class ExponentialMotion final : public Motion {
+class ExponentialMotion final : public NonlinearMotion {
  public:
-  /// durations: of the parts that there will be, s. Others, and halves of them, are made when they
-  /// come first, and then allocate.
+  /// relative_tolerance: of what a part, halved or not, may err by against what the largest
+  /// acceleration does in the whole part. durations: of the parts that there will be, s. Others, and
+  /// halves of them, are made when they come first, and then allocate.
   ExponentialMotion(MinimalEquations equations, LinearEquations linear, FramePoints points,
                     double relative_tolerance, const Drive& drive,
                     const std::vector<double>& durations);
@@ -30,8 +31,8 @@ class ExponentialMotion final : public Motion {
   void filtered_stresses(Eigen::VectorXd& sigma) const noexcept override;
   long evaluations() const noexcept override { return equations_.evaluations(); }
   std::string where() const override;
-  /// Nodal positions (n_x) at the state.
-  const Eigen::VectorXd& positions() const noexcept { return equations_.data().x; }
+  bool hand_over(const Drive& drive, MotionSnapshot& to) noexcept override;
+  void take_over(const MotionSnapshot& from) noexcept override;
   /// y as MinimalEquations has it.
   const Eigen::VectorXd& state() const noexcept { return y_; }
 
@@ -45,7 +46,8 @@ class ExponentialMotion final : public Motion {
   bool evaluate_rests(const Drive& drive, double from, const Part& part) noexcept;
   void start_sweeps(const Drive& drive, double from, const Part& part) noexcept;
   /// The largest of the three kinds of entries of dy over what the tolerance allows there.
-  double size_of(const Eigen::VectorXd& dy, double duration) const noexcept;
+  double size_of(const Eigen::VectorXd& dy) const noexcept;
+  double rate_of_first(double size) noexcept;
   void extrapolate(const Part& part) noexcept;
   /// What rounding leaves of a part, in the same measure.
   double rounding_size(const Part& part) noexcept;
@@ -60,7 +62,7 @@ class ExponentialMotion final : public Motion {
   std::vector<std::unique_ptr<Part>> parts_;
   Eigen::MatrixXd A_sizes_;  ///< n_g x n, entries of A without their signs
   LinearStep::Start start_;
-  Eigen::VectorXd y_;
+  Eigen::VectorXd y_, begin_;  ///< at present, and where the present part began
   /// y at the end of a part, and as it was when the equations were evaluated there; between
   /// advances end_ is the difference of the two.
   Eigen::VectorXd end_, seen_end_;
@@ -70,9 +72,12 @@ class ExponentialMotion final : public Motion {
   Eigen::MatrixXd nodes_;      ///< n x 3, y at the nodes
   Eigen::MatrixXd g_, g_new_;  ///< n_g x 3, g of the last sweep and of the present one
   double acceleration_ = 0;    ///< m/s^2, largest of the present part
+  double whole_ = 0;           ///< s, duration of the part that is being advanced
   double last_duration_ = 0;   ///< s, of the part whose g is there; 0: there is none
-  double contraction_ = 1;     ///< of the sweeps, as far as it was seen
-  int since_seen_ = 0, halvings_ = 0;
+  double rate_ago_ = 1;        ///< of the convergence of the sweeps, as last seen, aged since
+  double size_ago_ = 0;        ///< of the first sweep when it was seen
+  bool easy_ = false;          ///< the last part would have met the tolerance at twice its length
+  int halvings_ = 0;
 };
 
 }  // namespace stillframe

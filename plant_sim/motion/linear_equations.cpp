@@ -49,7 +49,7 @@ MatrixXd patterns(const Model& model, const std::vector<SceneSignal>& signals) {
 }  // namespace
 
 LinearEquations::LinearEquations(const MinimalEquations& equations, const Scene& scene,
-                                 const Equilibrium& rest, const FramePoints& points) {
+                                 const NominalMotion& nominal, const FramePoints& points) {
   const Model& model = equations.model();
   const Index n = equations.n_d(), m = equations.n_legs(), f = equations.n_filtered();
   std::vector<SceneSignal> inputs = prescribed_inputs(scene);
@@ -60,7 +60,7 @@ LinearEquations::LinearEquations(const MinimalEquations& equations, const Scene&
   inputs.insert(inputs.end(), legs.begin(), legs.end());
 
   Lineariser lineariser(model, inputs, legs);
-  const LinearModel& linear = lineariser.about(rest.motion);
+  const LinearModel& linear = lineariser.about(nominal);
   const auto M = mass_factors(linear);
   const Index size = equations.size();
   for (MatrixXd* B : {&B_p, &B_v, &B_a}) *B = MatrixXd::Zero(size, model.n_r);

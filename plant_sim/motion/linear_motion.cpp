@@ -30,7 +30,7 @@ Motion::Status LinearMotion::advance(const Drive& drive, double duration) noexce
   gather(drive, 0, start_);
   step(drive, duration).apply(drive, start_, y_, next_);
   y_.swap(next_);
-  drive.floor().at(duration, end_.q_r, end_.q_r_dot);
+  drive.floor().floor_at(duration, end_.q_r, end_.q_r_dot);
   return y_.allFinite() ? Status::ok : Status::equations_failed;
 }
 

@@ -32,7 +32,7 @@ LinearStep::LinearStep(const LinearEquations& equations, double tau, double lag_
 void LinearStep::apply(const Drive& drive, const Start& start, const Eigen::Ref<const VectorXd>& y,
                        Eigen::Ref<VectorXd> out) const noexcept {
   out.noalias() = Phi_ * y;
-  out.noalias() += G_a_ * drive.floor().q_r_ddot();
+  out.noalias() += G_a_ * drive.floor().floor_acceleration();
   out.noalias() += G_s_ * start.settled;
   if (strains_) {
     out.noalias() += G_p_ * start.q_r;
@@ -43,7 +43,7 @@ void LinearStep::apply(const Drive& drive, const Start& start, const Eigen::Ref<
 }
 
 void gather(const Drive& drive, double from, LinearStep::Start& start) noexcept {
-  drive.floor().at(from, start.q_r, start.q_r_dot);
+  drive.floor().floor_at(from, start.q_r, start.q_r_dot);
   const double left = from > 0 ? std::exp(-drive.actuators().rate() * from) : 1.0;
   for (Index i = 0; i < start.settled.size(); ++i) {
     start.settled(i) = drive.actuators().settled(i);
@@ -52,7 +52,7 @@ void gather(const Drive& drive, double from, LinearStep::Start& start) noexcept 
 }
 
 LinearStep::Start start_for(const Drive& drive) {
-  const VectorXd q_r = drive.floor().q_r_ddot();
+  const VectorXd q_r = drive.floor().floor_acceleration();
   const VectorXd legs = VectorXd::Zero(static_cast<Index>(drive.legs().size()));
   return {q_r, q_r, legs, legs};
 }

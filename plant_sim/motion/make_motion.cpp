@@ -1,7 +1,9 @@
 #include "plant_sim/motion/make_motion.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <numbers>
 
+#include "core/operating_point.hpp"
 #include "core/yaml/input_error.hpp"
 #include "plant_sim/motion/adaptive_motion.hpp"
 #include "plant_sim/motion/exponential_motion.hpp"
@@ -13,27 +15,26 @@ namespace stillframe {
 
 namespace {
 
-Scheme scheme_of(PlantMethod method) {
-  switch (method) {
-    case PlantMethod::fehlberg:
-      return Scheme::fehlberg;
-    case PlantMethod::runge_kutta:
-      return Scheme::runge_kutta;
-    case PlantMethod::implicit_runge_kutta:
-      return Scheme::implicit_runge_kutta;
-    case PlantMethod::adams:
-      return Scheme::adams;
-    case PlantMethod::bdf:
-      return Scheme::bdf;
-    default:
-      return Scheme::dormand_prince;
-  }
-}
-
 /// At 24 dofs the exponential and the nodal method take the same time for the same error, at 150
 /// the nodal one takes less than half and errs less (docs/speed_against_error.md); between the two
 /// nothing was measured.
 constexpr Index most_dofs_of_exponentials = 60;
+
+/// What a step in minimal coordinates may err by, of the tolerance of the run, so that many of them
+/// keep it: by the estimates of the explicit pairs and of the exponential method errors of steps add
+/// up to some ten times the tolerance in swings of a radian. The estimate of the nodal method is one
+/// of order 5 for steps of order 9, and needs no such share (docs/decisions/0025).
+constexpr double step_share = 0.1;
+
+/// Highest frequency of the linear part times a part's duration up to which explicit steps are
+/// cheaper than implicit ones where motion is large, and what an evaluation of the implicit method
+/// takes of the exponential method's (docs/speed_against_error.md).
+constexpr double most_explicit = 0.2;
+constexpr double implicit_weight = 0.6;
+
+double spectral_radius(const Eigen::MatrixXd& A) {
+  return A.size() > 0 ? A.eigenvalues().cwiseAbs().maxCoeff() : 0.0;
+}
 
 /// Whether the forces of the legs have the closed form that the linear answer counts with.
 bool in_closed_form(const Drive& drive) {
@@ -54,18 +55,8 @@ std::string method_name(PlantMethod method) {
       return "dormand_prince";
     case PlantMethod::fehlberg:
       return "fehlberg";
-    case PlantMethod::runge_kutta:
-      return "runge_kutta";
-    case PlantMethod::implicit_runge_kutta:
-      return "implicit_runge_kutta";
-    case PlantMethod::adams:
-      return "adams";
-    case PlantMethod::bdf:
-      return "bdf";
     case PlantMethod::nodal:
       return "nodal";
-    case PlantMethod::ida:
-      return "ida";
   }
   return "";
 }
@@ -78,13 +69,9 @@ MotionChoice choose_method(const Scene& scene, const Model& model, const Drive& 
                      ": method: linear and exponential do without a rate limit of the actuators, "
                      "and without hysteresis behind a lag; take another, or 'auto'");
   }
-  if (stated == PlantMethod::ida && scene.instruments.sensor_filter_hz > 0) {
-    throw InputError(scene.simulation.place +
-                     ": method: ida has no sensor filter; take another, or 'auto'");
-  }
   if (stated != PlantMethod::automatic) return {stated, "the scene says so"};
   if (!in_closed_form(drive)) {
-    return {PlantMethod::dormand_prince, "the forces of the legs bend within a sample"};
+    return {PlantMethod::nodal, "the forces of the legs bend within a sample"};
   }
   if (model.n_d > most_dofs_of_exponentials) {
     return {PlantMethod::nodal, "more dofs than dense exponentials are good for"};
@@ -96,41 +83,54 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
                                     PlantMethod method, const Drive& drive,
                                     const std::vector<double>& durations) {
   const Scene& scene = merged.scene;
-  const Equilibrium rest = solve_equilibrium(model);
+  const NominalMotion nominal = nominal_motion(model);
+  if (method == PlantMethod::linear && nominal.moving()) {
+    throw InputError(scene.simulation.place +
+                     ": method: linear is small motion about rest, but the operating point of this "
+                     "scene moves; take another, or 'auto'");
+  }
   const double filter_rate = 2 * std::numbers::pi * scene.instruments.sensor_filter_hz;
-  MinimalEquations equations(model, rest, drive.legs(), filter_rate);
   std::vector<SceneSignal> signals = scene.outputs;
   signals.insert(signals.end(), scene.monitors.begin(), scene.monitors.end());
-  FramePoints points(model, merged.carried, signals);
-  const SceneSimulation& simulation = scene.simulation;
-  const auto settings = [&simulation](PlantMethod of) {
-    return Integrator::Settings{.scheme = scheme_of(of),
-                                .relative_tolerance = simulation.relative_tolerance,
-                                .steps_per_part = simulation.steps_per_sample,
-                                .jacobian = {}};
+  const FramePoints points(model, merged.carried, signals);
+  const double tolerance = scene.simulation.relative_tolerance;
+  const double of_a_step = step_share * tolerance;
+  const auto equations = [&] {
+    return MinimalEquations(model, nominal, drive.legs(), filter_rate);
   };
-  if (method == PlantMethod::linear || method == PlantMethod::exponential) {
-    LinearEquations linear(equations, scene, rest, points);
-    if (method == PlantMethod::linear) {
-      return std::make_unique<LinearMotion>(std::move(linear), equations.stress_scale(),
-                                            equations.n_filtered(), drive, durations);
-    }
-    auto small =
-        std::make_unique<ExponentialMotion>(std::move(equations), std::move(linear), points,
-                                            simulation.relative_tolerance, drive, durations);
-    if (simulation.method != PlantMethod::automatic) return small;
+  const auto explicit_motion = [&](Scheme scheme) {
+    return std::make_unique<OdeMotion>(equations(), points, scheme, of_a_step);
+  };
+  const auto nodal_motion = [&] {
+    return std::make_unique<NodalPlantMotion>(model, nominal, points, drive.legs(), filter_rate,
+                                              tolerance);
+  };
+  switch (method) {
+    case PlantMethod::nodal:
+      return nodal_motion();
+    case PlantMethod::dormand_prince:
+      return explicit_motion(Scheme::dormand_prince);
+    case PlantMethod::fehlberg:
+      return explicit_motion(Scheme::fehlberg);
+    default:
+      break;
+  }
+  MinimalEquations minimal = equations();
+  const Index size = minimal.size();
+  LinearEquations linear(minimal, scene, nominal, points);
+  if (method == PlantMethod::linear) {
+    return std::make_unique<LinearMotion>(std::move(linear), minimal.stress_scale(),
+                                          minimal.n_filtered(), drive, durations);
+  }
+  const double fastest = spectral_radius(linear.A) * durations.front();
+  auto small = std::make_unique<ExponentialMotion>(std::move(minimal), std::move(linear), points,
+                                                   of_a_step, drive, durations);
+  if (scene.simulation.method != PlantMethod::automatic) return small;
+  if (fastest <= most_explicit) {
     return std::make_unique<AdaptiveMotion>(
-        std::move(small),
-        std::make_unique<OdeMotion>(MinimalEquations(model, rest, drive.legs(), filter_rate),
-                                    std::move(points), settings(PlantMethod::dormand_prince)),
-        simulation.relative_tolerance);
+        std::move(small), explicit_motion(Scheme::dormand_prince), 1.0, size);
   }
-  if (method == PlantMethod::nodal || method == PlantMethod::ida) {
-    return std::make_unique<NodalPlantMotion>(
-        model, rest, std::move(points), drive.legs(), filter_rate, simulation.relative_tolerance,
-        method == PlantMethod::ida ? nodal::Method::ida : nodal::Method::radau);
-  }
-  return std::make_unique<OdeMotion>(std::move(equations), std::move(points), settings(method));
+  return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), implicit_weight, size);
 }
 
 }  // namespace stillframe

@@ -21,16 +21,16 @@ std::string method_name(PlantMethod method);
 /// The method that the scene states, or for `auto` the one that docs/speed_against_error.md found
 /// cheapest for such a scene:
 ///   - the exponential method, where the legs' forces are constant or decay by one exponential
-///     while a command stands, and the model has at most 60 dofs (and the explicit method of order
-///     5 from where the motion has become large, AdaptiveMotion);
-///   - collocation in nodal coordinates, where it has more;
-///   - the explicit Runge-Kutta method of order 5, where forces bend within a sample.
+///     while a command stands, and the model has at most 60 dofs; and while motion is large, by the
+///     stiffness of the scene, the explicit method of order 5 or collocation in nodal coordinates
+///     (AdaptiveMotion);
+///   - collocation in nodal coordinates, where it has more dofs or forces bend within a sample.
 /// Errors: InputError if the stated method cannot do what the scene asks for.
 MotionChoice choose_method(const Scene& scene, const Model& model, const Drive& drive);
 
-/// A plant at rest in the equilibrium of a merged scene. model: made from merged.scene; outlives
-/// the motion. durations: of the parts of a sample, s. Errors: as choose_method; Refusal if there
-/// is no equilibrium.
+/// A plant at the operating point of a merged scene. model: made from merged.scene; outlives the
+/// motion. durations: of the parts of a sample, s. Errors: InputError as choose_method, and for
+/// small motion about an operating point that moves; Refusal as nominal_motion.
 std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& model,
                                     PlantMethod method, const Drive& drive,
                                     const std::vector<double>& durations);

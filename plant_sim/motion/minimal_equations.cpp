@@ -1,9 +1,8 @@
 #include "plant_sim/motion/minimal_equations.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "core/yaml/input_error.hpp"
+#include "core/dynamics.hpp"
 
 namespace stillframe {
 
@@ -17,7 +16,7 @@ double largest_stiffness(const Model& model, const std::vector<Index>& rows) {
   return largest > 0 ? largest : 1;
 }
 
-MinimalEquations::MinimalEquations(const Model& model, const Equilibrium& rest,
+MinimalEquations::MinimalEquations(const Model& model, const NominalMotion& nominal,
                                    std::vector<Index> legs, double filter_rate)
     : model_(model),
       legs_(std::move(legs)),
@@ -25,14 +24,15 @@ MinimalEquations::MinimalEquations(const Model& model, const Equilibrium& rest,
       stress_scale_(largest_stiffness(model, legs_)),
       data_(model),
       state_(model),
-      q_0_(rest.motion.state.q_d),
+      q_0_(nominal.state.q_d),
+      q_dot_0_(nominal.state.q_d_dot),
       sigma_a_(Eigen::VectorXd::Zero(model.n_e)),
       q_d_ddot_(Eigen::VectorXd::Zero(model.n_d)) {
-  data_.x = rest.motion.x;
-  accelerations(model, data_, rest.motion.state, sigma_a_, q_d_ddot_);
-  rest_acceleration_ = q_d_ddot_.lpNorm<Eigen::Infinity>();
+  nominal.place(data_);
+  accelerations(model, data_, nominal.state, sigma_a_, q_d_ddot_);
+  rest_acceleration_ = (q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>();
   sigma_0_ = data_.sigma;
-  q_d_ddot_.setZero();
+  q_d_ddot_ = nominal.q_d_ddot;
 }
 
 bool MinimalEquations::evaluate(const Inputs& inputs, double t,
@@ -54,34 +54,27 @@ bool MinimalEquations::evaluate(const Inputs& inputs, double t,
   return dy_dt.allFinite();
 }
 
-bool MinimalEquations::jacobian(Eigen::MatrixXd& J) {
-  const Index n = n_d();
-  if (!lineariser_) {
-    lineariser_ = std::make_unique<Lineariser>(model_, std::vector<SceneSignal>{}, leg_outputs());
-  }
-  NominalMotion nominal(model_);
-  nominal.state = state_;
-  nominal.q_d_ddot = q_d_ddot_;
-  nominal.x = data_.x;
-  const LinearModel* model = nullptr;
-  try {
-    model = &lineariser_->about(nominal);
-  } catch (const Refusal&) {  // a position that evaluate() reached and Newton's method did not
-    return false;
-  }
-  const LinearModel& linear = *model;
-  const Eigen::LLT<Eigen::MatrixXd> M(linear.M);
-  if (M.info() != Eigen::Success) return false;
-  J.setZero(size(), size());
-  J.block(0, n, n, n).setIdentity();
-  J.block(n, 0, n, n) = -M.solve(linear.stiffness());
-  J.block(n, n, n, n) = -M.solve(linear.damping());
-  if (n_filtered() == 0) return true;
-  const double gain = filter_rate_ / stress_scale_;
-  J.block(2 * n, 0, n_filtered(), n) = gain * linear.Y_p;
-  J.block(2 * n, n, n_filtered(), n) = gain * linear.Y_v;
-  J.bottomRightCorner(n_filtered(), n_filtered()).diagonal().setConstant(-filter_rate_);
+Eigen::VectorXd MinimalEquations::start() const {
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(size());
+  y.segment(n_d(), n_d()) = q_dot_0_;
+  return y;
+}
+
+bool MinimalEquations::hand_over(const Drive& drive, const Eigen::VectorXd& y,
+                                 MotionSnapshot& to) noexcept {
+  to.y = y;
+  Eigen::VectorXd rate(y.size());
+  if (!evaluate(drive, 0.0, y, rate)) return false;
+  to.x = data_.x;
+  to.x_dot = data_.x_dot;
+  to.e = data_.e;
   return true;
+}
+
+void MinimalEquations::take_over(const MotionSnapshot& from) noexcept {
+  data_.x = from.x;
+  data_.e = from.e;
+  q_d_ddot_.setZero();
 }
 
 std::vector<SceneSignal> MinimalEquations::leg_outputs() const {

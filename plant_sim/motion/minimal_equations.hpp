@@ -3,21 +3,22 @@
 #include <vector>
 
 #include "core/dynamics.hpp"
-#include "core/equilibrium.hpp"
+#include "core/linearisation.hpp"
 #include "plant_sim/motion/inputs.hpp"
+#include "plant_sim/motion/motion.hpp"
 
 namespace stillframe {
 
 /// The nonlinear equations of motion of a model in minimal coordinates as dy/dt = f(t, y), with the
 /// elastic part of the filtered leg stresses,
 ///   y = (q^d - q_0, q'^d, s_e / k),   s_e' = omega_s (sigma_e - s_e),
-/// counted from the equilibrium q_0; k makes stresses as large as positions. Set-up: construction.
+/// counted from the operating point q_0; k makes stresses as large as positions. Set-up: construction.
 /// The rest is hot: noexcept, no allocation.
 class MinimalEquations {
  public:
   /// legs: rows of e whose stress is measured; filter_rate: omega_s (1/s), 0 if there is no filter.
   /// model must outlive the equations.
-  MinimalEquations(const Model& model, const Equilibrium& rest, std::vector<Index> legs,
+  MinimalEquations(const Model& model, const NominalMotion& nominal, std::vector<Index> legs,
                    double filter_rate);
 
   Index n_d() const noexcept { return model_.n_d; }
@@ -32,23 +33,23 @@ class MinimalEquations {
   bool evaluate(const Inputs& inputs, double t, const Eigen::Ref<const Eigen::VectorXd>& y,
                 Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept;
 
-  /// df/dy at an instant where evaluate() was called last, from the linearised equations there
-  /// (n x n). Source: deck, sections 5 to 8. Set-up of implicit steps: allocates.
-  bool jacobian(Eigen::MatrixXd& J);
+  /// y at the operating point (n).
+  Eigen::VectorXd start() const;
+  /// As NonlinearMotion, of a motion that stands at y.
+  bool hand_over(const Drive& drive, const Eigen::VectorXd& y, MotionSnapshot& to) noexcept;
+  void take_over(const MotionSnapshot& from) noexcept;
   /// The stresses of the legs as outputs of a linear model.
   std::vector<SceneSignal> leg_outputs() const;
 
   const Data& data() const noexcept { return data_; }
-  /// Nodal positions (n_x) near which the next evaluation is.
-  void place(const Eigen::VectorXd& x) noexcept { data_.x = x; }
-  /// sigma of a leg at the last evaluation, its equilibrium value removed (N), and what is elastic
+  /// sigma of a leg at the last evaluation, its value at the operating point removed (N), and what is elastic
   /// of it.
   double stress(Index leg) const noexcept;
   double elastic_stress(Index leg) const noexcept;
   /// k (N/m) and omega_s (1/s).
   double stress_scale() const noexcept { return stress_scale_; }
   double filter_rate() const noexcept { return filter_rate_; }
-  /// Largest acceleration that rounding leaves in the equilibrium (m/s^2, rad/s^2): no error below
+  /// Largest acceleration that rounding leaves in the operating point (m/s^2, rad/s^2): no error below
   /// it means anything.
   double rest_acceleration() const noexcept { return rest_acceleration_; }
   /// q''^d at the last evaluation.
@@ -62,10 +63,9 @@ class MinimalEquations {
   double stress_scale_;
   Data data_;
   MotionState state_;
-  Eigen::VectorXd q_0_, sigma_0_;       ///< n_d, n_e
-  Eigen::VectorXd sigma_a_, q_d_ddot_;  ///< n_e, n_d
+  Eigen::VectorXd q_0_, q_dot_0_, sigma_0_;  ///< n_d, n_d, n_e
+  Eigen::VectorXd sigma_a_, q_d_ddot_;       ///< n_e, n_d
   double rest_acceleration_ = 0;
-  std::unique_ptr<Lineariser> lineariser_;  ///< made when a Jacobian is first asked for
   long evaluations_ = 0;
 };
 

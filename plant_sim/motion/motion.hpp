@@ -36,4 +36,21 @@ class Motion {
   virtual std::string where() const = 0;
 };
 
+/// Where a nonlinear motion stands, whatever its formulation.
+struct MotionSnapshot {
+  Eigen::VectorXd y;         ///< as MinimalEquations has it
+  Eigen::VectorXd x, x_dot;  ///< n_x
+  Eigen::VectorXd e;         ///< n_e, with the turns of hinges
+};
+
+/// A nonlinear motion that another method can go on with.
+class NonlinearMotion : public Motion {
+ public:
+  /// Writes where the motion stands, at the start of a part of the drive; false if the equations
+  /// cannot be evaluated there.
+  virtual bool hand_over(const Drive& drive, MotionSnapshot& to) noexcept = 0;
+  /// Goes on from there.
+  virtual void take_over(const MotionSnapshot& from) noexcept = 0;
+};
+
 }  // namespace stillframe

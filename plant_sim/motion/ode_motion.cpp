@@ -8,41 +8,39 @@ namespace stillframe {
 
 using Eigen::VectorXd;
 
-OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, Integrator::Settings settings)
+OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, Scheme scheme,
+                     double relative_tolerance)
     : equations_(std::move(equations)),
       points_(std::move(points)),
       // Preloads balance up to rounding only. Errors of that size can be met by no step, so they
       // set the least acceleration that counts.
-      relative_tolerance_(settings.relative_tolerance),
-      least_scale_(100 * equations_.rest_acceleration() / settings.relative_tolerance),
+      relative_tolerance_(relative_tolerance),
+      least_scale_(100 * equations_.rest_acceleration() / relative_tolerance),
       integrator_(
           equations_.n_d(),
           [this](double t, const Eigen::Ref<const VectorXd>& y, Eigen::Ref<VectorXd> dy_dt) {
             return equations_.evaluate(*drive_, t, y, dy_dt);
           },
-          with_jacobian(std::move(settings)), equations_.n_filtered()),
-      y_(VectorXd::Zero(equations_.size())),
+          scheme, relative_tolerance, equations_.n_filtered()),
+      y_(equations_.start()),
       rate_(y_) {}
-
-Integrator::Settings OdeMotion::with_jacobian(Integrator::Settings settings) {
-  settings.jacobian = [this](double t, const Eigen::Ref<const VectorXd>& y, Eigen::MatrixXd& J) {
-    return equations_.evaluate(*drive_, t, y, rate_) && equations_.jacobian(J);
-  };
-  return settings;
-}
 
 Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept {
   drive_ = &drive;
-  // The accelerations at the end of what was before scale the error of this part; after rest they
-  // are zero, and those under the whole command do.
-  if (equations_.q_d_ddot().isZero(0) && !equations_.evaluate(drive, 0.0, y_, rate_)) {
+  // The largest of two accelerations scales the error of this part: that at the end of what was
+  // before, and that under the inputs at the end of this one, which a force that begins to rise
+  // here from rest has as well.
+  const double before = equations_.q_d_ddot().lpNorm<Eigen::Infinity>();
+  n_looks_ += 2;
+  if (!equations_.evaluate(drive, duration, y_, rate_) &&
+      !equations_.evaluate(drive, 0.0, y_, rate_)) {
     return Status::equations_failed;
   }
   // Positions are found to 1e-30 (core/kinematics): no step meets a finer error either.
   const double finest = 1e-29 / (duration * duration * relative_tolerance_);
-  const double scale =
-      std::max({equations_.q_d_ddot().lpNorm<Eigen::Infinity>(), least_scale_, finest});
-  switch (integrator_.advance(y_, duration, scale)) {
+  const double acceleration =
+      std::max({before, equations_.q_d_ddot().lpNorm<Eigen::Infinity>(), least_scale_, finest});
+  switch (integrator_.advance(y_, duration, acceleration)) {
     case Integrator::Status::right_hand_side_failed:
       return Status::equations_failed;
     case Integrator::Status::too_many_steps:
@@ -53,6 +51,15 @@ Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept 
       break;
   }
   return equations_.evaluate(drive, duration, y_, rate_) ? Status::ok : Status::equations_failed;
+}
+
+bool OdeMotion::hand_over(const Drive& drive, MotionSnapshot& to) noexcept {
+  return equations_.hand_over(drive, y_, to);
+}
+
+void OdeMotion::take_over(const MotionSnapshot& from) noexcept {
+  y_ = from.y;
+  equations_.take_over(from);
 }
 
 void OdeMotion::velocities(VectorXd& v) const noexcept {

@@ -7,35 +7,32 @@
 
 namespace stillframe {
 
-/// The nonlinear plant in minimal coordinates, integrated by a method of SUNDIALS.
-class OdeMotion final : public Motion {
+/// The nonlinear plant in minimal coordinates, integrated by an explicit method of SUNDIALS.
+class OdeMotion final : public NonlinearMotion {
  public:
-  OdeMotion(MinimalEquations equations, FramePoints points, Integrator::Settings settings);
-
-  /// Goes on from a state y at nodal positions x. hot.
-  void start_from(const Eigen::VectorXd& y, const Eigen::VectorXd& x) noexcept {
-    y_ = y;
-    equations_.place(x);
-  }
+  /// relative_tolerance: of a step (see Integrator).
+  OdeMotion(MinimalEquations equations, FramePoints points, Scheme scheme,
+            double relative_tolerance);
 
   Status advance(const Drive& drive, double duration) noexcept override;
   void velocities(Eigen::VectorXd& v) const noexcept override;
   void elastic_stresses(Eigen::VectorXd& sigma) const noexcept override;
   void filtered_stresses(Eigen::VectorXd& sigma) const noexcept override;
-  long evaluations() const noexcept override { return integrator_.evaluations(); }
+  long evaluations() const noexcept override { return integrator_.evaluations() + n_looks_; }
   std::string where() const override;
+  bool hand_over(const Drive& drive, MotionSnapshot& to) noexcept override;
+  void take_over(const MotionSnapshot& from) noexcept override;
   /// y as MinimalEquations has it.
   const Eigen::VectorXd& state() const noexcept { return y_; }
 
  private:
-  Integrator::Settings with_jacobian(Integrator::Settings settings);
-
   MinimalEquations equations_;
   FramePoints points_;
   const Drive* drive_ = nullptr;  ///< of the present part
   double relative_tolerance_, least_scale_;
   Integrator integrator_;
   Eigen::VectorXd y_, rate_;
+  long n_looks_ = 0;  ///< evaluations before and after parts
 };
 
 }  // namespace stillframe

@@ -48,6 +48,10 @@ class Equations {
   /// From here on elastic hinges count their turns from the angles of this state.
   void count_turns_from(const NodalState& state) noexcept;
 
+  /// The angles that they have counted (n_e, rad).
+  const Eigen::VectorXd& turns() const noexcept { return turn_; }
+  void set_turns(const Eigen::VectorXd& turns) noexcept { turn_ = turns; }
+
   /// The left-hand sides r (size()), N, and the accelerations of held deformations; writes sigma().
   void residual(const NodalState& state, Eigen::VectorXd& r) noexcept;
   /// What is wrong with the held deformations, e - e_r, and with their rates (behind n_free()

@@ -1,30 +1,40 @@
 #include "plant_sim/nodal/nodal_motion.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
+
 namespace stillframe::nodal {
 
 NodalMotion::NodalMotion(const Model& model, const Data& start, double relative_tolerance,
-                         Method method, Index stages)
+                         Index stages)
     : relative_tolerance_(relative_tolerance),
       equations_(model),
       consistency_(equations_),
+      solver_(equations_, relative_tolerance, stages),
       state_(equations_.zero_state()),
       before_(state_) {
-  if (method == Method::ida) {
-    ida_ = std::make_unique<IdaSolver>(equations_, relative_tolerance);
-  } else {
-    radau_ = std::make_unique<RadauSolver>(equations_, relative_tolerance, stages);
-  }
   state_.x = start.x;
   state_.x_dot = start.x_dot;
+  equations_.set_turns(start.e);
+}
+
+void NodalMotion::take_over(const Eigen::VectorXd& x, const Eigen::VectorXd& x_dot,
+                            const Eigen::VectorXd& filtered,
+                            const Eigen::VectorXd& turns) noexcept {
+  state_.x = x;
+  state_.x_dot = x_dot;
+  equations_.set_turns(turns);
+  consistent_ = false;
+  solver_.forget();
+  if (!solver_.low_pass()) return;
+  filtered_ = filtered;
+  solver_.low_pass()->set(filtered);
+  filters_started_ = true;
 }
 
 void NodalMotion::filter(std::vector<Index> rows, double rate) {
-  if (!radau_) throw std::invalid_argument("NodalMotion: IDA does not carry filters along");
   filtered_ = Eigen::VectorXd::Zero(static_cast<Index>(rows.size()));
-  radau_->filter(std::move(rows), rate);
+  solver_.filter(std::move(rows), rate);
   filters_started_ = false;
 }
 
@@ -32,20 +42,23 @@ void NodalMotion::filter(std::vector<Index> rows, double rate) {
 Status NodalMotion::begin(const Inputs& inputs) noexcept {
   equations_.take_inputs(inputs, 0, state_);
   equations_.count_turns_from(state_);
-  const bool first = !consistent_;
-  if (first) {
+  if (!consistent_) {
     if (!consistency_.positions(state_)) return Status::position_not_found;
     if (!consistency_.rates(state_)) return Status::position_not_found;
   }
   if (!consistency_.accelerations(state_)) return Status::matrix_singular;
-  if (first) {
+  if (!rounding_known_) {
     // Preloads balance up to rounding only. Errors of that size can be met by no step, so they set
     // the least acceleration that counts.
     least_scale_ = 10 * consistency_.measure_rounding(state_) / relative_tolerance_;
+    rounding_known_ = true;
   }
-  if (radau_ && radau_->low_pass()) {
+  if (solver_.low_pass()) {
     // The elastic stresses do not jump with the inputs, so that they are those of rest here.
-    if (!filters_started_) radau_->low_pass()->start_at(sigma(), sigma_a());
+    if (!filters_started_) {
+      solver_.low_pass()->start_at(sigma(), sigma_a());
+      filtered_ = solver_.low_pass()->state();
+    }
     filters_started_ = true;
   }
   return Status::ok;
@@ -57,31 +70,40 @@ Status NodalMotion::finish(const Inputs& inputs, double duration) noexcept {
   if (!consistency_.rates(state_)) return Status::position_not_found;
   if (!consistency_.accelerations(state_)) return Status::matrix_singular;
   consistent_ = true;
-  if (radau_ && radau_->low_pass()) filtered_ = radau_->low_pass()->state();
+  if (solver_.low_pass()) filtered_ = solver_.low_pass()->state();
   return Status::ok;
+}
+
+Status NodalMotion::attempt(const Inputs& inputs, double duration) noexcept {
+  Status status = begin(inputs);
+  if (status != Status::ok) return status;
+  const double a = std::max(state_.x_ddot.lpNorm<Eigen::Infinity>(), least_scale_);
+  const long steps = solver_.steps();
+  status = solver_.advance(state_, inputs, duration, a);
+  // Where it needs many steps, large displacements and stresses may round more than before.
+  if (solver_.steps() - steps > 8) rounding_known_ = false;
+  return status == Status::ok ? finish(inputs, duration) : status;
 }
 
 Status NodalMotion::advance(const Inputs& inputs, double duration) noexcept {
   before_ = state_;
-  Status status = begin(inputs);
-  if (status == Status::ok) {
-    const double a = std::max(state_.x_ddot.lpNorm<Eigen::Infinity>(), least_scale_);
-    const ErrorScale scale{a * duration * duration, a * duration};
-    status = radau_ ? radau_->advance(state_, inputs, duration, scale)
-                    : ida_->advance(state_, inputs, duration, scale);
-  }
-  if (status == Status::ok) status = finish(inputs, duration);
-  if (status != Status::ok) {
+  const auto go_back = [&] {
     state_ = before_;
     consistent_ = false;
-    if (radau_ && radau_->low_pass()) radau_->low_pass()->set(filtered_);
+    solver_.forget();
+    if (solver_.low_pass()) solver_.low_pass()->set(filtered_);
+  };
+  Status status = attempt(inputs, duration);
+  if (status == Status::failed) {
+    const double least = least_scale_;
+    go_back();
+    rounding_known_ = false;
+    status = begin(inputs);
+    if (status == Status::ok && least_scale_ > least) status = attempt(inputs, duration);
+    else if (status == Status::ok) status = Status::failed;
   }
+  if (status != Status::ok) go_back();
   return status;
 }
-
-long NodalMotion::evaluations() const noexcept {
-  return radau_ ? radau_->evaluations() : ida_->evaluations();
-}
-long NodalMotion::steps() const noexcept { return radau_ ? radau_->steps() : ida_->steps(); }
 
 }  // namespace stillframe::nodal

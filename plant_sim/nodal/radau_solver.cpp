@@ -39,9 +39,7 @@ RadauSolver::RadauSolver(Equations& equations, double relative_tolerance, Index 
       dx_(Eigen::VectorXd::Zero(equations.n_free())),
       dv_(dx_),
       z_(Eigen::VectorXcd::Zero(equations.size())),
-      stage_(equations.zero_state()),
-      part_x_(dx_),
-      part_v_(dx_) {
+      stage_(equations.zero_state()) {
   for (size_t k = 0; k < method_.mu.size(); ++k) {
     pairs_.push_back(equations.factors<std::complex<double>>());
   }
@@ -99,9 +97,10 @@ void RadauSolver::stage_residuals(const NodalState& start, const Inputs& inputs,
   evaluations_ += s;
 }
 
-double RadauSolver::weigh(double position, double rate) const noexcept {
-  return std::max(position / (size_x_ + scale_.position), rate / (size_v_ + scale_.rate)) /
-         relative_tolerance_;
+double RadauSolver::weigh(double position, double rate, double acceleration) const noexcept {
+  // The smallest normal numbers keep it finite for a frame at rest on a floor at rest.
+  const double scale = acceleration * duration_ + 1e-290;
+  return std::max(position / (scale * duration_ + 1e-290), rate / scale) / relative_tolerance_;
 }
 
 /// One step of the simplified Newton method; its size against the tolerance.
@@ -120,7 +119,9 @@ double RadauSolver::correct(double h) noexcept {
   }
   unknowns_ -= update_;
   const double a = largest(update_.topRows(equations_.n_free()));
-  return weigh(h * h * a, h * a);
+  // Where all was at rest, what these stages have found is all there is to compare with.
+  const double seen = largest(unknowns_.topRows(equations_.n_free()));
+  return weigh(h * h * a, h * a, std::max(acceleration_, seen));
 }
 
 /// Local error against the tolerance: the difference to the embedded formula, whose stiff part the
@@ -135,7 +136,7 @@ double RadauSolver::error(const NodalState& start, double h) noexcept {
   equations_.add_mass_product(dv_, r_);
   equations_.add_stiffness_product(-c, dx_, r_);
   equations_.solve(real_, r_);
-  return weigh(largest(dx_ + c * r_.head(n)), largest(r_.head(n)));
+  return weigh(largest(dx_ + c * r_.head(n)), largest(r_.head(n)), acceleration_);
 }
 
 bool RadauSolver::solve_stages(const NodalState& start, const Inputs& inputs, double t,
@@ -149,11 +150,14 @@ bool RadauSolver::solve_stages(const NodalState& start, const Inputs& inputs, do
     stage_residuals(start, inputs, t, h, nullptr);
     const double size = correct(h);
     if (!std::isfinite(size)) return false;
-    if (iteration > 0) contraction_ = size / last;
-    const bool shrinks = contraction_ < 0.9;
-    if (iteration > 0 && !shrinks && size > least) return false;
-    if (size <= least || (shrinks && size * contraction_ / (1 - contraction_) <= newton_share)) {
-      return true;
+    // How fast it converges is known from this step alone: matrices and motion may have changed
+    // since any other. A first iteration that changes no more than may be left needs no second.
+    contraction_ = iteration > 0 ? size / last : 0;
+    if (size <= least) return true;
+    if (iteration > 0) {
+      // With the right matrices only rounding keeps it from shrinking so close to the solution.
+      if (!(contraction_ < 0.9)) return fresh_ && size * relative_tolerance_ <= 1e-11;
+      if (size * contraction_ / (1 - contraction_) <= newton_share) return true;
     }
     last = size;
   }
@@ -167,14 +171,12 @@ RadauSolver::Outcome RadauSolver::step(NodalState& state, const Inputs& inputs, 
   if (!has_derivatives_ || slow || std::abs(factored_h_ - h) > 1e-12 * h) {
     if (!renew(state, h, !has_derivatives_ || slow)) return Outcome::singular;
   }
-  size_x_ = largest(state.x.head(n) - part_x_);
-  size_v_ = largest(state.x_dot.head(n) - part_v_);
   if (!solve_stages(state, inputs, t, h)) {
     if (fresh_) return Outcome::no_convergence;
     if (!renew(state, h, true)) return Outcome::singular;
-    contraction_ = 1;
     if (!solve_stages(state, inputs, t, h)) return Outcome::no_convergence;
   }
+  acceleration_ = std::max(acceleration_, largest(unknowns_.topRows(n)));
   error_ = error(state, h);
   if (!(error_ <= 1)) return Outcome::too_large;
   fresh_ = false;
@@ -195,12 +197,10 @@ RadauSolver::Outcome RadauSolver::step(NodalState& state, const Inputs& inputs, 
 }
 
 Status RadauSolver::advance(NodalState& state, const Inputs& inputs, double duration,
-                            const ErrorScale& scale) noexcept {
-  const Index n = equations_.n_free(), s = method_.c.size();
-  part_x_ = state.x.head(n);
-  part_v_ = state.x_dot.head(n);
-  // The smallest normal numbers keep the weights finite for a frame at rest on a floor at rest.
-  scale_ = {scale.position + 1e-290, scale.rate + 1e-290};
+                            double acceleration) noexcept {
+  const Index s = method_.c.size();
+  duration_ = duration;
+  acceleration_ = acceleration;
   if (suggested_h_ == 0) suggested_h_ = duration;
   double t = 0;
   for (int k = 0; k < max_steps; ++k) {
@@ -213,7 +213,6 @@ Status RadauSolver::advance(NodalState& state, const Inputs& inputs, double dura
     if (outcome == Outcome::singular) return Status::matrix_singular;
     if (outcome == Outcome::no_convergence) {
       suggested_h_ = 0.25 * h;
-      contraction_ = 1;
       continue;
     }
     const double best =

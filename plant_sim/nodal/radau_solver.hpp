@@ -23,11 +23,14 @@ class RadauSolver {
   /// equations must outlive this. stages: odd. Errors: std::invalid_argument.
   RadauSolver(Equations& equations, double relative_tolerance, Index stages = 5);
 
-  /// Moves a consistent state on by a duration (s), from t = 0 of the inputs. Local errors are kept
-  /// below the relative tolerance times the larger of the change since the start and the scale. The
-  /// accelerations and multipliers of the result are those of the last stage.
+  /// Moves a consistent state on by a duration (s), from t = 0 of the inputs. The error of a step
+  /// is kept below the relative tolerance times what an acceleration does in the duration: the
+  /// largest of the part, at least the one given (m/s^2, rad/s^2). The accelerations and multipliers
+  /// of the result are those of the last stage.
   Status advance(NodalState& state, const Inputs& inputs, double duration,
-                 const ErrorScale& scale) noexcept;
+                 double acceleration) noexcept;
+  /// Goes on elsewhere: nothing is taken from the last step.
+  void forget() noexcept { previous_h_ = 0; }
 
   /// From here on carries low-passes of some stresses along. set-up.
   void filter(std::vector<Index> rows, double rate) {
@@ -50,7 +53,7 @@ class RadauSolver {
                        LowPass* seen) noexcept;
   double correct(double h) noexcept;
   double error(const NodalState& start, double h) noexcept;
-  double weigh(double position, double rate) const noexcept;
+  double weigh(double position, double rate, double acceleration) const noexcept;
 
   Equations& equations_;
   Collocation method_;
@@ -65,11 +68,10 @@ class RadauSolver {
   Eigen::VectorXcd z_;
   NodalState stage_;
   std::optional<LowPass> low_pass_;
-  Eigen::VectorXd part_x_, part_v_;
-  ErrorScale scale_;
-  double size_x_ = 0, size_v_ = 0, error_ = 0;
+  double duration_ = 0, acceleration_ = 0;  ///< s, m/s^2: of the present part, the largest in it
+  double error_ = 0;
   double factored_h_ = 0, previous_h_ = 0, suggested_h_ = 0;  ///< s, 0: none yet
-  double contraction_ = 1;  ///< of the last two steps of Newton's method
+  double contraction_ = 0;  ///< of Newton's method in the last step that needed two iterations
   bool has_derivatives_ = false, fresh_ = false;
   long evaluations_ = 0, steps_ = 0, factorisations_ = 0;
 };

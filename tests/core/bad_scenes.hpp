@@ -241,7 +241,13 @@ inline const std::vector<BadScene> bad_scenes = {
      "duration_s: 10",
      "relative_tolerance: 0.5",
      "0.5",
-     {"simulation.relative_tolerance: found 0.5, allowed is 1e-14 to 1e-2"}},
+     {"simulation.relative_tolerance: found 0.5, allowed is 1e-12 to 1e-2"}},
+    {"method_that_there_is_not",
+     "duration_s: 10",
+     "method: bdf",
+     "bdf",
+     {"simulation.method: found 'bdf', allowed is one of auto, linear, exponential, "
+      "dormand_prince, fehlberg, nodal"}},
     // Names.
     {"unknown_node",
      "[floor_1, tip], stiffness",

@@ -116,7 +116,7 @@ disturbances:
       start_s: 1}}}
 uncertainty: {stiffness: 0.1, mass: 0.1, inertia: 0.1, centre_of_mass_m: 0.01,
   leg_direction_rad: 0.01, actuator_gain: 0.1, delay_samples: 0.2}
-simulation: {duration_s: 1, relative_tolerance: 1e-6, method: runge_kutta, steps_per_sample: 2}
+simulation: {duration_s: 1, relative_tolerance: 1e-6, method: fehlberg}
 )";
 
 const char* const full_planar_scene = R"(

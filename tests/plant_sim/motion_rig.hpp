@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "plant_sim/motion/adaptive_motion.hpp"
 #include "plant_sim/motion/exponential_motion.hpp"
@@ -33,10 +34,9 @@ inline Eigen::MatrixXd trajectory(const Scene& scene, const Eigen::MatrixXd& for
   return result;
 }
 
-inline Scene with_method(Scene scene, PlantMethod method, double tolerance, int steps = 1) {
+inline Scene with_method(Scene scene, PlantMethod method, double tolerance) {
   scene.simulation.method = method;
   scene.simulation.relative_tolerance = tolerance;
-  scene.simulation.steps_per_sample = steps;
   return scene;
 }
 
@@ -60,7 +60,7 @@ struct MotionRig {
                         std::numeric_limits<double>::infinity(), {}),
               Disturbances(merged.scene, model, 1 / scene.controller->sample_rate_hz),
               legs_of(scene, model)),
-        equations(model, solve_equilibrium(model), drive.legs(), 0),
+        equations(model, nominal_motion(model), drive.legs(), 0),
         motion(make_motion(merged, model, method, drive, {1 / scene.controller->sample_rate_hz})) {}
 
   static std::vector<Index> legs_of(const Scene& scene, const Model& model) {

@@ -56,7 +56,7 @@ Hours through(const std::string& block, double rate) {
   Hours hours;
   for (std::int64_t k = 0; k < floor.n_samples(); ++k) {
     floor.take(k);
-    const double a = floor.q_r_ddot()(0);
+    const double a = floor.floor_acceleration()(0);
     for (const double part : {first, second}) {
       floor.finish(part);
       const long double t = part;
@@ -66,7 +66,7 @@ Hours through(const std::string& block, double rate) {
       plain_v += part * a;
     }
     if (k % 64 == 0 || k + 1 == floor.n_samples()) {
-      floor.at(0.0, q_r, q_r_dot);
+      floor.floor_at(0.0, q_r, q_r_dot);
       hours.largest = worst_of(hours.largest, std::abs(q_r(0)));
       hours.deviation = worst_of(hours.deviation, static_cast<double>(std::abs(q_r(0) - x)));
       hours.plain_deviation =

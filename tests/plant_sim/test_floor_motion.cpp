@@ -21,7 +21,7 @@ TEST(FloorMotion, IntegratesHeldAccelerationsExactly) {
     v += T * a.col(k);
     motion.finish(T);
   }
-  motion.at(0.0, q_r, q_r_dot);
+  motion.floor_at(0.0, q_r, q_r_dot);
   for (Index i = 0; i < 6; ++i) {
     const auto& input = scene.inputs[static_cast<size_t>(i)];
     const Eigen::VectorXd pattern =
@@ -39,7 +39,7 @@ TEST(FloorMotion, TranslationsMoveEveryFloorNodeAlike) {
   for (const char* node : {"floor_1t", "floor_2v", "floor_3t"}) {
     for (int axis = 0; axis < 3; ++axis) {
       const auto row = model.translation_row(model.node_index(node), Eigen::Vector3d::Unit(axis));
-      EXPECT_DOUBLE_EQ(row.tail(model.n_r) * motion.q_r_ddot(), axis + 1.0);
+      EXPECT_DOUBLE_EQ(row.tail(model.n_r) * motion.floor_acceleration(), axis + 1.0);
     }
   }
 }

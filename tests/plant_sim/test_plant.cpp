@@ -96,8 +96,8 @@ struct BareFrame {
                   Eigen::Ref<Eigen::VectorXd> dy_dt) {
     state.q_d = at.head(model.n_d);
     state.q_d_dot = at.tail(model.n_d);
-    floor.at(t, state.q_r, state.q_r_dot);
-    state.q_r_ddot = floor.q_r_ddot();
+    floor.floor_at(t, state.q_r, state.q_r_dot);
+    state.q_r_ddot = floor.floor_acceleration();
     const bool sound = accelerations(model, data, state, sigma_a, q_ddot) == DynamicsStatus::ok;
     dy_dt << state.q_d_dot, q_ddot;
     return sound;

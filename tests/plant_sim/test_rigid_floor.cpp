@@ -56,7 +56,7 @@ TEST(RigidFloor, EveryNodeTurnsWithTheFloor) {
     for (int axis = 0; axis < 3; ++axis) {
       const auto row = model.translation_row(n, Eigen::Vector3d::Unit(axis));
       const bool held = std::string(node) == "c" && axis < 2;
-      EXPECT_NEAR(row.tail(model.n_rx) * floor.q_r_ddot().head(model.n_rx),
+      EXPECT_NEAR(row.tail(model.n_rx) * floor.floor_acceleration().head(model.n_rx),
                   held ? 0.0 : expected(axis), 1e-14);
     }
   }
@@ -100,7 +100,7 @@ TEST(RigidFloor, TranslationsAreItsFirstThree) {
   FloorMotion six(rigid(motion), scene, model);
   three.take(0);
   six.take(0);
-  EXPECT_EQ(three.q_r_ddot(), six.q_r_ddot());
+  EXPECT_EQ(three.floor_acceleration(), six.q_r_ddot());
 }
 
 TEST(RigidFloor, InputsComeOnTopOfIt) {
@@ -117,7 +117,7 @@ TEST(RigidFloor, InputsComeOnTopOfIt) {
   floor.along_inputs(along);
   EXPECT_DOUBLE_EQ(along(0), 11.0);
   const auto row = model.translation_row(model.node_index("a"), Eigen::Vector3d::UnitZ());
-  EXPECT_DOUBLE_EQ(row.tail(model.n_rx) * floor.q_r_ddot().head(model.n_rx), 1.0);
+  EXPECT_DOUBLE_EQ(row.tail(model.n_rx) * floor.floor_acceleration().head(model.n_rx), 1.0);
 }
 
 /// Two nodes joined by a hinge share their translation; a prescribed angle stands behind it in q^r.
@@ -155,7 +155,7 @@ TEST(RigidFloor, NodesThatShareATranslationMoveOnce) {
                                                             Eigen::Vector3d(1, 2, 3)),
                     scene, model);
   floor.take(0);
-  EXPECT_EQ(floor.q_r_ddot(), Eigen::Vector4d(1, 2, 3, 0));
+  EXPECT_EQ(floor.floor_acceleration(), Eigen::Vector4d(1, 2, 3, 0));
   // Its rotation is fixed: a floor that turns would leave it behind.
   try {
     FloorMotion turning(rigid(Eigen::VectorXd::Unit(6, 3)), scene, model);
@@ -189,7 +189,7 @@ TEST(RigidFloor, InAPlaneItTurnsAboutZ) {
   const Model model = make_model(scene);
   FloorMotion floor(rigid(Eigen::VectorXd::Unit(6, 5)), scene, model);
   floor.take(0);
-  EXPECT_EQ(floor.q_r_ddot(), Eigen::Vector3d(-3, 2, 1));  // z x r, and the angle itself
+  EXPECT_EQ(floor.floor_acceleration(), Eigen::Vector3d(-3, 2, 1));  // z x r, and the angle itself
   EXPECT_THROW(FloorMotion(rigid(Eigen::VectorXd::Unit(6, 3)), scene, model), InputError);
 }
 

@@ -181,7 +181,7 @@ TEST(ShapedNoise, SeedsDifferAndRepeat) {
 }
 
 TEST(ShapedNoise, ShapesAreChecked) {
-  EXPECT_THROW(periodic_noise({.density = PetersonDensity{}, .rate = 0, .period = 10}, 1, true),
+  EXPECT_THROW(periodic_noise({.density = PetersonDensity{}, .rate = 0, .period = 10}, {0}, true),
                std::invalid_argument);
   EXPECT_THROW(NoiseFloor(FloorChannels::inputs, Eigen::MatrixXd::Identity(1, 1),
                           Eigen::MatrixXd::Zero(10, 1), 1.0, 10, 6),
