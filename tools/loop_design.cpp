@@ -6,6 +6,7 @@
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
+#include "tools/scene_design.hpp"
 
 namespace stillframe::tools {
 
@@ -69,11 +70,11 @@ FrequencyRange axis_of(const LoopDesign& design, const std::vector<double>& targ
                          design.gains.sample_rate_hz);
 }
 
-LoopDesign make_loop_design(const std::filesystem::path& scene_file,
-                            const std::optional<std::filesystem::path>& controller_file,
-                            const std::optional<std::filesystem::path>& design_scene) {
+namespace {
+
+LoopDesign designed(Scene scene, const std::optional<std::filesystem::path>& design_scene) {
   LoopDesign design;
-  design.scene = read_scene(scene_file, controller_file);
+  design.scene = std::move(scene);
   design.model = make_model(design.scene);
   design.loop = make_control_loop(design.scene, design.model);
   if (design_scene) take_design_of(*design_scene, design);
@@ -81,6 +82,16 @@ LoopDesign make_loop_design(const std::filesystem::path& scene_file,
   design.gains = make_gains(design.scene, design.loop, plant);
   sample(design);
   return design;
+}
+
+}  // namespace
+
+LoopDesign make_loop_design(Scene scene) { return designed(std::move(scene), std::nullopt); }
+
+LoopDesign make_loop_design(const std::filesystem::path& scene_file,
+                            const std::optional<std::filesystem::path>& controller_file,
+                            const std::optional<std::filesystem::path>& design_scene) {
+  return designed(read_scene(scene_file, controller_file), design_scene);
 }
 
 }  // namespace stillframe::tools

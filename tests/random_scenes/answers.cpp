@@ -1,0 +1,265 @@
+#include "tests/random_scenes/answers.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/dynamics.hpp"
+#include "core/frequency_response.hpp"
+#include "core/modes.hpp"
+#include "tools/loop_design.hpp"
+
+namespace stillframe::random_scenes {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Complex = std::complex<double>;
+
+namespace {
+
+double condition(const MatrixXd& A) {
+  const auto values = Eigen::JacobiSVD<MatrixXd>(A).singularValues();
+  return values(0) / values(values.size() - 1);
+}
+
+/// Of a mass matrix, whatever units its dofs have.
+double scaled_condition(const MatrixXd& M) {
+  const VectorXd d = M.diagonal().cwiseSqrt().cwiseInverse();
+  return condition(d.asDiagonal() * M * d.asDiagonal());
+}
+
+/// The parts of G(s) = Y Z^-1 B + D of a linear model, as transfer_function puts them together.
+struct Parts {
+  MatrixXcd Y, Z, B, D;
+
+  Parts(const LinearModel& l, Complex s)
+      : Y(l.Y_p + s * l.Y_v + s * s * l.Y_a), Z(s * s * l.M + s * l.damping() + l.stiffness()) {
+    B = l.B.cast<Complex>();
+    D = l.D_u.cast<Complex>();
+    for (Index j = 0; j < B.cols(); ++j) {
+      const Quantity quantity = l.inputs[static_cast<size_t>(j)].quantity;
+      if (!is_motion(quantity)) continue;
+      const InputKind kind = kind_of(quantity);
+      const Complex w = kind == InputKind::position   ? 1.0
+                        : kind == InputKind::velocity ? 1.0 / s
+                                                      : 1.0 / (s * s);
+      B.col(j) = -w * (s * s * l.M_r.col(j) + s * l.damping_r().col(j) + l.stiffness_r().col(j));
+      D.col(j) = w * (l.R_p.col(j) + s * l.R_v.col(j) + s * s * l.R_a.col(j));
+    }
+  }
+
+ private:
+  enum class InputKind { position, velocity, acceleration };
+  static InputKind kind_of(Quantity quantity) {
+    switch (quantity) {
+      case Quantity::position:
+      case Quantity::rotation:
+      case Quantity::deformation:
+        return InputKind::position;
+      case Quantity::velocity:
+      case Quantity::angular_velocity:
+      case Quantity::deformation_rate:
+        return InputKind::velocity;
+      default:
+        return InputKind::acceleration;
+    }
+  }
+};
+
+/// The longest motion of a node per motion of unit kinetic energy, translations and rotations: a
+/// force or a signal that has no lever has the rounding of the longest.
+struct Levers {
+  double translation = 0, rotation = 0;
+
+  Levers(const Model& model, const VectorXd& x, const MatrixXd& L) {
+    Data data(model);
+    data.x = x;
+    geometric_transfer_functions(model, data);
+    for (const ModelNode& node : model.nodes) {
+      for (const PartMap* map : {&node.translation, &node.rotation}) {
+        double& longest = map == &node.translation ? translation : rotation;
+        for_each_column({*map}, model.n_x, [&](Index, Index column) {
+          const VectorXd row =
+              L.triangularView<Eigen::Lower>().solve(data.DF.row(column).transpose());
+          longest = std::max(longest, (map->size == 4 ? 2 : 1) * row.norm());
+        });
+      }
+    }
+  }
+  double of(Quantity quantity, Complex s) const {
+    switch (quantity) {
+      case Quantity::position:
+      case Quantity::force:
+        return translation;
+      case Quantity::velocity:
+        return translation * std::abs(s);
+      case Quantity::acceleration:
+        return translation * std::norm(s);
+      case Quantity::rotation:
+      case Quantity::torque:
+        return rotation;
+      case Quantity::angular_velocity:
+        return rotation * std::abs(s);
+      case Quantity::angular_acceleration:
+        return rotation * std::norm(s);
+      default:
+        return 0;
+    }
+  }
+};
+
+/// Backward errors of eps of Z, B and Y in the dofs, whose condition is that of M, and of eps of
+/// the largest term that D stands beside, go through Z^-1 to G.
+MatrixXd rounding_of(const LinearModel& l, const Levers& levers, Complex s, double mass_condition) {
+  const Parts parts(l, s);
+  const MatrixXd L = Eigen::LLT<MatrixXd>(l.M).matrixL();
+  const auto solve_left = [&](const MatrixXcd& A) -> MatrixXcd {
+    return L.cast<Complex>().triangularView<Eigen::Lower>().solve(A);
+  };
+  const MatrixXcd Z = solve_left(solve_left(parts.Z).transpose()).transpose();
+  const auto values = Eigen::JacobiSVD<MatrixXcd>(Z).singularValues();
+  const double smallest = values(values.size() - 1), kappa = values(0) / smallest;
+  VectorXd y = solve_left(parts.Y.transpose()).colwise().norm(),
+           b = solve_left(parts.B).colwise().norm();
+  for (Index i = 0; i < y.size(); ++i) {
+    y(i) = std::max(y(i), levers.of(l.outputs[static_cast<size_t>(i)].quantity, s));
+  }
+  for (Index j = 0; j < b.size(); ++j) {
+    b(j) = std::max(b(j), levers.of(l.inputs[static_cast<size_t>(j)].quantity, s));
+  }
+  return mass_condition * kappa * (y * b.transpose() / smallest + parts.D.cwiseAbs());
+}
+
+}  // namespace
+
+std::vector<Complex> places(Case& scene) {
+  const VectorXd f = modes(scene.linear()).eigenvalues.cwiseAbs();
+  const double highest = f.maxCoeff();
+  double lowest = highest;
+  for (const double omega : f) {
+    if (omega > 1e-7 * highest) lowest = std::min(lowest, omega);  // a free motion has none
+  }
+  const Complex direction = std::polar(1.0, std::numbers::pi / 3);
+  return {0.7 * lowest * direction, std::sqrt(lowest * highest) * direction,
+          1.3 * highest * direction};
+}
+
+Answers answers(const Scene& scene, const std::vector<Complex>& at) {
+  const Model model = make_model(scene);
+  const LinearModel linear =
+      linearise(model, nominal_motion(scene, model), scene.inputs, scene.outputs);
+  Answers out;
+  const Modes found = modes(linear);
+  const double mass_condition = scaled_condition(linear.M);
+  out.squares = (2 * std::numbers::pi * found.natural_frequencies_hz).cwiseAbs2();
+  // |d omega^2| <= (|dK| + omega^2 |dM|) |v|^2 for backward errors of eps in dofs of unit mass.
+  if (out.squares.size() > 0) out.squares_rounding = mass_condition * out.squares.maxCoeff();
+  const Levers levers(model, linear.x_0, Eigen::LLT<MatrixXd>(linear.M).matrixL());
+  for (const Complex s : at) {
+    out.responses.push_back(
+        {transfer_function(linear, s), rounding_of(linear, levers, s, mass_condition)});
+  }
+  if (!scene.controller) return out;
+  const tools::LoopDesign design = tools::make_loop_design(scene);
+  out.K_P = design.gains.K_P;
+  out.K_I = design.gains.K_I;
+  const LegMatrices& legs = design.loop.design.legs;
+  out.gains_rounding = condition(legs.M) * condition(legs.K) * mass_condition;
+  // Fewer legs than dofs: the motion that stands for them comes of K^-1, or of modes.
+  if (legs.M.rows() < model.n_d) {
+    const MatrixXd inverse =
+        Eigen::LLT<MatrixXd>(linear.M).matrixL().solve(MatrixXd::Identity(model.n_d, model.n_d));
+    out.gains_rounding *= condition(inverse * linear.stiffness() * inverse.transpose());
+  }
+  out.radius = design.radius;
+  return out;
+}
+
+const Answers& own_answers(Case& scene) {
+  if (!scene.answers) {
+    scene.answers = std::make_shared<const Answers>(answers(scene.scene(), places(scene)));
+  }
+  return *scene.answers;
+}
+
+double Units::of(const SceneSignal& signal, const Scene& scene) const {
+  const double force = mass * length / (time * time), moment = force * length;
+  const bool hinge =
+      std::any_of(scene.elements.begin(), scene.elements.end(), [&](const auto& element) {
+        return element.name == signal.element && element.kind == SceneElement::Kind::hinge;
+      });
+  const double deformation = hinge ? 1 : length;
+  switch (signal.quantity) {
+    case Quantity::position:
+      return length;
+    case Quantity::velocity:
+      return length / time;
+    case Quantity::acceleration:
+      return length / (time * time);
+    case Quantity::rotation:
+      return 1;
+    case Quantity::angular_velocity:
+      return 1 / time;
+    case Quantity::angular_acceleration:
+      return 1 / (time * time);
+    case Quantity::force:
+    case Quantity::reaction:
+      return force;
+    case Quantity::torque:
+    case Quantity::reaction_moment:
+      return moment;
+    case Quantity::stress:
+      return hinge ? moment : force;
+    case Quantity::deformation:
+      return deformation;
+    case Quantity::deformation_rate:
+      return deformation / time;
+    case Quantity::deformation_acceleration:
+      return deformation / (time * time);
+  }
+  return 1;
+}
+
+Finding compare(const Scene& scene, const Answers& a, const Answers& b, double eps,
+                const Units& units) {
+  Finding finding;
+  const double per_square = units.time * units.time;
+  if (a.squares.size() != b.squares.size()) {
+    finding.take(1, 0, "number of natural frequencies");
+    return finding;
+  }
+  for (Index i = 0; i < a.squares.size(); ++i) {
+    const double scale = eps * (a.squares_rounding + b.squares_rounding * per_square);
+    finding.take(std::abs(a.squares(i) - b.squares(i) * per_square), scale,
+                 "natural frequency " + std::to_string(i + 1));
+  }
+  for (size_t k = 0; k < a.responses.size(); ++k) {
+    const Response &p = a.responses[k], &q = b.responses[k];
+    for (Index i = 0; i < p.G.rows(); ++i) {
+      for (Index j = 0; j < p.G.cols(); ++j) {
+        const SceneSignal &input = scene.inputs[static_cast<size_t>(j)],
+                          &output = scene.outputs[static_cast<size_t>(i)];
+        const double factor = units.of(input, scene) / units.of(output, scene);
+        finding.take(std::abs(p.G(i, j) - q.G(i, j) * factor),
+                     eps * (p.rounding(i, j) + q.rounding(i, j) * factor),
+                     "transfer function from " + input.name + " to " + output.name);
+      }
+    }
+  }
+  if (a.K_P.size() == 0) return finding;
+  const double gains = eps * (a.gains_rounding + b.gains_rounding);
+  finding.take((a.K_P - b.K_P).cwiseAbs().maxCoeff(), gains * (1 + a.K_P.cwiseAbs().maxCoeff()),
+               "K_P");
+  finding.take((a.K_I - b.K_I * units.time).cwiseAbs().maxCoeff(),
+               gains * a.K_I.cwiseAbs().maxCoeff(), "K_I");
+  // A double pole moves by the root of what its matrix does.
+  finding.take(std::abs(a.radius - b.radius), std::sqrt(gains) * a.radius, "spectral radius");
+  return finding;
+}
+
+}  // namespace stillframe::random_scenes

@@ -1,0 +1,49 @@
+#include "tests/random_scenes/loop_run.hpp"
+
+#include <limits>
+
+#include "plant_sim/floor/sources.hpp"
+#include "tools/run/closed_loop.hpp"
+
+namespace stillframe::random_scenes {
+
+Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
+                 std::unique_ptr<floor::FloorSource> floor, Index n, bool active) {
+  controller::Gains gains = design.gains;
+  gains.force_limit_n = scene.controller->force_limit_n;
+  tools::ClosedLoop loop(scene, gains, std::move(floor), 1, active);
+  const auto n_legs = static_cast<Index>(scene.controller->legs.size());
+  Signals out{Eigen::MatrixXd(n, n_legs),
+              Eigen::MatrixXd(n, static_cast<Index>(scene.outputs.size() + scene.monitors.size())),
+              Eigen::MatrixXd(n, n_legs)};
+  for (Index k = 0; k < n; ++k) {
+    const std::string reason = loop.step();
+    if (!reason.empty()) throw std::runtime_error(reason);
+    const auto row = [](const std::vector<double>& values) {
+      return Eigen::Map<const Eigen::RowVectorXd>(values.data(), static_cast<Index>(values.size()));
+    };
+    out.sigma.row(k) = row(loop.measurement().sigma);
+    out.acceleration.row(k) = row(loop.measurement().frame_acceleration);
+    out.force.row(k) = row(loop.command().force);
+  }
+  return out;
+}
+
+Signals run_loop(const Scene& scene, const tools::LoopDesign& design, const Eigen::MatrixXd& floor,
+                 bool active) {
+  return run_loop(scene, design,
+                  std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::inputs, floor),
+                  floor.cols(), active);
+}
+
+Scene without_nonlinear_instruments(Scene scene) {
+  scene.instruments.force_rate_limit = std::numeric_limits<double>::infinity();
+  scene.instruments.hysteresis.reset();
+  scene.instruments.force_sensors.reset();
+  scene.instruments.floor_sensors.reset();
+  scene.controller->force_limit_n.reset();
+  scene.disturbances.clear();
+  return scene;
+}
+
+}  // namespace stillframe::random_scenes

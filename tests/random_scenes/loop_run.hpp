@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "tests/random_scenes/case.hpp"
+
+namespace stillframe::random_scenes {
+
+/// What a run showed, a row a sample: sigma of the legs (N), accelerations of outputs and monitors
+/// (m/s^2), and forces of the law (N).
+struct Signals {
+  Eigen::MatrixXd sigma, acceleration, force;
+};
+
+/// Runs a scene in this process for so many samples, as single-process runs do, with the law
+/// (active) or with zero commands. Errors: as ClosedLoop; std::runtime_error where the motion
+/// cannot go on.
+Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
+                 std::unique_ptr<floor::FloorSource> floor, Index n_samples, bool active);
+/// On a floor that is given, inputs x samples, m/s^2.
+Signals run_loop(const Scene& scene, const tools::LoopDesign& design, const Eigen::MatrixXd& floor,
+                 bool active);
+
+/// A scene without what no linear model has: limits of force and rate, hysteresis, errors of
+/// sensors, disturbances.
+Scene without_nonlinear_instruments(Scene scene);
+
+}  // namespace stillframe::random_scenes

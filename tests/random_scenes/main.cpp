@@ -1,0 +1,278 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include "core/modes.hpp"
+#include "core/yaml/input_error.hpp"
+#include "tests/random_scenes/generator/draft.hpp"
+#include "tests/random_scenes/relation.hpp"
+#include "tests/random_scenes/shrink.hpp"
+
+namespace stillframe::random_scenes {
+namespace {
+
+struct Options {
+  int n = 0;
+  std::uint64_t seed = 1;
+  int first = 0, jobs = 1;
+  std::vector<std::string> only;
+  std::filesystem::path failed = "failed_scenes", scene;
+  bool print = false;
+};
+
+/// Scene `number` of a seed.
+std::uint64_t scene_seed(std::uint64_t seed, int number) {
+  return seed * 1'000'000 + static_cast<std::uint64_t>(number);
+}
+
+/// One relation on one scene. An exception is a violation: the scene itself was accepted.
+std::optional<Finding> check(const Relation& relation, Case& scene, std::uint64_t seed) {
+  try {
+    return relation.check(scene, seed);
+  } catch (const std::exception& error) {
+    return Finding{1, 0, error.what()};
+  }
+}
+
+/// Why a scene is refused as it stands (no equilibrium, not stable), if it is: then nothing is
+/// asked of it. Errors: InputError, which no scene of the generator may cause.
+std::string refusal(Case& scene) {
+  try {
+    modes(scene.linear());
+    if (scene.has_loop()) scene.design();
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
+/// What is known of one relation after some scenes.
+struct Tally {
+  int applied = 0, violations = 0;
+  double seconds = 0;
+  Finding worst;
+  std::uint64_t worst_seed = 0;
+};
+
+class Run {
+ public:
+  explicit Run(const Options& options) : options_(options) {
+    for (const Relation& relation : relations()) {
+      if (options.only.empty() ||
+          std::count(options.only.begin(), options.only.end(), relation.name)) {
+        relations_.push_back(&relation);
+      }
+    }
+    tallies_.resize(relations_.size());
+  }
+
+  int run() {
+    std::vector<std::thread> threads;
+    for (int i = 1; i < options_.jobs; ++i) threads.emplace_back([this] { work(); });
+    work();
+    for (std::thread& thread : threads) thread.join();
+    print_table();
+    return n_violations() > 0 ? 4 : 0;
+  }
+
+ private:
+  void work() {
+    for (int i = next_++; i < options_.n; i = next_++) {
+      const std::uint64_t seed = scene_seed(options_.seed, options_.first + i);
+      one(random_scene(seed), seed);
+    }
+  }
+
+  void one(const std::string& text, std::uint64_t seed) {
+    const auto begin = std::chrono::steady_clock::now();
+    std::optional<Case> scene;
+    std::string refused;
+    try {
+      scene.emplace(text);
+      refused = refusal(*scene);
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex_);
+      ++illegal_;
+      std::cout << "scene " << seed << " is not legal: " << error.what() << std::endl;
+      return;
+    }
+    if (!refused.empty()) {
+      const std::lock_guard lock(mutex_);
+      ++refused_[refused.substr(0, 60)];
+      return;
+    }
+    for (size_t i = 0; i < relations_.size(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      const auto finding = check(*relations_[i], *scene, seed);
+      const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+      note(i, finding, took.count(), seed);
+      if (finding && !finding->holds()) report(*relations_[i], text, seed, *finding);
+    }
+    const std::chrono::duration<double> all = std::chrono::steady_clock::now() - begin;
+    const std::lock_guard lock(mutex_);
+    if (all.count() > slowest_) slowest_ = all.count(), slowest_seed_ = seed;
+    if (++n_done_ % 100 == 0) {
+      std::cerr << n_done_ << " of " << options_.n << " scenes, " << n_violations()
+                << " violations\n";
+    }
+  }
+
+  void note(size_t i, const std::optional<Finding>& finding, double seconds, std::uint64_t seed) {
+    const std::lock_guard lock(mutex_);
+    Tally& tally = tallies_[i];
+    tally.seconds += seconds;
+    if (!finding) return;
+    ++tally.applied;
+    if (!finding->holds()) ++tally.violations;
+    if (tally.applied == 1 || finding->share() > tally.worst.share()) {
+      tally.worst = *finding;
+      tally.worst_seed = seed;
+    }
+  }
+
+  /// Shrinks a scene that fails and writes it.
+  void report(const Relation& relation, const std::string& text, std::uint64_t seed,
+              const Finding& finding) {
+    std::ostringstream what;
+    what << relation.name << ": scene " << seed << ": " << finding.what << ": " << finding.value
+         << " for at most " << finding.bound;
+    {
+      const std::lock_guard lock(mutex_);
+      std::cout << what.str() << std::endl;
+    }
+    const std::string small = shrink(text, [&](const std::string& trial) {
+      try {
+        Case scene(trial);
+        if (!refusal(scene).empty()) return false;
+        const auto found = check(relation, scene, seed);
+        // The same way: an exception stays the same one.
+        return found && !found->holds() && (found->bound > 0) == (finding.bound > 0) &&
+               (found->bound > 0 || found->what.substr(0, 30) == finding.what.substr(0, 30));
+      } catch (const std::exception&) {
+        return false;
+      }
+    });
+    std::filesystem::create_directories(options_.failed);
+    const auto place = options_.failed / (std::to_string(seed) + "_" + relation.name + ".yaml");
+    std::ofstream(place) << "# " << what.str() << "\n# seed: " << seed << "\n" << small;
+    const std::lock_guard lock(mutex_);
+    std::cout << "  written to " << place.string() << std::endl;
+  }
+
+  int n_violations() const {
+    int n = illegal_;
+    for (const Tally& tally : tallies_) n += tally.violations;
+    return n;
+  }
+
+  void print_table() const {
+    int refused = 0;
+    for (const auto& [why, n] : refused_) refused += n;
+    std::printf(
+        "%d scenes of seed %llu, %d refused as they stand, %d not legal; slowest: scene %llu, %.2f "
+        "s\n",
+        options_.n, static_cast<unsigned long long>(options_.seed), refused, illegal_,
+        static_cast<unsigned long long>(slowest_seed_), slowest_);
+    for (const auto& [why, n] : refused_) std::printf("  %d: %s...\n", n, why.c_str());
+    std::printf("\n%-14s %8s %10s %10s %10s %9s  %s\n", "relation", "scenes", "violations", "worst",
+                "bound", "ms/scene", "where");
+    for (size_t i = 0; i < relations_.size(); ++i) {
+      const Tally& t = tallies_[i];
+      std::printf("%-14s %8d %10d %10.2e %10.2e %9.1f  %s, scene %llu\n", relations_[i]->name,
+                  t.applied, t.violations, t.worst.value, t.worst.bound,
+                  1e3 * t.seconds / std::max(1, options_.n), t.worst.what.c_str(),
+                  static_cast<unsigned long long>(t.worst_seed));
+    }
+  }
+
+  const Options& options_;
+  std::vector<const Relation*> relations_;
+  std::vector<Tally> tallies_;
+  std::map<std::string, int> refused_;
+  int illegal_ = 0, n_done_ = 0;
+  double slowest_ = 0;
+  std::uint64_t slowest_seed_ = 0;
+  std::atomic<int> next_ = 0;
+  mutable std::mutex mutex_;
+};
+
+/// All relations on a scene of a file, whose head may state the seed.
+int check_file(const Options& options) {
+  std::ostringstream text;
+  text << std::ifstream(options.scene).rdbuf();
+  std::uint64_t seed = options.seed;
+  const std::string head = "# seed: ";
+  const size_t stated = text.str().find(head);
+  if (stated != std::string::npos) seed = std::stoull(text.str().substr(stated + head.size()));
+  Case scene(text.str(), options.scene.string());
+  if (const std::string why = refusal(scene); !why.empty()) {
+    std::cout << "refused: " << why << "\n";
+    return 3;
+  }
+  int code = 0;
+  for (const Relation& relation : relations()) {
+    if (!options.only.empty() &&
+        !std::count(options.only.begin(), options.only.end(), relation.name))
+      continue;
+    const auto found = check(relation, scene, seed);
+    if (!found) {
+      std::printf("%-14s not in its domain\n", relation.name);
+      continue;
+    }
+    if (!found->holds()) code = 4;
+    std::printf("%-14s %s: %g for at most %g: %s\n", relation.name,
+                found->holds() ? "holds" : "VIOLATED", found->value, found->bound,
+                found->what.c_str());
+  }
+  return code;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Random scenes: relations that must hold on every one");
+  Options options;
+  app.add_option("n", options.n, "How many scenes");
+  app.add_option("seed", options.seed, "Of all of them; another seed is another set")
+      ->capture_default_str();
+  app.add_option("--first", options.first, "Number of the first one")->capture_default_str();
+  app.add_option("--jobs", options.jobs, "Scenes at a time")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--relation", options.only, "This relation alone; may be given again");
+  app.add_option("--failed", options.failed, "Folder for the shrunk scenes that fail")
+      ->capture_default_str();
+  app.add_option("--scene", options.scene, "Check this scene file instead");
+  app.add_flag("--print", options.print, "Print the scenes instead");
+  std::string names;
+  for (const Relation& relation : relations())
+    names += std::string("  ") + relation.name + ": " + relation.bound + "\n";
+  app.footer("Relations, with what bounds them:\n" + names +
+             "Exit code 4: a relation is violated.");
+  CLI11_PARSE(app, argc, argv);
+  if (!options.scene.empty()) return check_file(options);
+  if (options.print) {
+    for (int i = 0; i < options.n; ++i)
+      std::cout << random_scene(scene_seed(options.seed, options.first + i)) << "\n";
+    return 0;
+  }
+  return Run(options).run();
+}
+
+}  // namespace
+}  // namespace stillframe::random_scenes
+
+int main(int argc, char** argv) {
+  try {
+    return stillframe::random_scenes::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "random_scenes: " << error.what() << "\n";
+    return 2;
+  }
+}

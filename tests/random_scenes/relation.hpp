@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/random_scenes/case.hpp"
+
+namespace stillframe::random_scenes {
+
+/// What a relation found on one scene: its worst value beside the bound there.
+struct Finding {
+  double value = 0, bound = 1;
+  std::string what;  ///< which of the numbers it was
+
+  /// Part of the bound that is used up; NaN counts as infinitely much.
+  double share() const;
+  bool holds() const { return share() <= 1; }
+  /// Keeps the worse of the two.
+  void take(double other_value, double other_bound, const std::string& other_what);
+};
+
+/// Something that must hold on every scene of its domain.
+struct Relation {
+  const char* name;
+  const char* bound;  ///< what the bound is and why, in one line
+  /// Nothing where the scene is outside the domain; the reason stands in the code. seed: for what
+  /// is drawn at random besides the scene.
+  std::optional<Finding> (*check)(Case& scene, std::uint64_t seed);
+};
+
+const std::vector<Relation>& relations();
+
+}  // namespace stillframe::random_scenes

@@ -1,0 +1,14 @@
+#include "core/certificate.hpp"
+#include "tests/random_scenes/relation.hpp"
+
+namespace stillframe::random_scenes {
+
+std::optional<Finding> check_certificates(Case& scene, std::uint64_t) {
+  Finding finding;
+  for (const BlockCertificate& block : certify(scene.scene())) {
+    finding.take(block.difference, certified_difference, block.block);
+  }
+  return finding;
+}
+
+}  // namespace stillframe::random_scenes

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <limits>
+
+#include "tests/random_scenes/changed.hpp"
+
+// A choice of axes, of an order, of units is a choice of words: no answer may depend on it.
+namespace stillframe::random_scenes {
+
+namespace {
+
+/// Roundings of some ten operations with each number: both formulations sum over all elements.
+double few_eps(const Scene& scene) {
+  return 10 * static_cast<double>(scene.elements.size() + 1) *
+         std::numeric_limits<double>::epsilon();
+}
+
+Finding compare_with(Case& scene, const Scene& other, double eps, const Units& units = {}) {
+  const auto at = places(scene);
+  std::vector<std::complex<double>> at_other;
+  for (const auto s : at) at_other.push_back(s / units.time);
+  return compare(scene.scene(), own_answers(scene), answers(other, at_other), eps, units);
+}
+
+/// How far a scene reaches, and its shortest element.
+std::pair<double, double> reach(const Scene& scene) {
+  double far = 0, least = std::numeric_limits<double>::infinity();
+  const auto at = [&](const std::string& name) {
+    return std::find_if(scene.nodes.begin(), scene.nodes.end(),
+                        [&](const SceneNode& node) { return node.name == name; })
+        ->position;
+  };
+  for (const SceneNode& node : scene.nodes) far = std::max(far, node.position.norm());
+  for (const SceneElement& element : scene.elements) {
+    const double length = (at(element.node_p) - at(element.node_q)).norm();
+    if (length > 0) least = std::min(least, length);
+  }
+  return {far, least};
+}
+
+}  // namespace
+
+std::optional<Finding> check_placement(Case& scene, std::uint64_t seed) {
+  Draws draws(seed);
+  const bool planar = scene.scene().planar;
+  const Eigen::Matrix3d Q = draws.rotation(planar);
+  const auto [far, least] = reach(scene.scene());
+  const Eigen::Vector3d t = 3 * far * draws.point(planar);
+  // Positions carry eps of their distance from the origin into the lengths of elements.
+  const double eps = few_eps(scene.scene()) * (1 + (far + t.norm()) / least);
+  return compare_with(scene, moved(scene.scene(), Q, t), eps);
+}
+
+std::optional<Finding> check_renumbering(Case& scene, std::uint64_t seed) {
+  Draws draws(seed);
+  return compare_with(scene, renumbered(scene.scene(), draws), few_eps(scene.scene()));
+}
+
+std::optional<Finding> check_units(Case& scene, std::uint64_t seed) {
+  Draws draws(seed);
+  // From millimetres, grams and milliseconds to kilometres, kilotonnes and minutes.
+  const Units units{draws.scale(1e-3, 1e3), draws.scale(1e-3, 1e3), draws.scale(1e-2, 1e3)};
+  return compare_with(scene, in_units(scene.scene(), units), few_eps(scene.scene()), units);
+}
+
+}  // namespace stillframe::random_scenes

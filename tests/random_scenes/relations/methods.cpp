@@ -1,0 +1,78 @@
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <vector>
+
+#include "core/linear/sampled_loop.hpp"
+#include "tests/random_scenes/loop_run.hpp"
+#include "tests/random_scenes/relation.hpp"
+
+namespace stillframe::random_scenes {
+
+namespace {
+
+struct Method {
+  const char* name;
+  PlantMethod method;
+};
+
+/// The rms of the error over the run, over that of the signals, of accelerations or of forces,
+/// whichever is worse: what docs/scene.md says of relative_tolerance.
+double error_of(const Signals& run, const Signals& reference) {
+  const auto relative = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    return b.norm() > 0 ? (a - b).norm() / b.norm() : a.norm();
+  };
+  return std::max(relative(run.acceleration, reference.acceleration),
+                  relative(run.sigma, reference.sigma));
+}
+
+Scene by(Scene scene, PlantMethod method, double tolerance) {
+  scene.simulation.method = method;
+  scene.simulation.relative_tolerance = tolerance;
+  return scene;
+}
+
+/// Fastest rate of the linear plant, 1/s.
+double fastest(const tools::LoopDesign& design) {
+  const LoopPlant& plant = design.settings.plant;
+  const Index n = plant.A.rows() - plant.n_exogenous;
+  return plant.A.topLeftCorner(n, n).eigenvalues().cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
+  if (!scene.has_loop() || !scene.floor()) return std::nullopt;
+  const tools::LoopDesign& design = scene.design();
+  const Scene& own = scene.scene();
+  const double tolerance = own.simulation.relative_tolerance;
+  // An unstable loop magnifies any difference: its plant is looked at without control.
+  const bool active = design.radius < largest_stable_radius;
+  const auto run = [&](PlantMethod method, double relative) {
+    auto floor = floor::make_floor_source(*scene.floor());
+    const Index n = floor->n_samples();
+    return run_loop(by(own, method, relative), design, std::move(floor), n, active);
+  };
+  // The reference is of another formulation than what is judged by it, and a thousandth as wrong.
+  const Signals nodal = run(PlantMethod::nodal, 1e-3 * tolerance);
+  std::vector<Method> minimal = {{"auto", PlantMethod::automatic}};
+  const bool smooth = std::isinf(own.instruments.force_rate_limit) &&
+                      !(own.instruments.hysteresis && own.instruments.actuator_lag_hz > 0);
+  if (smooth) minimal.push_back({"exponential", PlantMethod::exponential});
+  // Explicit steps are bound by the fastest mode; where that takes hundreds of them in a sample
+  // nobody would choose them.
+  const bool mild = fastest(design) / own.controller->sample_rate_hz < 50;
+  if (mild) minimal.push_back({"dormand_prince", PlantMethod::dormand_prince});
+  Finding finding;
+  const double bound = 30 * tolerance;  // what docs/scene.md promises
+  for (const Method& method : minimal) {
+    finding.take(error_of(run(method.method, tolerance), nodal), bound, method.name);
+  }
+  if (smooth || mild) {
+    const Signals reference =
+        run(smooth ? PlantMethod::exponential : PlantMethod::dormand_prince, 1e-3 * tolerance);
+    finding.take(error_of(run(PlantMethod::nodal, tolerance), reference), bound, "nodal");
+  }
+  return finding;
+}
+
+}  // namespace stillframe::random_scenes

@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "core/linear/sampled_loop.hpp"
+#include "core/yaml/input_error.hpp"
+#include "report/export/log_export.hpp"
+#include "report/page/write_page.hpp"
+#include "tests/random_scenes/loop_run.hpp"
+#include "tests/random_scenes/relation.hpp"
+#include "tools/analysis/page_of.hpp"
+#include "tools/analysis/verdict_of.hpp"
+#include "tools/run/single_process.hpp"
+
+namespace stillframe::random_scenes {
+
+namespace {
+
+/// A folder that goes when this goes.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "random_scene.XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// How many words of a text are numbers that are none.
+int count_not_finite(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
+    return std::isalnum(c) ? static_cast<char>(std::tolower(c)) : ' ';
+  });
+  std::istringstream words(text);
+  int n = 0;
+  for (std::string word; words >> word;) n += word == "nan" || word == "inf" || word == "infinity";
+  return n;
+}
+
+/// Rows of numbers behind a header; a cell that is none is NaN.
+Eigen::MatrixXd read_csv(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  std::vector<std::vector<double>> rows;
+  while (std::getline(in, line)) {
+    std::vector<double> row;
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');)
+      row.push_back(std::strtod(cell.c_str(), nullptr));
+    rows.push_back(row);
+  }
+  Eigen::MatrixXd values(static_cast<Index>(rows.size()),
+                         rows.empty() ? 0 : static_cast<Index>(rows[0].size()));
+  for (Index i = 0; i < values.rows(); ++i) {
+    for (Index j = 0; j < values.cols(); ++j)
+      values(i, j) = rows[static_cast<size_t>(i)].at(static_cast<size_t>(j));
+  }
+  return values;
+}
+
+}  // namespace
+
+std::optional<Finding> check_report(Case& scene, std::uint64_t) {
+  if (!scene.has_loop() || !scene.floor()) return std::nullopt;
+  const tools::LoopDesign& design = scene.design();
+  const Folder folder;
+  std::optional<tools::RunDirectory> directory(folder.path() / "run");
+  const std::string floor_text =
+      YamlReader::from_text(scene.text(), "scene").require("floor").dump();
+  tools::RunAnalyses runs;
+  Finding finding;
+  std::vector<std::string> loops = {"passive"};
+  if (design.radius < largest_stable_radius) loops.push_back("active");
+  for (const std::string& loop : loops) {
+    tools::PhaseOptions options;
+    options.loop = loop;
+    options.mode = "single_process";
+    options.run_id = 1;
+    options.sample_rate_hz = design.gains.sample_rate_hz;
+    const auto result =
+        tools::run_in_process(design, *scene.floor(), floor_text, options, *directory);
+    if (result.exit_code != 0) throw std::runtime_error(result.reason);
+    const auto log = *directory / (loop + ".lcm");
+    runs.add(tools::analyse_run(log));
+    // The export has what the same run shows directly, to the bit.
+    const auto csv = *directory / (loop + ".csv");
+    report::export_csv(log, {.run_id = {}, .channels = {}, .progress = [](double) {}}, csv);
+    const Eigen::MatrixXd exported = read_csv(csv);
+    auto floor = floor::make_floor_source(*scene.floor());
+    const Index n = floor->n_samples() + 1;
+    const Signals direct = run_loop(scene.scene(), design, std::move(floor), n, loop == "active");
+    const Index m = direct.sigma.cols(), n_floor = static_cast<Index>(scene.scene().inputs.size()),
+                n_frame = direct.acceleration.cols();
+    // seq, time_s, floor, sigma, applied, frame, command.
+    if (exported.rows() != n || exported.cols() != 2 + n_floor + 3 * m + n_frame) {
+      finding.take(1, 0, "size of the export");
+      return finding;
+    }
+    const auto same = [&](Index column, const Eigen::MatrixXd& values, const char* what) {
+      finding.take(
+          (exported.middleCols(column, values.cols()) - values).cwiseAbs().maxCoeff() == 0 ? 0 : 1,
+          0.5, what);
+    };
+    same(2 + n_floor, direct.sigma, "exported sigma");
+    same(2 + n_floor + 2 * m, direct.acceleration, "exported acceleration");
+    same(2 + n_floor + 2 * m + n_frame, direct.force, "exported command");
+  }
+  const report::Verdict verdict = tools::verdict_of(runs);
+  finding.take(count_not_finite(report::to_json(verdict)), 0.5,
+               "numbers in the verdict's JSON that are none");
+  finding.take(count_not_finite(report::to_text(verdict)), 0.5,
+               "numbers in the verdict's text that are none");
+  page::write_page(tools::page_of(runs, verdict), folder.path() / "report.html");
+  return finding;
+}
+
+}  // namespace stillframe::random_scenes

@@ -1,0 +1,54 @@
+#include <cmath>
+
+#include "core/linear/sampled_loop.hpp"
+#include "tests/random_scenes/generator/draws.hpp"
+#include "tests/random_scenes/loop_run.hpp"
+#include "tests/random_scenes/relation.hpp"
+
+namespace stillframe::random_scenes {
+
+namespace {
+
+/// A knock of all inputs, each its own, after which the floor is where it was: two differences of a
+/// blow have neither velocity nor position left.
+Eigen::MatrixXd knock(Draws& draws, Index n_inputs, Index n_samples) {
+  Eigen::MatrixXd floor = Eigen::MatrixXd::Zero(n_inputs, n_samples);
+  for (Index i = 0; i < n_inputs; ++i) {
+    const double blow = draws.between(0.5, 1);
+    floor.row(i).head(3) << blow, -2 * blow, blow;
+  }
+  return floor;
+}
+
+/// Logarithm of the size, a quarter of the run.
+double level(const Eigen::MatrixXd& signals, Index quarter) {
+  const Index n = signals.rows() / 4;
+  return std::log(signals.middleRows(quarter * n, n).norm());
+}
+
+}  // namespace
+
+std::optional<Finding> check_stability(Case& scene, std::uint64_t seed) {
+  if (!scene.has_loop()) return std::nullopt;
+  const double rate = std::log(scene.design().radius);
+  // Within some thousand samples what grows has to leave all else behind, whatever small part of
+  // the knock it had; what decays has to change visibly.
+  const double change = rate > 0 ? 30 : 12, longest = 6000;
+  if (!(std::abs(rate) * longest >= change)) return std::nullopt;
+  const auto n = static_cast<Index>(std::max(100.0, std::min(longest, change / std::abs(rate))));
+  Draws draws(seed);
+  Scene linear = without_nonlinear_instruments(scene.scene());
+  linear.simulation.method = PlantMethod::linear;
+  const auto n_inputs = static_cast<Index>(linear.inputs.size());
+  const Signals run = run_loop(linear, scene.design(), knock(draws, n_inputs, n), true);
+  // From the third quarter to the last; what has grown by exp(200), or come down to the rounding of
+  // the floor, has said what it is.
+  const double grows = level(run.sigma, 3) - level(run.sigma, 2);
+  Finding finding;
+  finding.take(rate < 0 ? std::exp(grows) : std::exp(-grows), 1,
+               "radius " + std::to_string(scene.design().radius) + ", sigma changes by exp(" +
+                   std::to_string(grows) + ") in a quarter of the run");
+  return finding;
+}
+
+}  // namespace stillframe::random_scenes
