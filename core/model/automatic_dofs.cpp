@@ -1,10 +1,12 @@
 #include "core/model/automatic_dofs.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <set>
 
 #include "core/kinematics.hpp"
 #include "core/model/builder.hpp"
+#include "core/model/local.hpp"
 #include "core/model/memory.hpp"
 #include "core/model/partition.hpp"
 #include "core/yaml/input_error.hpp"
@@ -41,6 +43,25 @@ std::vector<SceneDof> as_dofs(const Model& model, const std::set<Index>& columns
   return dofs;
 }
 
+/// The columns and rows of D as the choice of dofs compares them: rotations by how far they move
+/// what is as far as the scene is large, each condition by its largest part, so that no choice
+/// depends on the units or the size of the scene.
+void scale(const Model& model, Eigen::MatrixXd& D) {
+  double size = 0;
+  for (const ModelNode& node : model.nodes) {
+    size = std::max(size, (node.position - model.nodes.front().position).norm());
+  }
+  std::set<Index> done;
+  for (const ModelNode& node : model.nodes) {
+    for_each_column({node.rotation}, D.cols(), [&](Index, Index column) {
+      if (size > 0 && done.insert(column).second) D.col(column) /= size;
+    });
+  }
+  for (auto row : D.rowwise()) {
+    if (!row.isZero(0)) row /= row.norm();
+  }
+}
+
 }  // namespace
 
 std::vector<SceneDof> automatic_dofs(const Scene& scene) {
@@ -56,7 +77,8 @@ std::vector<SceneDof> automatic_dofs(const Scene& scene) {
     require_memory(static_cast<double>(model.n_e) * static_cast<double>(model.n_x) +
                        2 * static_cast<double>(n_conditions) * static_cast<double>(n_free),
                    scene.dofs_place, std::to_string(n_free) + " coordinates of nodes");
-    const Eigen::MatrixXd D = dense_jacobian(model).topLeftCorner(n_conditions, n_free);
+    Eigen::MatrixXd D = dense_jacobian(model).topLeftCorner(n_conditions, n_free);
+    scale(model, D);
     const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(D);
     // As in check_partition: rounding leaves 1e-16, a scene written with six digits 1e-6.
     const auto pivots = qr.matrixQR().diagonal().cwiseAbs();

@@ -10,7 +10,8 @@
 #include "core/dynamics.hpp"
 #include "core/frequency_response.hpp"
 #include "core/modes.hpp"
-#include "tools/loop_design.hpp"
+#include "core/operating_point.hpp"
+#include "tools/scene_design.hpp"
 
 namespace stillframe::random_scenes {
 
@@ -23,7 +24,7 @@ using Complex = std::complex<double>;
 namespace {
 
 double condition(const MatrixXd& A) {
-  const auto values = Eigen::JacobiSVD<MatrixXd>(A).singularValues();
+  const auto values = Eigen::BDCSVD<MatrixXd>(A).singularValues();
   return values(0) / values(values.size() - 1);
 }
 
@@ -122,7 +123,7 @@ MatrixXd rounding_of(const LinearModel& l, const Levers& levers, Complex s, doub
     return L.cast<Complex>().triangularView<Eigen::Lower>().solve(A);
   };
   const MatrixXcd Z = solve_left(solve_left(parts.Z).transpose()).transpose();
-  const auto values = Eigen::JacobiSVD<MatrixXcd>(Z).singularValues();
+  const auto values = Eigen::BDCSVD<MatrixXcd>(Z).singularValues();
   const double smallest = values(values.size() - 1), kappa = values(0) / smallest;
   VectorXd y = solve_left(parts.Y.transpose()).colwise().norm(),
            b = solve_left(parts.B).colwise().norm();
@@ -151,8 +152,7 @@ std::vector<Complex> places(Case& scene) {
 
 Answers answers(const Scene& scene, const std::vector<Complex>& at) {
   const Model model = make_model(scene);
-  const LinearModel linear =
-      linearise(model, nominal_motion(scene, model), scene.inputs, scene.outputs);
+  const LinearModel linear = linearise(model, scene.inputs, scene.outputs);
   Answers out;
   const Modes found = modes(linear);
   const double mass_condition = scaled_condition(linear.M);

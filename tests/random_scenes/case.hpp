@@ -5,12 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "core/equilibrium.hpp"
-#include "core/linearisation.hpp"
+#include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor_motion.hpp"
-#include "tools/loop_design.hpp"
+#include "tools/scene_design.hpp"
 
 namespace stillframe::random_scenes {
 
@@ -32,15 +31,15 @@ class Case {
     return *model_;
   }
   const NominalMotion& operating_point() {
-    if (!nominal_) nominal_ = nominal_motion(scene_, model());
+    if (!nominal_) nominal_ = nominal_motion(model());
     return *nominal_;
   }
   /// With the scene's own inputs and outputs.
   const LinearModel& linear() {
-    if (!linear_) linear_ = linearise(model(), operating_point(), scene_.inputs, scene_.outputs);
+    if (!linear_) linear_ = linearise(model(), scene_.inputs, scene_.outputs);
     return *linear_;
   }
-  bool at_rest() { return !operating_point().moving; }
+  bool at_rest() { return !operating_point().moving(); }
   bool has_loop() const { return scene_.controller.has_value(); }
   /// How the floor moves, if the scene says so, for a run at the scene's rate.
   const std::optional<floor::FloorSpec>& floor() {

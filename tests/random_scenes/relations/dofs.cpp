@@ -69,7 +69,7 @@ std::optional<Finding> check_dofs(Case& scene, std::uint64_t seed) {
   Draws draws(seed);
   const Model& model = scene.model();
   Data data(model);
-  data.x = scene.operating_point().x;
+  scene.operating_point().place(data);
   geometric_transfer_functions(model, data);
   std::vector<Candidate> all = candidates(scene, data);
   // Rows of unit length in the metric of the mass, some preferred by chance, the rest by what the
