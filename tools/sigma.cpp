@@ -92,7 +92,8 @@ Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequenc
         return design.loop.closed({0.0, omega});
       })};
   for (Index i = 0; i < frequencies_hz.size(); ++i) {
-    if (frequencies_hz(i) <= design.gains.sample_rate_hz / 2) continue;
+    // Half the rate itself is one of them, but for the rounding of its logarithm.
+    if (frequencies_hz(i) <= (1 + 1e-9) * design.gains.sample_rate_hz / 2) continue;
     curves.closed.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return curves;
