@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/scene/scene_reader.hpp"
+#include "core/yaml/input_error.hpp"
 #include "report/table.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
@@ -58,6 +59,11 @@ void add_held(const Scene& scene, const SceneConstraint& constraint,
 Page solve(const Options& options) {
   Patience patience("reading the scene");
   Scene scene = read_scene(options.scene);
+  if (scene.operating_point == OperatingPoint::as_written) {
+    throw Refusal(
+        "the scene asks for a snapshot (operating_point: as_written), which is no equilibrium; take "
+        "that key out to look for one");
+  }
   Model model = make_model(scene);
   patience.now("equilibrium");
   Equilibrium equilibrium = solve_equilibrium(model);

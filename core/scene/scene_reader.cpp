@@ -69,6 +69,8 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   scene.hash = text_hash(text);
   scene.title = root.require("title").text();
   read_structure(root, scene);
+  // Whoever names the scene, on a page, in a table or in JSON, says what its figures are of.
+  if (scene.operating_point == OperatingPoint::as_written) scene.title += " (snapshot)";
   read_signals(root, scene);
   std::optional<Block> controller;
   if (controller_file) {

@@ -44,6 +44,12 @@ outputs:
 )";
 
 inline const std::vector<BadScene> bad_elements = {
+    // More than any machine holds.
+    {"divided_into_too_much",
+     "divide: 2",
+     "divide: 10000",
+     "- {deformations: mast}",
+     {"40008 degrees of freedom would take about 307 GB of memory, this machine has"}},
     // Beams.
     {"no_orientation",
      "orientation: x, ",

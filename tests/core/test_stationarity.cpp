@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/buckling.hpp"
 #include "core/frequency_response.hpp"
 #include "core/modes.hpp"
 #include "core/operating_point.hpp"
@@ -72,9 +73,11 @@ TEST(Stationarity, AnArmThatTurnsUnderGravityIsRefusedAndOneAboutThePlumbLineIsN
   EXPECT_NE(said(arm("[0.001, 0, 1]", "rate: 3")), "accepted");
   EXPECT_NE(said(arm("z", "rate: 3, acceleration: 2")), "accepted");
   EXPECT_NE(said(arm("z", "acceleration: 2")), "accepted");
-  // The same as a snapshot is asked for.
-  EXPECT_EQ(said(with(arm("y", "rate: 3"), "nodes:", "operating_point: as_written\nnodes:")),
-            "accepted");
+  // The same as a snapshot is asked for, and is called one wherever the scene is named.
+  const std::string snapshot =
+      with(arm("y", "rate: 3"), "nodes:", "operating_point: as_written\nnodes:");
+  EXPECT_EQ(said(snapshot), "accepted");
+  EXPECT_EQ(parse_scene(snapshot, "scene").title, "Arm (snapshot)");
 }
 
 /// A mass between a floor that moves and nothing else: spring and damper in series of two.
@@ -229,6 +232,47 @@ dofs: [{deformations: boom}]
   EXPECT_EQ(said(boom("z")), "accepted");
   const std::string text = said(boom("y"));
   EXPECT_NE(text.find("'slow' (rate 0.001), 'fast' (rate 50)"), std::string::npos) << text;
+}
+
+TEST(Equilibrium, OfAMechanismSaysWhatNothingResists) {
+  const std::string text = said(R"(title: Pendulum, written level
+gravity: [0, 0, -9.81]
+nodes: {pivot: {position: [0, 0, 0]}, bob: {position: [1, 0, 0]}}
+masses: [{node: bob, mass: 1}]
+elements: {rod: {type: truss, nodes: [pivot, bob], rigid: true}}
+supports: [{nodes: [pivot], fix: [x, y, z]}, {nodes: [bob], fix: [y]}]
+dofs: [{node: bob, along: z}]
+)");
+  EXPECT_NE(text.find("mechanism, nothing resists a motion of dof z(bob)"), std::string::npos)
+      << text;
+}
+
+/// A column on a motor that has turned it by an angle under the load carries the component along
+/// it.
+TEST(Buckling, CountsThePrescribedValuesAndRefusesRates) {
+  const auto column = [](const std::string& motion) {
+    return make_model(parse_scene(R"(title: Column on a motor
+planar: true
+nodes: {foot: {position: [0, 0]}, hub: {position: [0, 0]}, top: {position: [1, 0]}}
+masses: []
+elements:
+  motor: {type: hinge, nodes: [foot, hub]}
+  column: {type: beam, nodes: [hub, top], rigid: [1], EI: 1, divide: 4}
+supports: [{nodes: [foot], fix: [x, y, rotation]}]
+prescribed: [{element: motor, )" + motion +
+                                      R"(}]
+loads: [{node: top, force: [-1, 0]}]
+dofs: [{deformations: column}]
+)",
+                                  "scene"));
+  };
+  const double upright = buckling(column("value: 0")).load_multipliers(0);
+  for (const double angle : {0.5, -1.2, 7.0}) {
+    const double found = buckling(column("value: " + std::to_string(angle))).load_multipliers(0);
+    EXPECT_NEAR(found * std::cos(angle), upright, 1e-12 * found) << angle;
+  }
+  EXPECT_THROW(buckling(column("rate: 0.5")), Refusal);
+  EXPECT_THROW(buckling(column("acceleration: 0.5")), Refusal);
 }
 
 }  // namespace
