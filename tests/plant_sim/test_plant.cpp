@@ -89,7 +89,8 @@ struct BareFrame {
             frame.n_d,
             [this](double t, const Eigen::Ref<const Eigen::VectorXd>& at,
                    Eigen::Ref<Eigen::VectorXd> dy_dt) { return derivative(t, at, dy_dt); },
-            Scheme::dormand_prince, scene.simulation.relative_tolerance) {
+            Scheme::dormand_prince,
+            0.1 * scene.simulation.relative_tolerance) {  // the share that a run asks of its steps
     data.x = solve_equilibrium(model).motion.x;
   }
   bool derivative(double t, const Eigen::Ref<const Eigen::VectorXd>& at,

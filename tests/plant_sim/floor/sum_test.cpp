@@ -34,7 +34,8 @@ const std::string step = "step: {input: middle, height: 1e-4, rise_s: 0.05, at_s
 const std::string noise = "noise: {vc: C, axes: [x, z], duration_s: 1.5, high_pass_hz: 1}";
 
 TEST(SumFloor, IsTheSumOfItsParts) {
-  const auto sum = from("sum: [{" + sweep + "}, {" + step + "}, {" + noise + "}]");
+  // The noise first: those behind it would have streams of their own.
+  const auto sum = from("sum: [{" + noise + "}, {" + sweep + "}, {" + step + "}]");
   const auto a = from(sweep), b = from(step), c = from(noise);
   ASSERT_EQ(sum->meaning(), FloorChannels::rigid_and_inputs);
   ASSERT_EQ(sum->channels(), 9);
@@ -59,7 +60,8 @@ TEST(SumFloor, HasOnlyTheChannelsOfItsParts) {
 }
 
 TEST(SumFloor, SamplingAllocatesNothing) {
-  const auto sum = from("sum: [{" + sweep + "}, {" + step + "}, {" + noise + "}]");
+  // The noise first: those behind it would have streams of their own.
+  const auto sum = from("sum: [{" + noise + "}, {" + sweep + "}, {" + step + "}]");
   Eigen::VectorXd w(9);
   const auto before = test::allocation_count();
   for (std::int64_t k = 0; k < 2000; ++k) sum->sample(k, w);
