@@ -8,6 +8,7 @@
 #include "stillframe_msgs/run_info_t.hpp"
 #include "tests/tools/verb.hpp"
 #include "tools/analysis/page_tables_of.hpp"
+#include "tools/analysis/prediction_checks.hpp"
 #include "tools/exit_code.hpp"
 
 namespace stillframe::test {
@@ -217,6 +218,30 @@ TEST(VerdictAgreement, TextJsonBadgeAndExitCodeSayTheSame) {
     EXPECT_EQ(badge_of(page::head_html(data)), word);
     EXPECT_EQ(tools::exit_code_of(verdict.judgement.outcome) == 4, word == "failed");
   }
+}
+
+TEST(PredictionChecks, WhatTheSceneAsksForTakesThePlaceOfTheTolerance) {
+  report::Verdict verdict;
+  verdict.identification = report::IdentificationSummary{.n_frequencies = 50,
+                                                         .n_compared = 600,
+                                                         .allowed_db = 0.1,
+                                                         .beyond_db = 0.3,
+                                                         .n_reduction_frequencies = 9,
+                                                         .n_closed_below_open = 9};
+  const auto outcome = [&](std::optional<double> prediction_db) {
+    const auto checks = tools::prediction_checks({}, verdict, prediction_db);
+    EXPECT_EQ(checks.size(), 1u);
+    EXPECT_EQ(checks.front().by_scene, prediction_db.has_value());
+    return checks.front().outcome;
+  };
+  using report::Outcome;
+  EXPECT_EQ(outcome({}), Outcome::failed);
+  EXPECT_EQ(outcome(0.2), Outcome::failed);
+  EXPECT_EQ(outcome(0.5), Outcome::passed);
+  verdict.identification->beyond_db = std::nan("");
+  EXPECT_EQ(outcome(0.5), Outcome::failed);
+  verdict.identification->n_compared = 0;
+  EXPECT_EQ(outcome(0.5), Outcome::not_judged);
 }
 
 TEST(Headline, SaysWhereTheFrameIsWorseByClass) {

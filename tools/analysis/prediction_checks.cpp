@@ -13,7 +13,8 @@ using report::Subject;
 
 namespace {
 
-Check check_of(const report::IdentificationSummary& id) {
+Check check_of(report::IdentificationSummary id, std::optional<double> prediction_db) {
+  if (prediction_db) id.allowed_db = *prediction_db;
   const double largest = std::max(id.open_largest_db, id.closed_largest_db);
   const std::string below = cell("%d of %d", id.n_closed_below_open, id.n_reduction_frequencies);
   return {
@@ -31,7 +32,8 @@ Check check_of(const report::IdentificationSummary& id) {
                            "most %.3g dB beyond their bands (allowed: %.3g dB), and the closed "
                            "loop lies below the open one at ",
                            id.n_compared, largest, id.beyond_db, id.allowed_db) +
-                          below + " frequencies where it is to."};
+                          below + " frequencies where it is to.",
+      .by_scene = prediction_db.has_value()};
 }
 
 /// What a scene asks for by name, of one response.
@@ -61,7 +63,7 @@ Check check_of(const report::ResponseSummary& response, double allowed_db) {
 std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verdict& verdict,
                                      std::optional<double> prediction_db) {
   std::vector<Check> checks;
-  if (verdict.identification) checks.push_back(check_of(*verdict.identification));
+  if (verdict.identification) checks.push_back(check_of(*verdict.identification, prediction_db));
   if (prediction_db) {
     for (const report::ResponseSummary& response : verdict.responses) {
       checks.push_back(check_of(response, *prediction_db));
