@@ -86,10 +86,11 @@ TEST(TenHours, OfNoiseEndAtRestWhereTheyBegan) {
   // VC-C is 12.5 um/s in each band: 13 um rms of displacement in all, some ten times that never.
   EXPECT_GT(hours.largest, 5e-6);
   EXPECT_LT(hours.largest, 1e-4);
-  // n = 1.8e7 accelerations of some 5 mm/s^2 are rounded by 3e-19 m/s^2 each: T^2 n^1.5 / root 3 of
-  // that is 5e-14 m, and root n of T of it 3e-18 m/s.
-  EXPECT_NEAR(hours.position, 0.0, 2e-13);
-  EXPECT_NEAR(hours.velocity, 0.0, 1e-17);
+  // 5e5 accelerations of some 5 mm/s^2 are rounded by 3e-19 m/s^2 each, and the noise repeats after
+  // them, so that what they leave, root 5e5 of T of it, comes 36 times alike: 1.5e-17 m/s, which
+  // grows to half of it times 3.6e4 s of way, 2.8e-13 m. Four standard deviations of that.
+  EXPECT_NEAR(hours.position, 0.0, 1.1e-12);
+  EXPECT_NEAR(hours.velocity, 0.0, 6e-17);
   // Long double sums round by 5e-20 of 1e-4 m/s in velocity: root n of that over 3.6e4 s, 8e-16 m.
   EXPECT_LT(hours.deviation, 5e-15);
 }
