@@ -333,12 +333,12 @@ Model make_model(const Scene& scene) {
     return make_model(chosen);
   }
   if (scene.dofs.empty()) throw InputError(scene.dofs_place + ": dofs: at least one is needed");
+  // What a linear model with its modes takes: 620 MiB were measured for 1800 dofs
+  // (docs/accuracy.md). Before the model is built, which takes a while for so many.
+  const auto n_d = static_cast<double>(scene.dofs.size());
+  require_memory(24 * n_d * n_d, scene.dofs_place,
+                 std::to_string(scene.dofs.size()) + " degrees of freedom");
   Model model = ModelBuilder(scene).build();
-  // Transfer functions and conditions, and what a linear model with its modes takes: 620 MiB were
-  // measured for 1800 dofs (docs/accuracy.md).
-  const auto n_d = static_cast<double>(model.n_d);
-  require_memory(n_d * (24 * n_d + static_cast<double>(model.n_x + model.n_c)), scene.dofs_place,
-                 std::to_string(model.n_d) + " degrees of freedom");
   check_partition(model, scene.dofs_place);
   return model;
 }
