@@ -103,13 +103,13 @@ struct BareFrame {
     dy_dt << state.q_d_dot, q_ddot;
     return sound;
   }
+  /// As a run does it: errors are held against the larger acceleration of the part's two ends.
   void advance(std::int64_t k, double sample_time) {
+    const double before = q_ddot.lpNorm<Eigen::Infinity>();
     floor.take(k);
-    if (k == 0) {
-      ASSERT_TRUE(derivative(0, y, rate));
-    }
-    ASSERT_EQ(integrator.advance(y, sample_time, q_ddot.lpNorm<Eigen::Infinity>()),
-              Integrator::Status::ok);
+    ASSERT_TRUE(derivative(sample_time, y, rate));
+    const double acceleration = std::max(before, q_ddot.lpNorm<Eigen::Infinity>());
+    ASSERT_EQ(integrator.advance(y, sample_time, acceleration), Integrator::Status::ok);
     ASSERT_TRUE(derivative(sample_time, y, rate));
     floor.finish(sample_time);
   }
@@ -140,7 +140,8 @@ TEST(Plant, IdealInstrumentsAddNothing) {
       const Index row = model.deformation_row(scene.controller->legs[static_cast<size_t>(leg)]);
       ASSERT_NEAR(reading.sigma(leg), bare.data.sigma(row), 1e-12) << k;  // of about 1 N
     }
-    ASSERT_EQ(plant.evaluations(), bare.integrator.evaluations());
+    // The run counts the two looks as well that it takes at the acceleration of each part.
+    ASSERT_EQ(plant.evaluations(), bare.integrator.evaluations() + 2 * (k + 1));
   }
 }
 
