@@ -76,6 +76,8 @@ ExponentialMotion::ExponentialMotion(MinimalEquations equations, LinearEquations
       points_(std::move(points)),
       relative_tolerance_(relative_tolerance),
       A_sizes_(linear_.A.bottomRows(equations_.size() - equations_.n_d()).cwiseAbs()),
+      B_p_sizes_(linear_.B_p.bottomRows(A_sizes_.rows()).cwiseAbs()),
+      B_v_sizes_(linear_.B_v.bottomRows(A_sizes_.rows()).cwiseAbs()),
       start_(start_for(drive)),
       y_(equations_.start()),
       begin_(y_),
@@ -187,9 +189,14 @@ double ExponentialMotion::collocation_error(const Part& part) noexcept {
 }
 
 double ExponentialMotion::rounding_size(const Part& part) noexcept {
-  // g is what f and A y leave of each other, so that A y rounds in it.
+  // g is what f and A y + B u leave of each other, so that these round in it; the floor may have
+  // drifted far.
   change_ = y_.cwiseAbs();
   linear_rate_.noalias() = A_sizes_ * change_;
+  q_r_ = start_.q_r.cwiseAbs();
+  linear_rate_.noalias() += B_p_sizes_ * q_r_;
+  q_r_ = start_.q_r_dot.cwiseAbs();
+  linear_rate_.noalias() += B_v_sizes_ * q_r_;
   linear_rate_ *= 8 * std::numeric_limits<double>::epsilon();
   change_.noalias() = part.W_sizes * linear_rate_;
   return size_of(change_);

@@ -60,7 +60,8 @@ class ExponentialMotion final : public NonlinearMotion {
   FramePoints points_;
   double relative_tolerance_;
   std::vector<std::unique_ptr<Part>> parts_;
-  Eigen::MatrixXd A_sizes_;  ///< n_g x n, entries of A without their signs
+  /// n_g x n, n_g x n_r, n_g x n_r: entries of A, B_p and B_v without their signs.
+  Eigen::MatrixXd A_sizes_, B_p_sizes_, B_v_sizes_;
   LinearStep::Start start_;
   Eigen::VectorXd y_, begin_;  ///< at present, and where the present part began
   /// y at the end of a part, and as it was when the equations were evaluated there; between

@@ -57,6 +57,8 @@ std::string method_name(PlantMethod method) {
       return "fehlberg";
     case PlantMethod::nodal:
       return "nodal";
+    default:
+      break;
   }
   return "";
 }

@@ -136,24 +136,20 @@ std::vector<bool> large_parts(const Scene& scene, const Eigen::MatrixXd& floor,
 }
 
 TEST(AdaptiveMotion, ChoosesByAmplitudeBothWays) {
-  // The boom is shaken until it swings far, and looked at 100 times a second only, so that the
-  // exponential method halves most parts; then a strong damper in the rope brings it to rest.
-  Scene scene = with_method(scene_of("swinging_boom"), PlantMethod::automatic, 1e-8);
-  scene.controller->sample_rate_hz = 100;
+  // A frame with damped legs is shaken for 0.15 s by forces that move it by centimetres, which the
+  // exponential method would halve its parts for; a second later it is at rest.
+  Scene scene = with_method(frame_scene(), PlantMethod::automatic, 1e-6);
   for (SceneElement& element : scene.elements) {
-    if (element.name == "rope") element.damping *= 40;
-    if (element.name == "joint") element.damping *= 40;
+    if (element.kind == SceneElement::Kind::truss) element.damping(0, 0) = 5000;
   }
-  Eigen::MatrixXd floor = Eigen::MatrixXd::Zero(1, 2500);
-  for (Index k = 0; k < 500; ++k) {  // four whole periods: it leaves no velocity
-    floor(0, k) = 12 * std::sin(2 * M_PI * 0.8 * static_cast<double>(k) * 1e-2);
-  }
-  const Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(1, floor.cols());
+  const Eigen::MatrixXd floor = Eigen::MatrixXd::Zero(6, 1500);
+  Eigen::MatrixXd forces = floor;
+  forces.leftCols(150) = 3e4 * noise(6, 150, 3);
   const auto large = large_parts(scene, floor, forces);
-  EXPECT_GT(std::count(large.begin() + 100, large.begin() + 500, true), 200);
-  EXPECT_LT(std::count(large.end() - 500, large.end(), true), 50);
+  EXPECT_GT(std::count(large.begin(), large.begin() + 200, true), 100);
+  EXPECT_EQ(std::count(large.end() - 300, large.end(), true), 0);
   const auto reference = trajectory(with_method(scene, PlantMethod::nodal, 1e-12), forces, floor);
-  EXPECT_LT(error_in_tolerances(trajectory(scene, forces, floor), reference, 1, 1e-8), promised);
+  EXPECT_LT(error_in_tolerances(trajectory(scene, forces, floor), reference, 6, 1e-6), promised);
   // In the small motion of a frame nothing else is tried.
   const auto small = large_parts(with_method(frame_scene(), PlantMethod::automatic, 1e-5),
                                  1e-2 * noise(6, 300, 4), noise(6, 300, 5));
@@ -168,7 +164,7 @@ TEST(AdaptiveMotion, CarriesFiltersAndTurnsFromOneMethodToTheOther) {
   scene.instruments.sensor_filter_hz = 2;
   Eigen::MatrixXd floor = Eigen::MatrixXd::Zero(1, 200);
   for (Index k = 0; k < 100; ++k) {
-    floor(0, k) = 12 * std::sin(2 * M_PI * 0.8 * static_cast<double>(k) * 0.05);
+    floor(0, k) = 2 * std::sin(2 * M_PI * 0.8 * static_cast<double>(k) * 0.05);
   }
   const Eigen::MatrixXd forces = noise(1, floor.cols(), 3);
   const auto reference = trajectory(with_method(scene, PlantMethod::nodal, 1e-12), forces, floor);
@@ -396,7 +392,7 @@ TEST(PlantStiffness, CostsNothingWhereItIsLinear) {
   // what they ring with at 0.4 MHz is gone within a sample, as it is in anything real. Evaluations
   // of the equations, not time, so that it is the same on every machine.
   const auto evaluations = [](double ratio) {
-    Scene scene = with_method(frame_scene(), PlantMethod::exponential, 1e-6);
+    Scene scene = with_method(frame_scene(), PlantMethod::exponential, 1e-5);
     for (SceneElement& element : scene.elements) {
       if (!element.name.ends_with("v")) continue;
       element.stiffness *= ratio;
