@@ -219,10 +219,10 @@ TEST(InstrumentsTolerance, IsWhatRemains) {
 }
 
 TEST(InstrumentsCost, NothingWhereNothingIsNamed) {
-  // A lag and a filter of a few hundred hertz cost a twelfth of the steps at most; a sample in two
-  // parts costs two steps instead of one.
+  // Where one step goes over a sample, a lag and a filter of a few hundred hertz cost a twelfth of the
+  // steps at most; a sample in two parts costs two steps instead of one.
   const auto evaluations = [](const Instruments& instruments, double fraction) {
-    Scene scene = scene_of(instruments, 1e-5);
+    Scene scene = scene_of(instruments, 1e-2);
     scene.simulation.method = PlantMethod::dormand_prince;
     Plant plant(scene, test::table(amplitude * test::noise(6, n_samples, 4)));
     const Eigen::VectorXd u = force_size * test::noise(6, 1, 5);
@@ -230,7 +230,7 @@ TEST(InstrumentsCost, NothingWhereNothingIsNamed) {
     return plant.evaluations();
   };
   const long ideal = evaluations({}, 0);
-  EXPECT_EQ(ideal, 8 * n_samples);
+  EXPECT_EQ(ideal, 10 * n_samples);
   std::cout << "evaluations " << ideal << ", gain and age "
             << evaluations({.actuator_gain = 1.5, .report_age_samples = 2}, 0) << ", lag "
             << evaluations({.actuator_lag_hz = 300}, 0) << ", filter "

@@ -221,42 +221,33 @@ void add_turning_table(Draft& draft) {
   draft.prescribed.push_back(
       "{element: axle, rate: " + Draft::number(omega_of(draft, draws.between(0.02, 0.3))) + "}");
   draft.frame.turns = true;
-  if (draws.chance(0.8)) {
-    const double omega = omega_of(draft, 1), mass = draft.frame.mass;
-    const Vector3d at = size * draws.point(draft.planar);
-    draft.node("rider", at);
-    add_mass(draft, "rider", mass, 0);
-    draft.points.push_back("rider");
-    for (int i = 0; i < (draft.planar ? 2 : 3); ++i) {
-      const std::string name = "spring_" + std::to_string(i + 1);
-      const Vector3d end =
-          at - size * draws.between(0.5, 1) * (Vector3d::Unit(i) + 0.3 * draws.point(draft.planar));
-      const std::string mount = draft.mount(draft.frame, "post_" + std::to_string(i + 1), end);
-      const double stiffness = mass * omega * omega * draws.between(0.8, 2);
-      draft.elements.push_back(
-          name + ": {type: truss, nodes: [" + mount +
-          ", rider], stiffness: " + Draft::number(stiffness) +
-          (draft.damping_ratio > 0
-               ? ", damping: " + Draft::number(2 * draft.damping_ratio * stiffness / omega)
-               : "") +
-          "}");
-      draft.dofs.push_back("{element: " + name + "}");
-    }
+  const double omega = omega_of(draft, 1), mass = draft.frame.mass;
+  const Vector3d at = size * draws.point(draft.planar);
+  draft.node("rider", at);
+  add_mass(draft, "rider", mass, 0);
+  draft.points.push_back("rider");
+  for (int i = 0; i < (draft.planar ? 2 : 3); ++i) {
+    const std::string name = "spring_" + std::to_string(i + 1);
+    const Vector3d end =
+        at - size * draws.between(0.5, 1) * (Vector3d::Unit(i) + 0.3 * draws.point(draft.planar));
+    const std::string mount = draft.mount(draft.frame, "post_" + std::to_string(i + 1), end);
+    const double stiffness = mass * omega * omega * draws.between(0.8, 2);
+    draft.elements.push_back(
+        name + ": {type: truss, nodes: [" + mount +
+        ", rider], stiffness: " + Draft::number(stiffness) +
+        (draft.damping_ratio > 0
+             ? ", damping: " + Draft::number(2 * draft.damping_ratio * stiffness / omega)
+             : "") +
+        "}");
+    draft.dofs.push_back("{element: " + name + "}");
   }
-  if (draft.dofs.empty() || draws.chance(0.4)) {
+  if (draws.chance(0.4)) {
     const Vector3d p = size * draws.point(draft.planar);
     const std::string root = draft.mount(draft.frame, "blade_root", p);
     add_beam(draft, "blade", root, root == "table" ? Vector3d(Vector3d::Zero()) : p,
              size * draws.between(0.5, 1.5), draft.frame.mass * draws.scale(0.05, 1),
              omega_of(draft, draws.between(1.2, 4)));
   }
-  // The table goes as it is prescribed, whatever is asked of it.
-  std::erase_if(draft.points, [](const std::string& name) {
-    return name.starts_with("post") || name.ends_with("root");
-  });
-  std::erase_if(draft.turning, [](const std::string& name) {
-    return name.starts_with("post") || name.ends_with("root");
-  });
   draft.has_rotor = true;
 }
 

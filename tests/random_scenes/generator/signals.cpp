@@ -42,6 +42,16 @@ std::string along(Draft& draft) {
   return ", along: " + draft.vector(draft.draws.direction(draft.planar)) + "}";
 }
 
+/// Signals that go round with the table: along axes fixed in space nothing of it is stationary.
+void add_table_signals(Draft& draft) {
+  draft.inputs.push_back("{name: drive, stress: spring_1}");
+  draft.inputs.push_back("{name: spin_up, deformation_acceleration: axle}");
+  draft.outputs.push_back("{name: force, stress: spring_1}");
+  draft.outputs.push_back("{name: longer, deformation: spring_2}");
+  draft.outputs.push_back("{name: longer_fast, deformation_rate: spring_2}");
+  draft.outputs.push_back("{name: axle_torque, stress: axle}");
+}
+
 /// One of each kind that a linear model may be asked for.
 void add_all_kinds(Draft& draft) {
   Draws& draws = draft.draws;
@@ -59,18 +69,13 @@ void add_all_kinds(Draft& draft) {
   draft.outputs.push_back("{name: moves, position: " + node() + along(draft));
   draft.outputs.push_back("{name: moves_fast, velocity: " + node() + along(draft));
   draft.outputs.push_back("{name: moves_faster, acceleration: " + node() + along(draft));
-  if (!draft.legs.empty()) {
-    const Strut& leg = draws.one_of(draft.legs);
-    draft.inputs.push_back("{name: drive, stress: " + leg.name + "}");
-    const char* kind = draws.one_of<const char*>({"position", "velocity", "acceleration"});
-    draft.inputs.push_back("{name: shake, " + std::string(kind) + ": " + leg.floor + along(draft));
-    draft.outputs.push_back("{name: force, stress: " + leg.name + "}");
-    draft.outputs.push_back("{name: longer, deformation: " + leg.name + "}");
-    draft.outputs.push_back("{name: footing, reaction: " + leg.floor + along(draft));
-  } else {
-    draft.inputs.push_back("{name: spin_up, deformation_acceleration: axle}");
-    draft.outputs.push_back("{name: axle_torque, stress: axle}");
-  }
+  const Strut& leg = draws.one_of(draft.legs);
+  draft.inputs.push_back("{name: drive, stress: " + leg.name + "}");
+  const char* kind = draws.one_of<const char*>({"position", "velocity", "acceleration"});
+  draft.inputs.push_back("{name: shake, " + std::string(kind) + ": " + leg.floor + along(draft));
+  draft.outputs.push_back("{name: force, stress: " + leg.name + "}");
+  draft.outputs.push_back("{name: longer, deformation: " + leg.name + "}");
+  draft.outputs.push_back("{name: footing, reaction: " + leg.floor + along(draft));
 }
 
 }  // namespace
@@ -82,7 +87,9 @@ void add_signals(Draft& draft) {
     draft.prescribed.push_back("{nodes: [" + names +
                                "], move: " + (draft.planar ? "[x, y]}" : "[x, y, z]}"));
   }
-  if (!draft.legs.empty() && draft.draws.chance(0.8)) {
+  if (draft.legs.empty()) {
+    add_table_signals(draft);
+  } else if (draft.draws.chance(0.8)) {
     add_loop_signals(draft);
   } else {
     add_all_kinds(draft);

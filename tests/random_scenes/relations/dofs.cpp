@@ -1,4 +1,5 @@
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <limits>
 #include <set>
@@ -68,10 +69,12 @@ std::vector<Candidate> candidates(Case& scene, const Data& data) {
 std::optional<Finding> check_dofs(Case& scene, std::uint64_t seed) {
   Draws draws(seed);
   const Model& model = scene.model();
-  Data data(model);
+  Data data(model), as_written(model);
   scene.operating_point().place(data);
   geometric_transfer_functions(model, data);
-  std::vector<Candidate> all = candidates(scene, data);
+  geometric_transfer_functions(model, as_written);
+  const std::vector<Candidate> all = candidates(scene, data),
+                               before = candidates(scene, as_written);
   // Rows of unit length in the metric of the mass, some preferred by chance, the rest by what the
   // others leave open.
   const MatrixXd L = Eigen::LLT<MatrixXd>(scene.linear().M).matrixL();
@@ -88,11 +91,19 @@ std::optional<Finding> check_dofs(Case& scene, std::uint64_t seed) {
   Scene other = scene.scene();
   other.dofs.clear();
   other.automatic_dofs = false;
+  MatrixXd there(model.n_d, model.n_d), here = there;
   for (Index i = 0; i < model.n_d; ++i) {
-    SceneDof dof = all[static_cast<size_t>(qr.colsPermutation().indices()(i))].dof;
+    const auto chosen = static_cast<size_t>(qr.colsPermutation().indices()(i));
+    here.row(i) = all[chosen].row;
+    there.row(i) = before[chosen].row;
+    SceneDof dof = all[chosen].dof;
     dof.place = "other dofs";
     other.dofs.push_back(dof);
   }
+  // Coordinates that have changed by half on the way from the scene as written to the operating
+  // point may determine nothing somewhere between, and then lead nowhere.
+  const MatrixXd change = there * here.partialPivLu().inverse();
+  if (!((change - MatrixXd::Identity(model.n_d, model.n_d)).norm() <= 0.5)) return std::nullopt;
   const auto at = places(scene);
   const double eps = 10 * static_cast<double>(all.size()) * std::numeric_limits<double>::epsilon();
   return compare(scene.scene(), own_answers(scene), answers(other, at), eps);
