@@ -8,6 +8,7 @@
 #include "core/dynamics.hpp"
 #include "core/extrapolation.hpp"
 #include "core/linearisation/signal_rows.hpp"
+#include "core/node_moves.hpp"
 #include "core/operating_point.hpp"
 #include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
@@ -91,19 +92,22 @@ class Certifier {
           model_, base_,
           model_.prescribed_pattern(scene_.inputs[static_cast<size_t>(j - model_.n_d)]));
     }
-    double size = 0, largest = 0;
-    for (const ModelNode& a : model_.nodes) {
-      size = std::max(size, (a.position - model_.nodes.front().position).norm());
-    }
-    for (const ModelNode& node : model_.nodes) {
-      for (const PartMap* map : {&node.translation, &node.rotation}) {
-        for_each_column({*map}, model_.n_x, [&](Index, Index column) {
-          largest = std::max(
-              largest, std::abs(x(column)) / (map == &node.rotation || size == 0 ? 1.0 : size));
-        });
+    const double largest = largest_move(model_, x);
+    return largest > 0 ? 0.02 / largest : 0.02;
+  }
+
+  /// By extrapolation, from steps that are small enough for their positions to be reached: near a
+  /// singular one those that are usual elsewhere are not.
+  Extrapolated derivative(const std::function<VectorXd(double)>& values, double step) {
+    for (int k = 0;; ++k) {
+      try {
+        return extrapolated_derivative(values, step);
+      } catch (const Refusal&) {
+        if (k == 6) throw;
+        step /= 4;
+        data_ = base_;  // the factors are those of where it ended
       }
     }
-    return largest > 0 ? 0.02 / largest : 0.02;
   }
 
   /// DF_e^T sigma with the transfer functions of the operating point.
@@ -165,11 +169,11 @@ class Certifier {
                   {'N', Order::position, 1, linear_.N, linear_.N_r},
                   {'G', Order::position, 1, linear_.G, linear_.G_r}};
     for (const auto& block : blocks) {
-      double difference = 0, size = 0, scale = 0;
+      double difference = 0, known_to = 0, size = 0, scale = 0;
       for (Index j = 0; j < n_columns(); ++j) {
         column_done();
         if (!is_motion_column(j)) continue;
-        const VectorXd expected = extrapolated_derivative(
+        const auto [expected, rounding] = derivative(
             [&](double t) {
               const auto [state, q_ddot] = changed(j, block.order, t);
               evaluate(state, q_ddot);
@@ -179,17 +183,21 @@ class Certifier {
         const VectorXd found =
             j < model_.n_d ? block.dofs.col(j) : block.motions.col(j - model_.n_d);
         difference = worst_of(difference, worst_of(found - expected));
+        known_to = worst_of(known_to, worst_of(rounding));
         size = worst_of(size, worst_of(found));
         scale = worst_of(scale, worst_of(expected));
       }
-      add(std::string(1, block.name), difference, worst_of(size, scale),
+      add(std::string(1, block.name), difference, known_to, worst_of(size, scale),
           rounding_floor(block.order));
     }
   }
 
   /// floor: a block below it is zero to rounding of its neighbours.
-  void add(const std::string& name, double difference, double size, double floor) {
-    result_.push_back({name, difference == 0 ? 0 : difference / worst_of(size, floor), size});
+  void add(const std::string& name, double difference, double known_to, double size,
+           double floor) {
+    const double scale = worst_of(size, floor);
+    const auto relative = [scale](double error) { return error == 0 ? 0 : error / scale; };
+    result_.push_back({name, relative(difference), relative(known_to), size});
   }
   /// 1e-12 of the largest block of the same unit.
   double rounding_floor(Order order) const {
@@ -266,7 +274,7 @@ class Certifier {
     // Columns of A and C_y, then of B and D_y.
     answers_to_states_.setZero(n_y);
     for (const bool states : {true, false}) {
-      MatrixXd found(model_.n_d + n_y, 0), expected = found;
+      MatrixXd found(model_.n_d + n_y, 0), expected = found, rounding = found;
       const Index first = states ? 0 : model_.n_d, last = states ? model_.n_d : n_columns();
       for (Index j = first; j < last; ++j) {
         column_done();
@@ -278,9 +286,12 @@ class Certifier {
           const double h = is_motion_column(j) ? factor * step(j) : 1.0;
           found.conservativeResize(Eigen::NoChange, found.cols() + 1);
           expected.conservativeResize(Eigen::NoChange, expected.cols() + 1);
+          rounding.conservativeResize(Eigen::NoChange, rounding.cols() + 1);
           found.rightCols<1>() = predicted(j, order);
-          expected.rightCols<1>() =
-              extrapolated_derivative([&](double t) { return answer(j, order, t); }, h);
+          const Extrapolated differences =
+              derivative([&](double t) { return answer(j, order, t); }, h);
+          expected.rightCols<1>() = differences.value;
+          rounding.rightCols<1>() = differences.known_to;
         }
       }
       if (found.cols() == 0) continue;
@@ -290,8 +301,10 @@ class Certifier {
       terms << (y - from_q_ddot).cwiseAbs() + linear_.Y_a.cwiseAbs() * q_ddot.cwiseAbs(),
           answers_to_states_.replicate(1, y.cols());
       if (states) answers_to_states_ = terms.rowwise().maxCoeff();
-      judge(states ? "A" : "B", q_ddot, expected.topRows(model_.n_d), q_ddot.cwiseAbs(), false);
-      judge(states ? "C_y" : "D_y", y, expected.bottomRows(n_y), terms, true);
+      judge(states ? "A" : "B", q_ddot, expected.topRows(model_.n_d),
+            rounding.topRows(model_.n_d), q_ddot.cwiseAbs(), false);
+      judge(states ? "C_y" : "D_y", y, expected.bottomRows(n_y), rounding.bottomRows(n_y), terms,
+            true);
     }
   }
 
@@ -299,19 +312,20 @@ class Certifier {
   /// An output that answers less than 1e-6 of them, or 1e-12 of the largest output, is zero to
   /// rounding.
   void judge(const std::string& name, const MatrixXd& found, const MatrixXd& expected,
-             const MatrixXd& terms, bool by_row) {
+             const MatrixXd& rounding, const MatrixXd& terms, bool by_row) {
     if (found.size() == 0) return;
     const double size = worst_of(found);
-    double difference = 0;
+    double difference = 0, known_to = 0;
     for (Index i = 0; i < found.rows(); ++i) {
       const double row = worst_of(
           {worst_of(expected.row(i)), 1e-6 * worst_of(terms.row(i)), 1e-12 * worst_of(terms)});
       const double scale = by_row ? row : size;
       if (scale != 0) {
         difference = worst_of(difference, worst_of((found - expected).row(i)) / scale);
+        known_to = worst_of(known_to, worst_of(rounding.row(i)) / scale);
       }
     }
-    result_.push_back({name, difference, size});
+    result_.push_back({name, difference, known_to, size});
   }
 
   /// One of the columns of the six blocks, or of the whole equations, is done.

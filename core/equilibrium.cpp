@@ -1,15 +1,14 @@
 #include "core/equilibrium.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "core/dynamics.hpp"
-#include "core/newton_solver.hpp"
 #include "core/stationarity.hpp"
-#include "core/turn.hpp"
+#include "core/node_moves.hpp"
 #include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -18,29 +17,69 @@ namespace stillframe {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-double largest_balanced_force(const Model& model, Data& data, const NominalMotion& motion) {
+namespace {
+
+/// Rounding leaves some eps of a stiffness of nothing, on a unit diagonal; a soft spring beside a
+/// stiff one is 1 there.
+constexpr double unresisted = 1e-12;
+
+VectorXd stresses_on_dofs(const Model& model, const Data& data) {
   VectorXd stresses = data.DF_e.transpose() * data.sigma.tail(model.n_redundant);
   for (Index i = 0; i < model.n_d; ++i) {
     const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
     if (dof.is_deformation) stresses(i) += data.sigma(dof.index);
   }
-  const VectorXd loads = data.DF.transpose() * data.f;
-  const double at_rest = worst_of(worst_of(stresses), worst_of(loads));
+  return stresses;
+}
+
+double largest_balanced_force(const Model& model, Data& data, const NominalMotion& motion) {
+  const double at_rest = worst_of(worst_of(stresses_on_dofs(model, data)),
+                                  worst_of(data.DF.transpose() * data.f));
   if (!motion.moving()) return at_rest;
   complete_accelerations(data, motion.q_d_ddot);
   const double inertia = worst_of(inertia_forces(model, data).head(model.n_x));
   return worst_of(at_rest, inertia * worst_of(data.DF));
 }
 
-double force_of_rounding(const Data& data, const MatrixXd& stiffness) {
-  // Positions are known to some epsilon of the displacement, which an ill-conditioned J makes more.
-  const double rounding = 1e-12 * worst_of(data.x);
+}  // namespace
+
+double largest_work(const Model& model, const Data& data, const VectorXd& forces) {
   double largest = 0;
-  for (Index i = 0; i < stiffness.rows(); ++i) {
-    const double move = worst_of(data.DF.col(i));
-    if (move > 0) largest = worst_of(largest, std::abs(stiffness(i, i)) * rounding / move);
+  for (Index i = 0; i < model.n_d; ++i) {
+    const double move = largest_move(model, data.DF.col(i));
+    if (move > 0) largest = worst_of(largest, std::abs(forces(i)) / move);
   }
   return largest;
+}
+
+double largest_balanced_work(const Model& model, Data& data, const NominalMotion& motion) {
+  const double at_rest =
+      worst_of(largest_work(model, data, stresses_on_dofs(model, data)),
+               largest_work(model, data, data.DF.transpose() * data.f));
+  if (!motion.moving()) return at_rest;
+  complete_accelerations(data, motion.q_d_ddot);
+  return worst_of(at_rest, largest_nodal_work(model, inertia_forces(model, data).head(model.n_x)));
+}
+
+double work_of_rounding(const Model& model, const Data& data, const MatrixXd& stiffness) {
+  // Positions are known to some epsilon of the displacement, which an ill-conditioned J makes more.
+  const double rounding = 1e-12 * largest_move(model, data.x);
+  double largest = 0;
+  for (Index i = 0; i < stiffness.rows(); ++i) {
+    const double move = largest_move(model, data.DF.col(i));
+    if (move > 0) largest = worst_of(largest, std::abs(stiffness(i, i)) * rounding / (move * move));
+  }
+  return largest;
+}
+
+VectorXd motion_against(const MatrixXd& stiffness, const VectorXd& force) {
+  // On a unit diagonal metres and radians compare.
+  const VectorXd scale = stiffness.diagonal().unaryExpr(
+      [](double k) { return k != 0 ? 1 / std::sqrt(std::abs(k)) : 1.0; });
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors;
+  factors.setThreshold(unresisted);
+  factors.compute(scale.asDiagonal() * stiffness * scale.asDiagonal());
+  return scale.cwiseProduct(factors.solve(scale.cwiseProduct(force)));
 }
 
 bool out_of_balance(const Model& model, Data& data, const NominalMotion& motion, VectorXd& f) {
@@ -84,30 +123,30 @@ class Balance {
     next.state.q_r_dot = factor_ * rates_ * model_.q_r_dot_0;
     next.state.q_r_ddot = factor_ * rates_ * model_.q_r_ddot_0;
     next.q_d_ddot = along_.acceleration;
-    // A trial some turns away has left all that Newton's method knows, and the way there is long.
-    if (largest_turn(model_, data_.DF * (q - motion_.state.q_d)) > most_turn) return false;
     if (!travel(model_, data_, motion_.state, next.state)) return false;
     next.x = data_.x;
     next.e = data_.e;
     motion_ = std::move(next);
     return out_of_balance(model_, data_, motion_, f);
   }
-  /// d f / d q = -(K + N + G).
-  MatrixXd jacobian(const VectorXd& q) {
-    VectorXd f;
-    if (!forces(q, f)) throw Refusal("a position that was reached before cannot be reached");
-    return -lineariser_.about(motion_, data_.load_factor).stiffness();
+  /// K + N + G = -d f / d q where forces() was last asked for.
+  const LinearModel& linear() { return lineariser_.about(motion_, data_.load_factor); }
+  /// How far the nodes go in a step of the dofs.
+  double length(const VectorXd& step) const { return largest_move(model_, data_.DF * step); }
+  /// Nothing but rounding is out of balance.
+  bool holds(const VectorXd& f) {
+    const double work = largest_work(model_, data_, f);
+    return work <= 1e-7 * largest_balanced_work(model_, data_, motion_) ||
+           work <= work_of_rounding(model_, data_, linear().stiffness());
   }
-  /// Where forces() was last asked for.
   const NominalMotion& motion() const { return motion_; }
-  double reference() { return largest_balanced_force(model_, data_, motion_); }
-  double rounding() {
-    const LinearModel& linear = lineariser_.about(motion_, data_.load_factor);
-    return force_of_rounding(data_, linear.stiffness());
+  void return_to(const NominalMotion& motion) {
+    motion_ = motion;
+    motion_.place(data_);
   }
+  double reference() { return largest_balanced_force(model_, data_, motion_); }
 
  private:
-  static constexpr double most_turn = 30;  ///< rad
   const Model& model_;
   Data data_;
   Lineariser lineariser_;
@@ -117,38 +156,40 @@ class Balance {
   double factor_ = 1;
 };
 
-/// One load factor: KINSOL, then plain Newton steps while they still reduce the residual.
+/// Newton's method at one load factor, from the balance's position. Each step may be a quarter of
+/// the one before it at most, from the first pair on: then (Newton and Kantorovich) the start is so
+/// near that it leads to one equilibrium, which is the one that growing loads lead to. Lengths are
+/// those of the nodes, so that units and the choice of dofs do not matter.
+bool contracts(Balance& balance, VectorXd& q, int& iterations) {
+  constexpr double most = 0.25;
+  constexpr double farthest = 0.5;  // rad, or of the scene's size: more is a guess
+  constexpr double rounding = 1e-7;  // as far as rounding may leave an ill-conditioned balance
+  VectorXd f(q.size());
+  if (!balance.forces(q, f)) return false;
+  double last = farthest / most;
+  for (;;) {
+    const VectorXd step = motion_against(balance.linear().stiffness(), f);
+    const double length = balance.length(step);
+    if (!(length <= most * last)) return last <= rounding && balance.holds(f);
+    q += step;
+    ++iterations;
+    if (!balance.forces(q, f)) return false;
+    if (length == 0) return balance.holds(f);
+    last = length;
+  }
+}
+
+/// One load factor; the balance stays where it was if there is no equilibrium near.
 bool balance_at(Balance& balance, double factor, VectorXd& q, int& iterations) {
+  const NominalMotion start = balance.motion();
   balance.set_factor(factor);
   VectorXd trial = q;
-  const auto forces = [&](const VectorXd& at, VectorXd& f) { return balance.forces(at, f); };
-  const auto jacobian = [&](const VectorXd& at) { return balance.jacobian(at); };
-  VectorXd f(q.size());
-  if (!balance.forces(trial, f)) return false;
-  const double scale = worst_of(balance.reference(), worst_of(f));
-  if (!(worst_of(f) <= 1e-10 * scale) && !(worst_of(f) <= balance.rounding())) {
-    if (!solve_nonlinear(forces, jacobian, scale, trial, iterations)) return false;
-    if (!balance.forces(trial, f)) return false;
+  if (contracts(balance, trial, iterations)) {
+    q = trial;
+    return true;
   }
-  double residual = worst_of(f);
-  for (int k = 0; k < 10 && residual > 0; ++k) {
-    const VectorXd next = trial - balance.jacobian(trial).partialPivLu().solve(f);
-    VectorXd f_next(q.size());
-    if (!next.allFinite() || !balance.forces(next, f_next)) break;
-    const double left = worst_of(f_next);
-    if (!(left < residual)) break;
-    trial = next;
-    f = f_next;
-    residual = left;
-    ++iterations;
-  }
-  // Rounding of stiff elements leaves 1e-10 of the largest force at worst; more is no equilibrium.
-  if (!(residual <= 1e-7 * worst_of(balance.reference(), scale)) &&
-      !(residual <= balance.rounding())) {
-    return false;
-  }
-  q = trial;
-  return true;
+  balance.return_to(start);
+  return false;
 }
 
 /// The dof with the largest part in a motion that nothing resists at a position, K scaled to a unit
@@ -159,8 +200,7 @@ std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
   const MatrixXd K = scale.asDiagonal() * jacobian * scale.asDiagonal();
   if (!K.allFinite()) return "";
   const Eigen::BDCSVD<MatrixXd> svd(K, Eigen::ComputeFullV);
-  // Rounding leaves some eps; a soft spring beside a stiff one is 1 on the scaled diagonal.
-  if (svd.singularValues()(model.n_d - 1) > 1e-12) return "";
+  if (svd.singularValues()(model.n_d - 1) > unresisted) return "";
   Index largest = 0;
   svd.matrixV().col(model.n_d - 1).cwiseAbs().maxCoeff(&largest);
   return model.dofs[static_cast<size_t>(largest)].name;
@@ -175,7 +215,7 @@ std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
                   "or nothing resists");
   }
   const std::string dof =
-      unresisted_dof(model, Balance(model, 0, 0).jacobian(VectorXd::Zero(model.n_d)));
+      unresisted_dof(model, -Balance(model, 0, 0).linear().stiffness());
   if (dof.empty()) {
     throw Refusal(
         "no equilibrium found: not even a small part of the loads can be balanced, from the scene "

@@ -1,23 +1,33 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace stillframe {
+
+/// A derivative, and how well each entry of it is known.
+struct Extrapolated {
+  Eigen::VectorXd value, known_to;
+};
 
 /// d f(t)/dt at 0 of a vector function by central differences with the steps h, h / 2, ..., h / 128
 /// and Richardson's extrapolation; of every entry the value in the tableau whose neighbours differ
 /// least (C. J. F. Ridders, Advances in Engineering Software 4 (1982) 75-76). Error near 1e-12 of f
-/// over h where f is smooth over h.
+/// over h where f is smooth over h. The least difference may be a chance: known to is ten times
+/// that, or what the rounding of f, as the shortest step shows it, makes at the step that was taken.
 template <class F>
-Eigen::VectorXd extrapolated_derivative(const F& f, double h) {
+Extrapolated extrapolated_derivative(const F& f, double h) {
   constexpr int levels = 8;
-  Eigen::VectorXd row[levels], previous[levels], best, error;
+  Eigen::VectorXd row[levels], previous[levels], best, error, noise, longer;
   for (int i = 0; i < levels; ++i, h /= 2) {
     const Eigen::VectorXd ahead = f(h), behind = f(-h);
     row[0] = (ahead - behind) / (2 * h);
     if (i == 0) {
       best = row[0];
       error = Eigen::VectorXd::Constant(best.size(), std::numeric_limits<double>::infinity());
+      longer = Eigen::VectorXd::Ones(best.size());
     }
     double factor = 1;
     for (int k = 1; k <= i; ++k) {
@@ -29,12 +39,14 @@ Eigen::VectorXd extrapolated_derivative(const F& f, double h) {
         if (spread <= error(j)) {
           error(j) = spread;
           best(j) = row[k](j);
+          longer(j) = std::ldexp(1.0, levels - 1 - i);
         }
       }
     }
+    if (i == levels - 1) noise = (row[i] - previous[i - 1]).cwiseAbs();
     for (int k = 0; k <= i; ++k) previous[k] = row[k];
   }
-  return best;
+  return {best, 10 * error.cwiseMax(noise.cwiseQuotient(longer))};
 }
 
 }  // namespace stillframe

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/turn.hpp"
+#include "core/node_moves.hpp"
 
 namespace stillframe {
 
@@ -268,17 +268,6 @@ void velocities(const Model& model, Data& data, const MotionState& state) noexce
   data.x_ddot_0.setZero();
   data.x_ddot_0.head(n_c) = data.condition;
   data.x_ddot_0.tail(n_rx) = state.q_r_ddot.head(n_rx);
-}
-
-double largest_turn(const Model& model, const Eigen::VectorXd& displacement) {
-  double largest = 0;
-  for (const ModelNode& node : model.nodes) {
-    const double weight = node.rotation.size == 4 ? 2.0 : 1.0;
-    for_each_column({node.rotation}, model.n_x, [&](Index, Index column) {
-      largest = std::max(largest, weight * std::abs(displacement(column)));
-    });
-  }
-  return largest;
 }
 
 namespace {

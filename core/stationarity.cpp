@@ -1,6 +1,5 @@
 #include "core/stationarity.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +7,7 @@
 
 #include "core/equilibrium.hpp"
 #include "core/model/prescribed.hpp"
+#include "core/node_moves.hpp"
 #include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -24,8 +24,11 @@ bool goes_on(const NominalMotion& nominal) {
 
 /// Zero where it moves the nodes by less than 1e-9 of what the prescribed motion does: rounding of
 /// coordinates that go along by themselves.
-VectorXd beyond_rounding(const RowMatrix& DF, const VectorXd& rate, const MatrixXd& of_nodes) {
-  if (worst_of(DF * rate) <= 1e-9 * worst_of(of_nodes)) return VectorXd::Zero(rate.size());
+VectorXd beyond_rounding(const Model& model, const RowMatrix& DF, const VectorXd& rate,
+                         const VectorXd& of_nodes) {
+  if (largest_move(model, DF * rate) <= 1e-9 * largest_move(model, of_nodes)) {
+    return VectorXd::Zero(rate.size());
+  }
   return rate;
 }
 
@@ -36,22 +39,15 @@ Rates rates_along(const Model& model, const NominalMotion& nominal) {
   const LinearModel& linear = lineariser.about(nominal);
   const VectorXd &v = nominal.state.q_r_dot, &a = nominal.state.q_r_ddot;
   const MatrixXd K = linear.stiffness(), K_r = linear.stiffness_r();
-  // On a unit diagonal metres and radians compare. Of motions that nothing resists the smallest
-  // part is taken.
-  const VectorXd scale =
-      K.diagonal().unaryExpr([](double k) { return k != 0 ? 1 / std::sqrt(std::abs(k)) : 1.0; });
-  const Eigen::CompleteOrthogonalDecomposition<MatrixXd> factors(scale.asDiagonal() * K *
-                                                                 scale.asDiagonal());
-  const auto solve = [&](const VectorXd& force) -> VectorXd {
-    return -scale.cwiseProduct(factors.solve(scale.cwiseProduct(force)));
-  };
   Data data = lineariser.data();
   Rates rates;
   rates.acceleration =
-      beyond_rounding(data.DF, solve(K_r * a), prescribed_transfer_functions(model, data, a));
+      beyond_rounding(model, data.DF, -motion_against(K, K_r * a), prescribed_transfer_functions(model, data, a).col(0));
   rates.velocity = beyond_rounding(
-      data.DF, solve(K_r * v + linear.damping_r() * a + linear.damping() * rates.acceleration),
-      prescribed_transfer_functions(model, data, v));
+      model, data.DF,
+      -motion_against(
+          K, K_r * v + linear.damping_r() * a + linear.damping() * rates.acceleration),
+      prescribed_transfer_functions(model, data, v).col(0));
   return rates;
 }
 
@@ -75,11 +71,7 @@ double time_for(double s, double v, double a) {
 }
 
 std::vector<Instant> instants(const Model& model, const NominalMotion& nominal) {
-  double size = 0;
-  for (const ModelNode& node : model.nodes) {
-    size = std::max(size, (node.position - model.nodes.front().position).norm());
-  }
-  if (size == 0) size = 1;
+  const double size = scene_size(model);
   // How long each coordinate takes for a turn, or for the size of the scene.
   VectorXd period(model.n_r);
   const std::vector<SceneSignal> signals = prescribed_signals(model);
@@ -306,9 +298,13 @@ double elastic_amplitude(const Model& model, const Data& data) {
 
 /// That of the rounding of positions.
 double rounding_amplitude(const Model& model, const Data& data) {
-  double stiffness = 0;
-  for (const ModelElement& item : model.elements) stiffness += item.S.trace();
-  return 1e-12 * worst_of(data.x) * std::sqrt(stiffness);
+  const double rounding = 1e-12 * largest_move(model, data.x), size = scene_size(model);
+  double twice = 0;
+  for (const ModelElement& item : model.elements) {
+    const bool angle = item.element->period() > 0;
+    twice += item.S.trace() * (angle ? 1 : size * size);
+  }
+  return rounding * std::sqrt(twice);
 }
 
 [[noreturn]] void refuse(const Model& model, const NominalMotion& nominal, const std::string& why) {
@@ -328,7 +324,7 @@ void require_stationary(const Model& model, const NominalMotion& nominal,
   Data data = lineariser.data();
   const Comparison comparison(model, data, first, inputs);
   const double strain = elastic_amplitude(model, data);
-  const double reference = largest_balanced_force(model, data, nominal);
+  const double reference = largest_balanced_work(model, data, nominal);
   for (const Instant& instant : instants(model, nominal)) {
     nominal.place(data);
     NominalMotion later = gone_on(nominal, instant);
@@ -341,7 +337,8 @@ void require_stationary(const Model& model, const NominalMotion& nominal,
     const bool reached = out_of_balance(model, data, later, f);
     // 1e-7 is what an equilibrium may leave.
     if (!reached ||
-        !(worst_of(f) <= 10 * same * reference + force_of_rounding(data, first.stiffness()))) {
+        !(largest_work(model, data, f) <=
+          10 * same * reference + work_of_rounding(model, data, first.stiffness()))) {
       Index dof = 0;
       if (reached) f.cwiseAbs().maxCoeff(&dof);
       refuse(model, nominal,

@@ -1,9 +1,15 @@
 #include "core/linear/margins.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include "core/linear/disk_margin.hpp"
 #include "core/linear/sampled_loop.hpp"
@@ -18,14 +24,12 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The value at which `stable` first fails on the way from `from` (stable) by steps of `step` to
-/// `to`, halved down to 1e-6 of the step; infinity if it does not fail.
-double first_failure(const std::function<bool(double)>& stable, double from, double to,
-                     double step) {
-  const int n = static_cast<int>(std::ceil(std::abs((to - from) / step)));
+/// The value at which `stable` first fails on the way from `from` (stable) through `values`, halved
+/// down to 1e-6 of the step; infinity if it does not fail.
+double first_failure(const std::function<bool(double)>& stable, double from,
+                     const std::vector<double>& values) {
   double good = from;
-  for (int i = 1; i <= n; ++i) {
-    double bad = from + (to - from) * i / n;
+  for (double bad : values) {
     if (stable(bad)) {
       good = bad;
       continue;
@@ -37,6 +41,14 @@ double first_failure(const std::function<bool(double)>& stable, double from, dou
     return good;
   }
   return infinity;
+}
+
+/// From `from` (not with it) to `to` in steps of `step`.
+std::vector<double> steps(double from, double to, double step) {
+  const int n = static_cast<int>(std::ceil(std::abs((to - from) / step)));
+  std::vector<double> values;
+  for (int i = 1; i <= n; ++i) values.push_back(from + (to - from) * i / n);
+  return values;
 }
 
 /// Tries perturbed loops with one law; the law does not know of the perturbation.
@@ -66,21 +78,60 @@ class Perturbed {
     const auto stable = [&](double x) {
       return stable_with_gains((std::log(10.0) * x * mask).array().exp());
     };
-    const double down = first_failure(stable, 0, -3, 0.05), up = first_failure(stable, 0, 3, 0.05);
+    const double down = first_failure(stable, 0, steps(0, -3, 0.05)),
+                 up = first_failure(stable, 0, steps(0, 3, 0.05));
     return {down == infinity ? 0.0 : std::pow(10, down),
             up == infinity ? infinity : std::pow(10, up)};
   }
-  /// Seconds by which the legs of `mask` may be late: up to 4 samples in quarters, on to
-  /// longest_delay in steps of one.
+  /// Seconds by which the legs of `mask` (one, or all) may be late: looked for in quarters of a
+  /// sample up to 4, in halves up to longest_delay, and at each delay that turns a resonance into
+  /// the worst phase, as the loop may be unstable there alone. Just before a whole sample as well:
+  /// a force that changes with the measurement is measured as it was before, so that stability
+  /// jumps there.
   double delay_limit(const VectorXd& mask) const {
-    const auto stable = [&](double samples) { return stable_with_delays(samples * mask); };
-    double limit = first_failure(stable, 0, 4, 0.25);
-    if (limit == infinity) limit = first_failure(stable, 4, longest_delay, 1);
-    return limit * sampling_.sample_time;
+    std::vector<double> samples = steps(0, 4, 0.25);
+    for (const double half : steps(4, longest_delay, 0.5)) samples.push_back(half);
+    for (const double whole : steps(0, longest_delay, 1)) samples.push_back(whole - 1e-3);
+    for (const double worst : worst_delays(mask)) samples.push_back(worst);
+    std::sort(samples.begin(), samples.end());
+    const auto stable = [&](double late) { return stable_with_delays(late * mask); };
+    return first_failure(stable, 0, samples) * sampling_.sample_time;
   }
   Index n_legs() const { return m_; }
 
  private:
+  /// The delays (samples) at which what goes round through the commands of the legs of `mask`, the
+  /// others closed, comes back in antiphase and no smaller, at the frequencies of the poles.
+  std::vector<double> worst_delays(const VectorXd& mask) const {
+    const SampledPlant plant = sample_and_hold(plant_, sampling_);
+    const Eigen::VectorXcd poles = close_loop(plant, law_).A.eigenvalues();
+    Eigen::VectorXcd all(poles.size() + plant.Phi.rows());
+    all << poles, plant.Phi.eigenvalues();
+    constexpr double turn = 2 * std::numbers::pi, nearly_one = 0.9, slowest = 1e-3;
+    std::vector<double> delays;
+    for (const std::complex<double> pole : all) {
+      const double angle = std::arg(pole);  // per sample
+      if (!(angle > slowest)) continue;
+      for (const std::complex<double> round : round_trips(plant, mask, angle)) {
+        if (!(std::abs(round) >= nearly_one)) continue;
+        double phase = std::arg(round) - turn / 2;
+        if (phase <= 0) phase += turn;
+        for (; phase <= angle * longest_delay; phase += turn) delays.push_back(phase / angle);
+      }
+    }
+    return delays;
+  }
+  /// Of all legs the eigenvalues of the return ratio; of one leg its own with the others closed.
+  Eigen::VectorXcd round_trips(const SampledPlant& plant, const VectorXd& mask,
+                               double angle) const {
+    const Eigen::MatrixXcd L = return_ratio(plant, law_, angle / plant.sample_time, Cut::command);
+    if (mask.sum() > 1) return L.eigenvalues();
+    Index leg = 0;
+    mask.maxCoeff(&leg);
+    const Eigen::MatrixXcd I = Eigen::MatrixXcd::Identity(m_, m_);
+    const std::complex<double> S = (I + L).partialPivLu().inverse()(leg, leg);
+    return Eigen::VectorXcd::Constant(1, 1.0 / S - 1.0);
+  }
   bool stable(const Sampling& sampling) const {
     const double radius = spectral_radius(close_loop(sample_and_hold(plant_, sampling), law_));
     return radius < largest_stable_radius;

@@ -193,7 +193,7 @@ MatrixXcd noise_transfer(const SampledLoop& loop, double omega) {
   return resolved(loop.C, loop.A, loop.B_v.cast<Complex>(), z) + loop.D_v;
 }
 
-MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega) {
+MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega, Cut cut) {
   const Complex z = std::polar(1.0, omega * plant.sample_time);
   const Index m = plant.Gamma_u.cols(), n = plant.Phi.rows() - plant.n_exogenous;
   const MatrixXd A = plant.Phi.topLeftCorner(n, n);
@@ -206,10 +206,11 @@ MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double
   MatrixXcd F = resolved(law.C, law.A, law.B.cast<Complex>(), z) + law.D;
   for (Index i = 0; i < m; ++i) F.row(i) *= std::pow(z, -plant.whole_delay(i));
   if (!law.subtract_applied) return -F * sigma;
-  // c = F (sigma - r): what the law takes out of sigma is the report of its own command.
   MatrixXcd report = plant.C_report.leftCols(n) * x + plant.D_report.cast<Complex>() / z;
   report *=
       std::pow(z, -plant.report_age) * (1 - law.applied_memory) / (1.0 - law.applied_memory / z);
+  if (cut == Cut::command) return -F * (sigma - report);
+  // c = F (sigma - r): what the law takes out of sigma is the report of its own command.
   return -(MatrixXcd::Identity(m, m) + F * report).partialPivLu().solve(F * sigma);
 }
 

@@ -9,6 +9,7 @@
 #include "core/model/local.hpp"
 #include "core/model/memory.hpp"
 #include "core/model/partition.hpp"
+#include "core/node_moves.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
@@ -47,14 +48,11 @@ std::vector<SceneDof> as_dofs(const Model& model, const std::set<Index>& columns
 /// what is as far as the scene is large, each condition by its largest part, so that no choice
 /// depends on the units or the size of the scene.
 void scale(const Model& model, Eigen::MatrixXd& D) {
-  double size = 0;
-  for (const ModelNode& node : model.nodes) {
-    size = std::max(size, (node.position - model.nodes.front().position).norm());
-  }
+  const double size = scene_size(model);
   std::set<Index> done;
   for (const ModelNode& node : model.nodes) {
     for_each_column({node.rotation}, D.cols(), [&](Index, Index column) {
-      if (size > 0 && done.insert(column).second) D.col(column) /= size;
+      if (done.insert(column).second) D.col(column) /= size;
     });
   }
   for (auto row : D.rowwise()) {

@@ -164,15 +164,9 @@ enum class PlantMethod {
   automatic,
   linear,       ///< small motion, stepped exactly
   exponential,  ///< the exact linear answer and the nonlinear rest, in minimal coordinates
-  // Methods of SUNDIALS in minimal coordinates.
-  dormand_prince,
-  fehlberg,
-  runge_kutta,
-  implicit_runge_kutta,
-  adams,
-  bdf,
-  nodal,  ///< in nodal coordinates with constraints, by collocation
-  ida,    ///< the same by SUNDIALS' IDA
+  dormand_prince,  ///< 5(4) of SUNDIALS, in minimal coordinates
+  fehlberg,        ///< 8(7) of SUNDIALS, in minimal coordinates
+  nodal,           ///< in nodal coordinates with constraints, by collocation
 };
 
 struct SceneSimulation {
@@ -180,7 +174,6 @@ struct SceneSimulation {
   double duration_s = 0;  ///< 0: as long as the floor lasts
   double relative_tolerance = 1e-5;
   PlantMethod method = PlantMethod::automatic;
-  int steps_per_sample = 4;  ///< of runge_kutta
 };
 
 enum class OperatingPoint { equilibrium, as_written };

@@ -57,8 +57,6 @@ std::string method_name(PlantMethod method) {
       return "fehlberg";
     case PlantMethod::nodal:
       return "nodal";
-    default:
-      break;
   }
   return "";
 }

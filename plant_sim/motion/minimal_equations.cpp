@@ -32,6 +32,8 @@ MinimalEquations::MinimalEquations(const Model& model, const NominalMotion& nomi
   accelerations(model, data_, nominal.state, sigma_a_, q_d_ddot_);
   rest_acceleration_ = (q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>();
   sigma_0_ = data_.sigma;
+  reached_x_ = data_.x;
+  reached_e_ = data_.e;
   q_d_ddot_ = nominal.q_d_ddot;
 }
 
@@ -44,7 +46,15 @@ bool MinimalEquations::evaluate(const Inputs& inputs, double t,
   state_.q_d_dot = y.segment(n, n);
   inputs.at(t, state_.q_r, state_.q_r_dot, state_.q_r_ddot, sigma_a_);
   data_.external = inputs.external().size() > 0 ? &inputs.external() : nullptr;
-  if (accelerations(model_, data_, state_, sigma_a_, q_d_ddot_) != DynamicsStatus::ok) return false;
+  if (accelerations(model_, data_, state_, sigma_a_, q_d_ddot_) != DynamicsStatus::ok) {
+    // A shorter step is tried next, and it has to start from positions, and factors, that hold.
+    data_.x = reached_x_;
+    data_.e = reached_e_;
+    geometric_transfer_functions(model_, data_);
+    return false;
+  }
+  reached_x_ = data_.x;
+  reached_e_ = data_.e;
   dy_dt.head(n) = state_.q_d_dot;
   dy_dt.segment(n, n) = q_d_ddot_;
   for (Index i = 0; i < n_filtered(); ++i) {
@@ -72,8 +82,8 @@ bool MinimalEquations::hand_over(const Drive& drive, const Eigen::VectorXd& y,
 }
 
 void MinimalEquations::take_over(const MotionSnapshot& from) noexcept {
-  data_.x = from.x;
-  data_.e = from.e;
+  reached_x_ = data_.x = from.x;
+  reached_e_ = data_.e = from.e;
   q_d_ddot_.setZero();
 }
 

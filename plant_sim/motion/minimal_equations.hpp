@@ -62,6 +62,7 @@ class MinimalEquations {
   double filter_rate_;
   double stress_scale_;
   Data data_;
+  Eigen::VectorXd reached_x_, reached_e_;  ///< n_x, n_e, at the last evaluation that could be made
   MotionState state_;
   Eigen::VectorXd q_0_, q_dot_0_, sigma_0_;  ///< n_d, n_d, n_e
   Eigen::VectorXd sigma_a_, q_d_ddot_;       ///< n_e, n_d

@@ -85,7 +85,9 @@ IdentifiedResponse ResponseAnalyser::finish() {
   const double median = conditions(conditions.size() / 2);
   if (!(median < largest_shown_condition)) {
     result.missing =
-        "the inputs do not move independently (condition " + cell("%.1e", median) + ")";
+        std::isinf(median)
+            ? "the inputs do not move independently: some are always the same combination of others"
+            : "the inputs do not move independently (condition " + cell("%.1e", median) + ")";
     return result;
   }
   result.response = std::move(response);

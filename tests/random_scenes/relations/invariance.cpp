@@ -8,12 +8,6 @@ namespace stillframe::random_scenes {
 
 namespace {
 
-/// Roundings of some ten operations with each number: both formulations sum over all elements.
-double few_eps(const Scene& scene) {
-  return 10 * static_cast<double>(scene.elements.size() + 1) *
-         std::numeric_limits<double>::epsilon();
-}
-
 Finding compare_with(Case& scene, const Scene& other, double eps, const Units& units = {}) {
   const auto at = places(scene);
   std::vector<std::complex<double>> at_other;
@@ -37,17 +31,23 @@ std::pair<double, double> reach(const Scene& scene) {
   return {far, least};
 }
 
+/// Roundings of some ten operations with each number, as both formulations sum over all elements,
+/// and of positions: they carry eps of their distance from the origin, or of that at which they are
+/// `shifted` to, into the lengths of elements.
+double few_eps(const Scene& scene, double shifted = 0) {
+  const auto [far, least] = reach(scene);
+  return 10 * static_cast<double>(scene.elements.size() + 1) *
+         std::numeric_limits<double>::epsilon() * (1 + (far + shifted) / least);
+}
+
 }  // namespace
 
 std::optional<Finding> check_placement(Case& scene, std::uint64_t seed) {
   Draws draws(seed);
   const bool planar = scene.scene().planar;
   const Eigen::Matrix3d Q = draws.rotation(planar);
-  const auto [far, least] = reach(scene.scene());
-  const Eigen::Vector3d t = 3 * far * draws.point(planar);
-  // Positions carry eps of their distance from the origin into the lengths of elements.
-  const double eps = few_eps(scene.scene()) * (1 + (far + t.norm()) / least);
-  return compare_with(scene, moved(scene.scene(), Q, t), eps);
+  const Eigen::Vector3d t = 3 * reach(scene.scene()).first * draws.point(planar);
+  return compare_with(scene, moved(scene.scene(), Q, t), few_eps(scene.scene(), t.norm()));
 }
 
 std::optional<Finding> check_renumbering(Case& scene, std::uint64_t seed) {

@@ -1,8 +1,11 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/linear/sampled_loop.hpp"
+#include "core/node_moves.hpp"
+#include "core/worst.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"
 
@@ -15,14 +18,38 @@ struct Method {
   PlantMethod method;
 };
 
+/// What rounding makes of a run: that of positions, of the size of the scene, in the stiffest leg
+/// and in the fastest motion, and that of the forces that balance.
+struct Rounding {
+  double acceleration = 0, sigma = 0;
+
+  Rounding(Case& scene, double fastest) {
+    const Model& model = scene.model();
+    double stiffest = 0, static_force = 0;
+    for (const ModelElement& element : model.elements) {
+      if (element.S.size() > 0) stiffest = std::max(stiffest, element.S.cwiseAbs().maxCoeff());
+    }
+    for (const SceneElement& element : scene.scene().elements) {
+      static_force = std::max(static_force, worst_of(element.preload));
+    }
+    const double eps = 100 * std::numeric_limits<double>::epsilon(), size = scene_size(model);
+    acceleration = eps * size * fastest * fastest;
+    sigma = eps * (size * stiffest + static_force);
+  }
+};
+
 /// The rms of the error over the run, over that of the signals, of accelerations or of forces,
-/// whichever is worse: what docs/scene.md says of relative_tolerance.
-double error_of(const Signals& run, const Signals& reference) {
-  const auto relative = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-    return b.norm() > 0 ? (a - b).norm() / b.norm() : a.norm();
+/// whichever is worse: what docs/scene.md says of relative_tolerance. Of what is `bound` of the
+/// signals and less than rounding nothing is asked.
+double error_of(const Signals& run, const Signals& reference, const Rounding& rounding,
+                double bound) {
+  const auto relative = [bound](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
+                                double noise) {
+    const double error = (a - b).norm(), of_noise = noise * std::sqrt(double(b.size()));
+    return error <= of_noise ? 0.0 : error / (b.norm() + of_noise / bound);
   };
-  return std::max(relative(run.acceleration, reference.acceleration),
-                  relative(run.sigma, reference.sigma));
+  return worst_of(relative(run.acceleration, reference.acceleration, rounding.acceleration),
+                  relative(run.sigma, reference.sigma, rounding.sigma));
 }
 
 Scene by(Scene scene, PlantMethod method, double tolerance) {
@@ -64,13 +91,14 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
   if (mild) minimal.push_back({"dormand_prince", PlantMethod::dormand_prince});
   Finding finding;
   const double bound = 30 * tolerance;  // what docs/scene.md promises
+  const Rounding rounding(scene, fastest(design));
   for (const Method& method : minimal) {
-    finding.take(error_of(run(method.method, tolerance), nodal), bound, method.name);
+    finding.take(error_of(run(method.method, tolerance), nodal, rounding, bound), bound, method.name);
   }
   if (smooth || mild) {
     const Signals reference =
         run(smooth ? PlantMethod::exponential : PlantMethod::dormand_prince, 1e-3 * tolerance);
-    finding.take(error_of(run(PlantMethod::nodal, tolerance), reference), bound, "nodal");
+    finding.take(error_of(run(PlantMethod::nodal, tolerance), reference, rounding, bound), bound, "nodal");
   }
   return finding;
 }

@@ -35,7 +35,10 @@ std::optional<Finding> check_stability(Case& scene, std::uint64_t seed) {
   // the knock it had; what decays has to change visibly.
   const double change = rate > 0 ? 30 : 12, longest = 6000;
   if (!(std::abs(rate) * longest >= change)) return std::nullopt;
-  const auto n = static_cast<Index>(std::max(100.0, std::min(longest, change / std::abs(rate))));
+  // Not so long that squares overflow.
+  const double shortest = rate > 0 ? std::clamp(300 / rate, 12.0, 100.0) : 100;
+  const auto n =
+      static_cast<Index>(std::max(shortest, std::min(longest, change / std::abs(rate))));
   Draws draws(seed);
   Scene linear = without_nonlinear_instruments(scene.scene());
   linear.simulation.method = PlantMethod::linear;

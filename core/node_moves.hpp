@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/model/model.hpp"
+
+namespace stillframe {
+
+/// How far the scene as written reaches from its first node, m; 1 if all nodes are in one place.
+double scene_size(const Model& model);
+
+/// The largest turn of a node, rad, in a displacement (n_x): twice that of its Euler parameters.
+double largest_turn(const Model& model, const Eigen::VectorXd& displacement);
+
+/// The same, or the largest translation over the size of the scene if that is more: how far a
+/// displacement goes, in all units.
+double largest_move(const Model& model, const Eigen::VectorXd& displacement);
+
+/// The largest work of nodal forces (n_x), N m, over a move of 1.
+double largest_nodal_work(const Model& model, const Eigen::VectorXd& forces);
+
+}  // namespace stillframe
