@@ -34,10 +34,9 @@ std::vector<BlockCertificate> certify(
 inline constexpr double certified_difference = 1e-9;
 
 /// Whether it does, or comes as near as the rounding of a light part on a very stiff one lets the
-/// differences be known; where that is above 1e-5, they say nothing.
+/// differences be known, which has to be 1e-5 at least.
 inline bool is_certified(const BlockCertificate& block) {
-  return block.known_to <= 1e-5 &&
-         block.difference <= std::max(certified_difference, block.known_to);
+  return block.difference <= std::max(certified_difference, std::min(block.known_to, 1e-5));
 }
 
 }  // namespace stillframe

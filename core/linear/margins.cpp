@@ -85,13 +85,21 @@ class Perturbed {
   }
   /// Seconds by which the legs of `mask` (one, or all) may be late: looked for in quarters of a
   /// sample up to 4, in halves up to longest_delay, and at each delay that turns a resonance into
-  /// the worst phase, as the loop may be unstable there alone. Just before a whole sample as well:
-  /// a force that changes with the measurement is measured as it was before, so that stability
-  /// jumps there.
+  /// the worst phase, as the loop may be unstable there alone. Just before a delay of whole samples
+  /// as well: a force that changes with the measurement is measured as it was before, so that
+  /// stability jumps there.
   double delay_limit(const VectorXd& mask) const {
+    constexpr double just = 1e-3;
     std::vector<double> samples = steps(0, 4, 0.25);
     for (const double half : steps(4, longest_delay, 0.5)) samples.push_back(half);
-    for (const double whole : steps(0, longest_delay, 1)) samples.push_back(whole - 1e-3);
+    for (Index i = 0; i < m_; ++i) {
+      if (mask(i) == 0) continue;
+      const double own = sampling_.delay_samples +
+                         (sampling_.leg_delays.size() > 0 ? sampling_.leg_delays(i) : 0.0);
+      for (const double whole : steps(std::floor(own), std::floor(own) + longest_delay, 1)) {
+        if (whole - own > 2 * just) samples.push_back(whole - own - just);
+      }
+    }
     for (const double worst : worst_delays(mask)) samples.push_back(worst);
     std::sort(samples.begin(), samples.end());
     const auto stable = [&](double late) { return stable_with_delays(late * mask); };
@@ -101,16 +109,23 @@ class Perturbed {
 
  private:
   /// The delays (samples) at which what goes round through the commands of the legs of `mask`, the
-  /// others closed, comes back in antiphase and no smaller, at the frequencies of the poles.
+  /// others closed, comes back in antiphase and no smaller, at the frequencies of the poles. A mode
+  /// of the plant turns by its own frequency, also where that is above half the rate: within a
+  /// sample it may turn more than once.
   std::vector<double> worst_delays(const VectorXd& mask) const {
     const SampledPlant plant = sample_and_hold(plant_, sampling_);
-    const Eigen::VectorXcd poles = close_loop(plant, law_).A.eigenvalues();
-    Eigen::VectorXcd all(poles.size() + plant.Phi.rows());
-    all << poles, plant.Phi.eigenvalues();
+    std::vector<double> angles;  // per sample
+    for (const std::complex<double> pole : close_loop(plant, law_).A.eigenvalues()) {
+      angles.push_back(std::arg(pole));
+    }
+    for (const std::complex<double> mode : plant_.A.eigenvalues()) {
+      // What has died away after a sample is no resonance.
+      const std::complex<double> turn = mode * sampling_.sample_time;
+      if (turn.real() > -3) angles.push_back(turn.imag());
+    }
     constexpr double turn = 2 * std::numbers::pi, nearly_one = 0.9, slowest = 1e-3;
     std::vector<double> delays;
-    for (const std::complex<double> pole : all) {
-      const double angle = std::arg(pole);  // per sample
+    for (const double angle : angles) {
       if (!(angle > slowest)) continue;
       for (const std::complex<double> round : round_trips(plant, mask, angle)) {
         if (!(std::abs(round) >= nearly_one)) continue;

@@ -35,7 +35,8 @@ double shortest(const Scene& scene) {
 }  // namespace
 
 std::optional<Finding> check_small_motion(Case& scene, std::uint64_t seed) {
-  if (!scene.has_loop()) return std::nullopt;
+  // Linear motion is motion about rest.
+  if (!scene.has_loop() || scene.operating_point().moving()) return std::nullopt;
   const Scene ideal = without_nonlinear_instruments(scene.scene());
   const double T = 1 / ideal.controller->sample_rate_hz;
   constexpr Index n = 60;
