@@ -199,15 +199,18 @@ class Certifier {
     const auto relative = [scale](double error) { return error == 0 ? 0 : error / scale; };
     result_.push_back({name, relative(difference), relative(known_to), size});
   }
-  /// 1e-12 of the largest block of the same unit.
+  /// 1e-12 of the largest block of the same unit; of rates also of what masses on springs have.
   double rounding_floor(Order order) const {
     const LinearModel& l = linear_;
-    const double size = order == Order::position
-                            ? worst_of({worst_of(l.K), worst_of(l.N), worst_of(l.G)})
-                        : order == Order::velocity ? worst_of(worst_of(l.C), worst_of(l.D))
-                                                   : worst_of(l.M);
+    const double position = worst_of({worst_of(l.K), worst_of(l.N), worst_of(l.G)});
+    const double mass = worst_of(l.M);
+    const double size =
+        order == Order::position ? position
+        : order == Order::velocity
+            ? worst_of({worst_of(l.C), worst_of(l.D), std::sqrt(mass * position)})
+            : mass;
     // Where all blocks of a unit are zero, those of the next unit say how large forces are.
-    return 1e-12 * (size != 0 ? size : worst_of({worst_of(l.M), worst_of(l.K), worst_of(l.G)}));
+    return 1e-12 * (size != 0 ? size : worst_of(mass, position));
   }
 
   /// q''^d and y of the equations as they are simulated, with one input changed.

@@ -13,6 +13,7 @@
 #include "core/state_space.hpp"
 #include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
+#include "tests/core/random_loops.hpp"
 #include "tests/core/scenes.hpp"
 
 // Margins come from eigenvalues of perturbed loops; here they are checked in the frequency domain,
@@ -21,6 +22,7 @@ namespace stillframe::test {
 namespace {
 
 using Complex = std::complex<double>;
+using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -190,6 +192,33 @@ TEST(StableRates, EdgesAreWhereTheLoopChanges) {
     }
   }
 }
+
+class DelaysOfRandomLoops : public testing::TestWithParam<unsigned> {};
+
+// Also between the delays that are looked at: where a mode above half the rate turns once within a
+// sample, and just before delays of whole samples, where a force is measured as it was before.
+TEST_P(DelaysOfRandomLoops, NoneBelowTheLimitIsUnstable) {
+  const LoopSettings loop = random_loop(GetParam());
+  if (!(spectral_radius(loop) < largest_stable_radius)) return;
+  const Margins found = margins(loop);
+  const Index m = loop.plant.B_u.cols();
+  const double T = loop.sampling.sample_time;
+  const auto expect_stable = [&](const VectorXd& legs, double limit) {
+    const auto at = [&](double samples) {
+      if (!(samples < limit / T - 1e-5) || samples < 0) return;
+      LoopSettings late = loop;
+      late.sampling.leg_delays = samples * legs;
+      EXPECT_LT(spectral_radius(late), largest_stable_radius) << samples << " of " << limit / T;
+    };
+    for (double samples = 0; samples < 6; samples += 1.0 / 61) at(samples);
+    const double own = loop.sampling.delay_samples;
+    for (int whole = 0; whole < 6; ++whole) at(whole - (own - std::floor(own)) - 1e-4);
+  };
+  expect_stable(VectorXd::Ones(m), found.all_delay);
+  expect_stable(VectorXd::Unit(m, 0), found.leg_delay(0));
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, DelaysOfRandomLoops, testing::Range(1u, 61u));
 
 TEST(Margins, AnUnstableLoopHasNone) {
   LoopSettings loop = frame_loop(1.75, 0);

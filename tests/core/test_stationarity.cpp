@@ -234,19 +234,6 @@ dofs: [{deformations: boom}]
   EXPECT_NE(text.find("'slow' (rate 0.001), 'fast' (rate 50)"), std::string::npos) << text;
 }
 
-TEST(Equilibrium, OfAMechanismSaysWhatNothingResists) {
-  const std::string text = said(R"(title: Pendulum, written level
-gravity: [0, 0, -9.81]
-nodes: {pivot: {position: [0, 0, 0]}, bob: {position: [1, 0, 0]}}
-masses: [{node: bob, mass: 1}]
-elements: {rod: {type: truss, nodes: [pivot, bob], rigid: true}}
-supports: [{nodes: [pivot], fix: [x, y, z]}, {nodes: [bob], fix: [y]}]
-dofs: [{node: bob, along: z}]
-)");
-  EXPECT_NE(text.find("mechanism, nothing resists a motion of dof z(bob)"), std::string::npos)
-      << text;
-}
-
 /// A column on a motor that has turned it by an angle under the load carries the component along
 /// it.
 TEST(Buckling, CountsThePrescribedValuesAndRefusesRates) {

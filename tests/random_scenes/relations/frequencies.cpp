@@ -127,7 +127,7 @@ std::optional<Finding> check_frequencies(Case& scene, std::uint64_t) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(projected(K_s), M);
   // Backward errors of eps in every entry of either matrix, as many as there are additions, and of
   // eps of the whole of M, which the projection makes.
-  const double eps = 10 * static_cast<double>(n) * std::numeric_limits<double>::epsilon();
+  const double eps = 100 * static_cast<double>(n) * std::numeric_limits<double>::epsilon();
   const double minimal_rounding = own_answers(scene).squares_rounding;
   const MatrixXd modes = Z * solver.eigenvectors(), V = modes.cwiseAbs();
   const double stiffness_rounding = (V.transpose() * K_s.cwiseAbs() * V).diagonal().maxCoeff();

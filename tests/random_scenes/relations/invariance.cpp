@@ -31,12 +31,12 @@ std::pair<double, double> reach(const Scene& scene) {
   return {far, least};
 }
 
-/// Roundings of some ten operations with each number, as both formulations sum over all elements,
+/// Roundings of some ten operations with each number in each of some ten steps, as both formulations sum over all elements,
 /// and of positions: they carry eps of their distance from the origin, or of that at which they are
 /// `shifted` to, into the lengths of elements.
 double few_eps(const Scene& scene, double shifted = 0) {
   const auto [far, least] = reach(scene);
-  return 10 * static_cast<double>(scene.elements.size() + 1) *
+  return 100 * static_cast<double>(scene.elements.size() + 1) *
          std::numeric_limits<double>::epsilon() * (1 + (far + shifted) / least);
 }
 

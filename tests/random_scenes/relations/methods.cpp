@@ -32,9 +32,11 @@ struct Rounding {
     for (const SceneElement& element : scene.scene().elements) {
       static_force = std::max(static_force, worst_of(element.preload));
     }
+    // Positions that satisfy conditions are known to some 1e-12 of the scene's size, what changes of
+    // them from one sample to the next to some epsilon.
     const double eps = 100 * std::numeric_limits<double>::epsilon(), size = scene_size(model);
     acceleration = eps * size * fastest * fastest;
-    sigma = eps * (size * stiffest + static_force);
+    sigma = 1e-12 * (size * stiffest + static_force);
   }
 };
 

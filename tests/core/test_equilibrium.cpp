@@ -1,0 +1,130 @@
+#include "core/equilibrium.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string>
+
+#include "core/scene/scene_reader.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::test {
+namespace {
+
+/// What the refusal says, or "accepted".
+std::string said(const std::string& text) {
+  try {
+    solve_equilibrium(make_model(parse_scene(text, "scene")));
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return "accepted";
+}
+
+/// The part of the loads up to which a refusal says that they can be followed.
+double followed(const std::string& refusal) {
+  const std::string before = "can be followed up to ";
+  const size_t at = refusal.find(before);
+  EXPECT_NE(at, std::string::npos) << refusal;
+  return at == std::string::npos ? 0 : std::stod(refusal.substr(at + before.size()));
+}
+
+/// Two bars of stiffness k that a load P flattens: P = 2 k y (L_0 / L - 1), L^2 = a^2 + y^2, which
+/// is largest where L^3 = L_0 a^2; beyond, it snaps through to an equilibrium that growing loads do
+/// not lead to by themselves.
+class FlatArch {
+ public:
+  explicit FlatArch(double unit) : unit_(unit) {}
+  double limit() const {
+    const double L = std::cbrt(L_0 * a * a), y = std::sqrt(L * L - a * a);
+    return 2 * k * y * (L_0 / L - 1);
+  }
+  /// The height under a load below the limit, by halving between that of the limit and the start.
+  double height(double P) const {
+    const double L = std::cbrt(L_0 * a * a);
+    double low = std::sqrt(L * L - a * a), high = h;
+    for (int i = 0; i < 100; ++i) {
+      const double y = 0.5 * (low + high);
+      (2 * k * y * (L_0 / std::hypot(a, y) - 1) > P ? low : high) = y;
+    }
+    return high;
+  }
+  /// In metres of `unit`, kilograms and seconds; by the elongations of the bars or by positions.
+  std::string text(double P, bool by_elongations) const {
+    const auto number = [](double value) {
+      char text[32];
+      std::snprintf(text, sizeof text, "%.17g", value);
+      return std::string(text);
+    };
+    const std::string x = number(a * unit_);
+    return
+        "title: A flat arch\nplanar: true\nnodes: {left: {position: [-" + x +
+            ", 0]}, top: {position: [0, " + number(h * unit_) + "]}, right: {position: [" + x +
+            ", 0]}}\nmasses: [{node: top, mass: 1}]\nelements:\n"
+            "  one: {type: truss, nodes: [left, top], stiffness: " + number(k) + "}\n"
+            "  other: {type: truss, nodes: [right, top], stiffness: " + number(k) + "}\n"
+            "supports: [{nodes: [left, right], fix: [x, y]}]\n"
+            "loads: [{node: top, force: [0, " + number(-P * unit_) + "]}]\ndofs: " +
+            (by_elongations ? "[{element: one}, {element: other}]"
+                            : "[{node: top, along: x}, {node: top, along: y}]") + "\n";
+  }
+  static constexpr double a = 1, h = 0.2, k = 1000;
+  const double L_0 = std::hypot(a, h);
+
+ private:
+  double unit_;
+};
+
+// In millimetres and kilometres, and for every choice of dofs: the same.
+TEST(Equilibrium, IsTheOneThatGrowingLoadsLeadTo) {
+  for (const double unit : {1.0, 1e-3, 1e3}) {
+    const FlatArch arch(unit);
+    for (const bool by_elongations : {false, true}) {
+      for (const double share : {0.1, 0.9, 0.999}) {
+        const double P = share * arch.limit();
+        const Model model = make_model(parse_scene(arch.text(P, by_elongations), "arch"));
+        Data data(model);
+        data.x = solve_equilibrium(model).motion.x;
+        const double fallen = -data.x(model.nodes[1].translation.column[1]) / unit;
+        // Rounding of 1e-16 of the height, and of the stiffness that 0.1 % of the load leave.
+        EXPECT_NEAR(fallen, arch.h - arch.height(P), 1e-12) << unit << " " << share;
+      }
+      // The path is followed to 1/4096 of the load.
+      EXPECT_NEAR(followed(said(arch.text(1.5 * arch.limit(), by_elongations))), 1 / 1.5, 3e-4);
+    }
+  }
+}
+
+// The chain of 32 beams bends by EI / l of moment at most: what is asked for is 200 times that, and
+// the first step of the loads that can be made is a thousandth of it.
+TEST(Equilibrium, OfFarTooLargeALoadSaysHowFarItWasFollowed) {
+  const std::string refusal = said(R"(title: A cantilever that a moment would bend a thousand times round
+planar: true
+nodes: {root: {position: [0, 0]}, tip: {position: [1000, 0]}}
+masses: []
+elements: {beam: {type: beam, nodes: [root, tip], rigid: [1], EI: 1, divide: 32}}
+supports: [{nodes: [root], fix: [x, y, rotation]}]
+loads: [{node: tip, torque: 6.283185307179586}]
+dofs: [{deformations: beam}]
+)");
+  const double most = 1 / (1000.0 / 32) / (2 * std::numbers::pi);
+  EXPECT_NEAR(followed(refusal), most, 3e-4 * most);
+}
+
+TEST(Equilibrium, OfAMechanismSaysWhatNothingResists) {
+  const std::string text = said(R"(title: Pendulum, written level
+gravity: [0, 0, -9.81]
+nodes: {pivot: {position: [0, 0, 0]}, bob: {position: [1, 0, 0]}}
+masses: [{node: bob, mass: 1}]
+elements: {rod: {type: truss, nodes: [pivot, bob], rigid: true}}
+supports: [{nodes: [pivot], fix: [x, y, z]}, {nodes: [bob], fix: [y]}]
+dofs: [{node: bob, along: z}]
+)");
+  EXPECT_NE(text.find("mechanism, nothing resists a motion of dof z(bob)"), std::string::npos)
+      << text;
+}
+
+}  // namespace
+}  // namespace stillframe::test
