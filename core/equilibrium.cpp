@@ -156,26 +156,27 @@ class Balance {
   double factor_ = 1;
 };
 
-/// Newton's method at one load factor, from the balance's position. Each step may be a quarter of
-/// the one before it at most, from the first pair on: then (Newton and Kantorovich) the start is so
-/// near that it leads to one equilibrium, which is the one that growing loads lead to. Lengths are
-/// those of the nodes, so that units and the choice of dofs do not matter.
+/// Newton's method at one load factor, from the balance's position. The second step may be a
+/// twentieth of the first at most: then all that is not linear on the way is small beside what is,
+/// and no other equilibrium, nor a load at which this one ends, lies between; after that, each may
+/// be a quarter of the one before (Newton and Kantorovich). Lengths are those of the nodes, so that
+/// units and the choice of dofs do not matter.
 bool contracts(Balance& balance, VectorXd& q, int& iterations) {
-  constexpr double most = 0.25;
-  constexpr double farthest = 0.5;  // rad, or of the scene's size: more is a guess
+  constexpr double at_first = 0.05, most = 0.25;
+  constexpr double farthest = 0.5;   // rad, or of the scene's size: more is a guess
   constexpr double rounding = 1e-7;  // as far as rounding may leave an ill-conditioned balance
   VectorXd f(q.size());
   if (!balance.forces(q, f)) return false;
-  double last = farthest / most;
-  for (;;) {
+  double longest = farthest;
+  for (int k = 0;; ++k) {
     const VectorXd step = motion_against(balance.linear().stiffness(), f);
     const double length = balance.length(step);
-    if (!(length <= most * last)) return last <= rounding && balance.holds(f);
+    if (!(length <= longest)) return k > 0 && longest <= rounding && balance.holds(f);
     q += step;
     ++iterations;
     if (!balance.forces(q, f)) return false;
     if (length == 0) return balance.holds(f);
-    last = length;
+    longest = (k == 0 ? at_first : most) * length;
   }
 }
 

@@ -223,6 +223,7 @@ ExponentialMotion::Outcome ExponentialMotion::attempt(const Drive& drive, double
   // Changes of this size in units of the tolerance are rounding.
   const double enough = std::max(sweep_share, rounding / relative_tolerance_);
   start_sweeps(drive, from, part);
+  settled_ = false;
   double before = 0;
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
     if (!evaluate_rests(drive, from, part)) return Outcome::cannot_evaluate;
@@ -241,6 +242,7 @@ ExponentialMotion::Outcome ExponentialMotion::attempt(const Drive& drive, double
     }
     const double left = sweep > 1 ? size * seen / (1 - std::min(seen, 0.5)) : size * seen;
     if (left < enough) {
+      settled_ = true;
       const double error = collocation_error(part);
       // It grows with the fifth power of the duration or faster.
       easy_ = sweep <= 2 && error < 0.02;
@@ -277,7 +279,10 @@ Motion::Status ExponentialMotion::advance(const Drive& drive, double duration) n
       }
       continue;
     }
-    acceleration_ = known;  // an attempt that failed may have been anywhere
+    // An attempt whose sweeps did not settle may have been anywhere. One that did knows what is to
+    // come in the part: where motion begins at its end, shorter parts alone would each be compared
+    // with next to nothing.
+    if (!settled_) acceleration_ = known;
     g_.setZero();
     last_duration_ = 0;
     if (++halvings_ > most_halvings) {

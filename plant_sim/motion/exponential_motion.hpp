@@ -78,6 +78,7 @@ class ExponentialMotion final : public NonlinearMotion {
   double rate_ago_ = 1;        ///< of the convergence of the sweeps, as last seen, aged since
   double size_ago_ = 0;        ///< of the first sweep when it was seen
   bool easy_ = false;          ///< the last part would have met the tolerance at twice its length
+  bool settled_ = false;  ///< the sweeps of the last attempt came to an end
   int halvings_ = 0;
 };
 

@@ -1,6 +1,9 @@
 #include "plant_sim/motion/minimal_equations.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "core/dynamics.hpp"
 
@@ -30,7 +33,27 @@ MinimalEquations::MinimalEquations(const Model& model, const NominalMotion& nomi
       q_d_ddot_(Eigen::VectorXd::Zero(model.n_d)) {
   nominal.place(data_);
   accelerations(model, data_, nominal.state, sigma_a_, q_d_ddot_);
-  rest_acceleration_ = (q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>();
+  // Where the forces happen to cancel to the last bit, the next position has their rounding.
+  Eigen::VectorXd stresses = data_.sigma.cwiseAbs();
+  for (const ModelElement& item : model.elements) {
+    for (Index i = 0; i < item.S.rows(); ++i) {
+      for (Index k = 0; k < item.S.cols(); ++k) {
+        stresses(item.row[static_cast<size_t>(i)]) +=
+            std::abs(item.S(i, k) * data_.e(item.row[static_cast<size_t>(k)]));
+      }
+    }
+  }
+  Eigen::VectorXd forces = data_.DF_e.cwiseAbs().transpose() * stresses.tail(model.n_redundant) +
+                           data_.DF.cwiseAbs().transpose() * data_.f.cwiseAbs();
+  for (Index i = 0; i < model.n_d; ++i) {
+    const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
+    if (dof.is_deformation) forces(i) += stresses(dof.index);
+  }
+  const Eigen::VectorXd rounding =
+      std::numeric_limits<double>::epsilon() *
+      (data_.M_dd.llt().solve(Eigen::MatrixXd::Identity(model.n_d, model.n_d)).cwiseAbs() * forces);
+  rest_acceleration_ = std::max((q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>(),
+                                rounding.lpNorm<Eigen::Infinity>());
   sigma_0_ = data_.sigma;
   reached_x_ = data_.x;
   reached_e_ = data_.e;

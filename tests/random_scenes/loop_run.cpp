@@ -1,7 +1,11 @@
 #include "tests/random_scenes/loop_run.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <limits>
 
+#include "core/node_moves.hpp"
+#include "core/worst.hpp"
 #include "plant_sim/floor/sources.hpp"
 #include "tools/run/closed_loop.hpp"
 
@@ -44,6 +48,29 @@ Scene without_nonlinear_instruments(Scene scene) {
   scene.controller->force_limit_n.reset();
   scene.disturbances.clear();
   return scene;
+}
+
+double fastest_rate(const tools::LoopDesign& design) {
+  const LoopPlant& plant = design.settings.plant;
+  const Index n = plant.A.rows() - plant.n_exogenous;
+  return plant.A.topLeftCorner(n, n).eigenvalues().cwiseAbs().maxCoeff();
+}
+
+RunRounding::RunRounding(Case& scene) {
+  const double fastest = fastest_rate(scene.design());
+    const Model& model = scene.model();
+    double stiffest = 0, static_force = 0;
+    for (const ModelElement& element : model.elements) {
+      if (element.S.size() > 0) stiffest = std::max(stiffest, element.S.cwiseAbs().maxCoeff());
+    }
+    for (const SceneElement& element : scene.scene().elements) {
+      static_force = std::max(static_force, worst_of(element.preload));
+    }
+    // Positions that satisfy conditions are known to some 1e-12 of the scene's size, what changes of
+    // them from one sample to the next to some epsilon.
+    const double eps = 100 * std::numeric_limits<double>::epsilon(), size = scene_size(model);
+    acceleration = eps * size * fastest * fastest;
+    sigma = 1e-12 * (size * stiffest + static_force);
 }
 
 }  // namespace stillframe::random_scenes

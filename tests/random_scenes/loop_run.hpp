@@ -25,4 +25,15 @@ Signals run_loop(const Scene& scene, const tools::LoopDesign& design, const Eige
 /// sensors, disturbances.
 Scene without_nonlinear_instruments(Scene scene);
 
+/// Fastest rate of the linear plant, 1/s.
+double fastest_rate(const tools::LoopDesign& design);
+
+/// What rounding makes of a run (m/s^2, N): that of positions, of the size of the scene, in the stiffest leg
+/// and in the fastest motion, and that of the forces that balance.
+struct RunRounding {
+  double acceleration = 0, sigma = 0;
+
+  explicit RunRounding(Case& scene);
+};
+
 }  // namespace stillframe::random_scenes

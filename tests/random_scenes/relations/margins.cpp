@@ -28,9 +28,9 @@ bool stable(const LoopSettings& settings, const VectorXd& gains, const VectorXd&
   return spectral_radius(changed) < largest_stable_radius;
 }
 
-/// Margins are found to a part of 1e-6, so that a hundred of these are on the right side. A delay's
-/// is 1e-6 of a sample: it may have a limit just before a whole one and none just behind.
-constexpr double beside_gain = 1e-4, beside_delay = 1e-4;
+/// Gains are found to a part of 1e-6, delays to 1e-6 of a sample, so that some ten or a hundred of
+/// these are on the right side. A delay may have a limit 1e-3 before a whole sample and none behind.
+constexpr double beside_gain = 1e-4, beside_delay = 1e-5;
 
 /// Checks a limit on the way from `from` to it: stable at random places before it and just inside,
 /// not stable just outside. at(x): the loop x of the way.
@@ -99,7 +99,7 @@ std::optional<Finding> check_margins(Case& scene, std::uint64_t seed) {
       return stable(settings, ones, x * (std::isinf(delay) ? longest_delay : samples) * legs);
     };
     if (!std::isinf(delay)) {
-      check_limit(draws, at, beside_delay / std::max(1.0, samples), what, finding);
+      check_limit(draws, at, std::min(0.5, beside_delay / samples), what, finding);
     } else {
       for (int i = 0; i < 2; ++i)
         finding.take(at(draws.between(0, 1)) ? 0 : 1, 0.5, what + ": has a limit");
