@@ -113,6 +113,27 @@ dofs: [{deformations: beam}]
   EXPECT_NEAR(followed(refusal), most, 3e-4 * most);
 }
 
+// Its path ends at 8 % of the weight; the whole weight, from the start, has an equilibrium that
+// Newton's method contracts to by a quarter, where the tripod hangs below the points it stands on.
+TEST(Equilibrium, IsNotWhereATripodHangsThatHasSnappedThrough) {
+  EXPECT_NEAR(followed(said(R"(title: A flat tripod
+gravity: [0, 0, -9.81]
+nodes:
+  frame: {position: [0, 0, 0]}
+  floor_1: {position: [-0.209989, -0.0800989, 0.0364995]}
+  floor_2: {position: [0.0724115, 0.174476, -0.0467626]}
+  floor_3: {position: [0.274823, -0.281502, -0.198979]}
+masses: [{node: frame, mass: 189.273}]
+elements:
+  leg_1: {type: truss, nodes: [floor_1, frame], stiffness: 383830}
+  leg_2: {type: truss, nodes: [floor_2, frame], stiffness: 213370}
+  leg_3: {type: truss, nodes: [floor_3, frame], stiffness: 237755}
+supports: [{nodes: [floor_1, floor_2, floor_3], fix: [x, y, z]}]
+dofs: auto
+)")),
+              0.0805, 1e-3);  // `modes` of smaller loads: the frequency falls to nothing there
+}
+
 TEST(Equilibrium, OfAMechanismSaysWhatNothingResists) {
   const std::string text = said(R"(title: Pendulum, written level
 gravity: [0, 0, -9.81]
