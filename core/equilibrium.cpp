@@ -231,9 +231,9 @@ std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
 /// Follows the loads from zero. Adds to iterations and load_steps.
 void follow(const Model& model, Balance& balance, VectorXd& q, Equilibrium& result) {
   double reached = 0, step = 1;
-  // 2^-12 of the load is far below what a limit point leaves; below it the path has ended. The first
-  // step may be as small as a load is large.
-  while (reached < 1 && step >= (reached > 0 ? 0x1p-12 * reached : 0x1p-40)) {
+  // Towards a limit load steps shrink as what is left of it does, to a tenth or so; 2^-16 of the load
+  // is where the path has ended. The first step may be as small as a load is large.
+  while (reached < 1 && step >= (reached > 0 ? 0x1p-16 * reached : 0x1p-40)) {
     const double factor = std::min(1.0, reached + step);
     VectorXd trial = q;
     if (balance_at(balance, factor, trial, result.iterations)) {
