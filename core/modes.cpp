@@ -71,10 +71,14 @@ bool is_stable(const LinearModel& model) {
   return values(0) >= -1e-12 * values.cwiseAbs().maxCoeff();
 }
 
-/// Of the parts that are not symmetric by construction.
+/// Of the parts that are not symmetric by construction, on a unit diagonal: so that neither units
+/// nor the choice of dofs have a say.
 bool is_symmetric(const LinearModel& model) {
-  const MatrixXd S = model.N + model.G;
-  return (S - S.transpose()).norm() <= 1e-9 * S.norm() + 1e-14 * model.K.norm();
+  const VectorXd scale = model.stiffness().diagonal().unaryExpr(
+      [](double k) { return k != 0 ? 1 / std::sqrt(std::abs(k)) : 1.0; });
+  const MatrixXd S = scale.asDiagonal() * (model.N + model.G) * scale.asDiagonal();
+  const MatrixXd K = scale.asDiagonal() * model.K * scale.asDiagonal();
+  return (S - S.transpose()).norm() <= 1e-9 * S.norm() + 1e-14 * K.norm();
 }
 
 /// Of an undamped model at rest: exact conjugates on the imaginary axis.

@@ -5,11 +5,14 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/dynamics.hpp"
+#include "core/equilibrium.hpp"
 #include "core/frequency_response.hpp"
 #include "core/modes.hpp"
+#include "core/node_moves.hpp"
 #include "core/operating_point.hpp"
 #include "tools/scene_design.hpp"
 
@@ -136,7 +139,32 @@ MatrixXd rounding_of(const LinearModel& l, const Levers& levers, Complex s, doub
   return mass_condition * kappa * (y * b.transpose() / smallest + parts.D.cwiseAbs());
 }
 
+/// How far what is out of balance at the operating point moves a node, over the shortest element.
+double misplaced(const Scene& scene, const Model& model, const NominalMotion& nominal,
+                 const LinearModel& linear) {
+  Data data(model);
+  nominal.place(data);
+  VectorXd f;
+  if (!out_of_balance(model, data, nominal, f)) return 1;
+  return largest_move(model, data.DF * motion_against(linear.stiffness(), f)) *
+         scene_size(model) / shortest_element(scene);
+}
+
 }  // namespace
+
+double shortest_element(const Scene& scene) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto at = [&](const std::string& name) {
+    return std::find_if(scene.nodes.begin(), scene.nodes.end(),
+                        [&](const SceneNode& node) { return node.name == name; })
+        ->position;
+  };
+  for (const SceneElement& element : scene.elements) {
+    const double length = (at(element.node_p) - at(element.node_q)).norm();
+    if (length > 0) least = std::min(least, length);
+  }
+  return least;
+}
 
 std::vector<Complex> places(Case& scene) {
   const VectorXd f = modes(scene.linear()).eigenvalues.cwiseAbs();
@@ -152,8 +180,10 @@ std::vector<Complex> places(Case& scene) {
 
 Answers answers(const Scene& scene, const std::vector<Complex>& at) {
   const Model model = make_model(scene);
-  const LinearModel linear = linearise(model, scene.inputs, scene.outputs);
+  const NominalMotion nominal = nominal_motion(model);
+  const LinearModel linear = linearise(model, nominal, scene.inputs, scene.outputs);
   Answers out;
+  out.misplaced = misplaced(scene, model, nominal, linear);
   const Modes found = modes(linear);
   const double mass_condition = scaled_condition(linear.M);
   out.squares = (2 * std::numbers::pi * found.natural_frequencies_hz).cwiseAbs2();
@@ -229,12 +259,15 @@ Finding compare(const Scene& scene, const Answers& a, const Answers& b, double e
                 const Units& units) {
   Finding finding;
   const double per_square = units.time * units.time;
+  // Some ten times what is seen to be left: it was found from there.
+  const double misplaced = 10 * (a.misplaced + b.misplaced);
   if (a.squares.size() != b.squares.size()) {
     finding.take(1, 0, "number of natural frequencies");
     return finding;
   }
   for (Index i = 0; i < a.squares.size(); ++i) {
-    const double scale = eps * (a.squares_rounding + b.squares_rounding * per_square);
+    const double scale = eps * (a.squares_rounding + b.squares_rounding * per_square) +
+                         misplaced * a.squares.maxCoeff();
     finding.take(std::abs(a.squares(i) - b.squares(i) * per_square), scale,
                  "natural frequency " + std::to_string(i + 1));
   }
@@ -246,13 +279,14 @@ Finding compare(const Scene& scene, const Answers& a, const Answers& b, double e
                           &output = scene.outputs[static_cast<size_t>(i)];
         const double factor = units.of(input, scene) / units.of(output, scene);
         finding.take(std::abs(p.G(i, j) - q.G(i, j) * factor),
-                     eps * (p.rounding(i, j) + q.rounding(i, j) * factor),
+                     eps * (p.rounding(i, j) + q.rounding(i, j) * factor) +
+                         misplaced * std::abs(p.G(i, j)),
                      "transfer function from " + input.name + " to " + output.name);
       }
     }
   }
   if (a.K_P.size() == 0) return finding;
-  const double gains = eps * (a.gains_rounding + b.gains_rounding);
+  const double gains = eps * (a.gains_rounding + b.gains_rounding) + misplaced;
   finding.take((a.K_P - b.K_P).cwiseAbs().maxCoeff(), gains * (1 + a.K_P.cwiseAbs().maxCoeff()),
                "K_P");
   finding.take((a.K_I - b.K_I * units.time).cwiseAbs().maxCoeff(),

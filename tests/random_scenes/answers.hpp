@@ -23,7 +23,11 @@ struct Answers {
   Eigen::MatrixXd K_P, K_I;   ///< of the design, m x m, 1 and 1/s; empty without a loop
   double gains_rounding = 0;  ///< relative to the largest of them, for one eps
   double radius = 0;          ///< spectral radius of the sampled loop
+  double misplaced = 0;  ///< error of the operating point, over the shortest element
 };
+
+/// Length of the shortest element that has one, m.
+double shortest_element(const Scene& scene);
 
 /// Complex frequencies (1/s) about the natural ones, damped by a half so that no resonance
 /// magnifies rounding.

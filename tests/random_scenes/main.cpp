@@ -106,7 +106,8 @@ class Run {
     }
     if (!refused.empty()) {
       const std::lock_guard lock(mutex_);
-      ++refused_[refused.substr(0, 60)];
+      // Without the numbers and names of the scene.
+      ++refused_[refused.substr(0, std::min(refused.find_first_of("0123456789:"), refused.find(" of leg_")))];
       return;
     }
     for (size_t i = 0; i < relations_.size(); ++i) {

@@ -15,29 +15,19 @@ Finding compare_with(Case& scene, const Scene& other, double eps, const Units& u
   return compare(scene.scene(), own_answers(scene), answers(other, at_other), eps, units);
 }
 
-/// How far a scene reaches, and its shortest element.
-std::pair<double, double> reach(const Scene& scene) {
-  double far = 0, least = std::numeric_limits<double>::infinity();
-  const auto at = [&](const std::string& name) {
-    return std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                        [&](const SceneNode& node) { return node.name == name; })
-        ->position;
-  };
+/// How far a scene reaches from the origin.
+double reach(const Scene& scene) {
+  double far = 0;
   for (const SceneNode& node : scene.nodes) far = std::max(far, node.position.norm());
-  for (const SceneElement& element : scene.elements) {
-    const double length = (at(element.node_p) - at(element.node_q)).norm();
-    if (length > 0) least = std::min(least, length);
-  }
-  return {far, least};
+  return far;
 }
 
 /// Roundings of some ten operations with each number in each of some ten steps, as both formulations sum over all elements,
 /// and of positions: they carry eps of their distance from the origin, or of that at which they are
 /// `shifted` to, into the lengths of elements.
 double few_eps(const Scene& scene, double shifted = 0) {
-  const auto [far, least] = reach(scene);
   return 100 * static_cast<double>(scene.elements.size() + 1) *
-         std::numeric_limits<double>::epsilon() * (1 + (far + shifted) / least);
+         std::numeric_limits<double>::epsilon() * (1 + (reach(scene) + shifted) / shortest_element(scene));
 }
 
 }  // namespace
@@ -46,7 +36,7 @@ std::optional<Finding> check_placement(Case& scene, std::uint64_t seed) {
   Draws draws(seed);
   const bool planar = scene.scene().planar;
   const Eigen::Matrix3d Q = draws.rotation(planar);
-  const Eigen::Vector3d t = 3 * reach(scene.scene()).first * draws.point(planar);
+  const Eigen::Vector3d t = 3 * reach(scene.scene()) * draws.point(planar);
   return compare_with(scene, moved(scene.scene(), Q, t), few_eps(scene.scene(), t.norm()));
 }
 

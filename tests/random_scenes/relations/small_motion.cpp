@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <limits>
 
 #include "core/worst.hpp"
+#include "tests/random_scenes/answers.hpp"
 #include "tests/random_scenes/generator/draws.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"
@@ -19,21 +19,6 @@ double difference(const Signals& a, const Signals& b, const RunRounding& roundin
   };
   return worst_of(relative(a.sigma, b.sigma, rounding.sigma),
                   relative(a.acceleration, b.acceleration, rounding.acceleration));
-}
-
-/// The shortest element, m.
-double shortest(const Scene& scene) {
-  double least = std::numeric_limits<double>::infinity();
-  const auto at = [&](const std::string& name) {
-    return std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                        [&](const SceneNode& node) { return node.name == name; })
-        ->position;
-  };
-  for (const SceneElement& element : scene.elements) {
-    const double length = (at(element.node_p) - at(element.node_q)).norm();
-    if (length > 0) least = std::min(least, length);
-  }
-  return least;
 }
 
 }  // namespace
@@ -59,7 +44,7 @@ std::optional<Finding> check_small_motion(Case& scene, std::uint64_t seed) {
                       run_loop(linear, scene.design(), floor, false), rounding);
   };
   // Steps of the floor of a hundred-thousandth of the shortest element, and sixteen times less.
-  const double step = 1e-5 * shortest(ideal);
+  const double step = 1e-5 * shortest_element(ideal);
   const double large = nonlinearity(step), small = nonlinearity(step / 16);
   Finding finding;
   // What is left of the motion by the first power of its size: a sixteenth, and half as much again
