@@ -2,8 +2,10 @@
 
 #include <map>
 
+#include "core/operating_point.hpp"
 #include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
+#include "plant_sim/motion/minimal_equations.hpp"
 #include "tests/plant_sim/motion_rig.hpp"
 
 namespace stillframe::test {
@@ -409,6 +411,38 @@ TEST(PlantStiffness, CostsNothingWhereItIsLinear) {
   RecordProperty("soft", std::to_string(soft));
   RecordProperty("stiff", std::to_string(stiff));
   EXPECT_LT(stiff, 3 * soft);
+}
+
+/// Nothing acts and nothing is prescribed to move.
+class Rest final : public Inputs {
+ public:
+  void at(double, Eigen::VectorXd& q_r, Eigen::VectorXd& q_r_dot, Eigen::VectorXd& q_r_ddot,
+          Eigen::VectorXd& sigma_a) const noexcept override {
+    for (Eigen::VectorXd* values : {&q_r, &q_r_dot, &q_r_ddot, &sigma_a}) values->setZero();
+  }
+  const Eigen::VectorXd& external() const noexcept override { return none_; }
+
+ private:
+  Eigen::VectorXd none_;
+};
+
+// A solver tries a step that leads nowhere and then a shorter one: that starts where the last good
+// one was, not where the first was given up.
+TEST(MinimalEquations, GoOnAfterAPositionThatCannotBeReached) {
+  const Model model = make_model(frame_scene());
+  const NominalMotion nominal = nominal_motion(model);
+  MinimalEquations fresh(model, nominal, {}, 0), tried(model, nominal, {}, 0);
+  const Rest rest;
+  Eigen::VectorXd near = fresh.start(), far = near, expected(near.size()), found(near.size());
+  near(0) = 1e-5;
+  ASSERT_TRUE(fresh.evaluate(rest, 0, near, expected));
+  for (const double elongation : {2.0, -2.0, 30.0}) {
+    far(0) = elongation;
+    EXPECT_FALSE(tried.evaluate(rest, 0, far, found)) << elongation;
+    ASSERT_TRUE(tried.evaluate(rest, 0, near, found)) << elongation;
+    // Positions are solved for to some epsilon, from wherever.
+    EXPECT_LE((found - expected).norm(), 1e-9 * expected.norm()) << elongation;
+  }
 }
 
 }  // namespace
