@@ -105,7 +105,7 @@ std::optional<Finding> check_dofs(Case& scene, std::uint64_t seed) {
   const MatrixXd change = there * here.partialPivLu().inverse();
   if (!((change - MatrixXd::Identity(model.n_d, model.n_d)).norm() <= 0.5)) return std::nullopt;
   const auto at = places(scene);
-  const double eps = 100 * static_cast<double>(all.size()) * std::numeric_limits<double>::epsilon();
+  const double eps = 10 * static_cast<double>(all.size()) * std::numeric_limits<double>::epsilon();
   return compare(scene.scene(), own_answers(scene), answers(other, at), eps);
 }
 
