@@ -73,6 +73,7 @@ void print_page(const Scene& scene, const LinearModel& linear, const Modes& resu
 void print_json(const Scene& scene, const LinearModel& linear, const Modes& result) {
   print({{"scene", scene.title},
          {"scene_hash", scene.hash},
+         {"operating_point", operating_point_in_words(scene)},
          {"dofs", linear.q_names},
          {"moving", result.moving},
          {"natural_frequencies_hz", to_json(result.natural_frequencies_hz)},
@@ -106,7 +107,7 @@ void add_modes(CLI::App& app, int& exit_code) {
   verb->footer(
       "At rest an unstable scene is refused; in motion its growing eigenvalues are printed.\n"
       "Keys of --json:\n"
-      "  scene, scene_hash, dofs, moving\n"
+      "  scene, scene_hash, operating_point, dofs, moving\n"
       "  natural_frequencies_hz  of (K + N + G) v = omega^2 M v, upwards; empty where that has no\n"
       "                          solution (stiffness not symmetric, or not positive in motion)\n"
       "  eigenvalues             [re, im] in rad/s, of the whole model, in pairs by modulus\n"

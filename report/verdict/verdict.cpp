@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files/whole_file.hpp"
+#include "core/worst.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/spectra/spectra.hpp"
 
@@ -31,7 +32,7 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
           .open_at_hz = open.at_frequency_hz,
           .closed_largest_db = closed.largest_db,
           .closed_at_hz = closed.at_frequency_hz,
-          .beyond_db = std::max(open.beyond_db, closed.beyond_db),
+          .beyond_db = worst_of(open.beyond_db, closed.beyond_db),
           .reduction_above_hz = reduction_above_hz,
           .n_reduction_frequencies = static_cast<int>(reduction.n_frequencies),
           .n_closed_below_open = static_cast<int>(reduction.n_below),

@@ -35,4 +35,11 @@ std::optional<LoopTarget> target_of(const LoopDesign& design) {
                     .damping_ratio = damping / (2 * omega)};
 }
 
+FrequencyRange axis_of(const LoopDesign& design) {
+  std::vector<double> targets_hz = design.gains.target_hz;
+  const auto target = targets_hz.empty() ? target_of(design) : std::nullopt;
+  if (target) targets_hz.push_back(target->frequency_hz);
+  return axis_of(design, targets_hz);
+}
+
 }  // namespace stillframe::tools

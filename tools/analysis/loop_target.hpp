@@ -14,4 +14,8 @@ struct LoopTarget {
 };
 std::optional<LoopTarget> target_of(const LoopDesign& design);
 
+/// What an axis of frequency of a recorded run shows: by the targets its gains file names, or the
+/// one that its gains aim at.
+FrequencyRange axis_of(const LoopDesign& design);
+
 }  // namespace stillframe::tools

@@ -44,9 +44,7 @@ const LoopDesign* design_of(const RunAnalyses& runs) {
 
 /// Fine enough for the resonances of a frame without damping.
 std::vector<double> prediction_grid(const LoopDesign& design) {
-  std::vector<double> targets_hz;
-  if (const auto target = target_of(design)) targets_hz.push_back(target->frequency_hz);
-  const FrequencyRange range = axis_of(design, targets_hz);
+  const FrequencyRange range = axis_of(design);
   return list_of(logarithmic_frequencies(range.lowest_hz, range.highest_hz, 600));
 }
 

@@ -1,7 +1,6 @@
 #include "tools/analysis/prediction_checks.hpp"
 
-#include <algorithm>
-
+#include "core/worst.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -15,7 +14,7 @@ namespace {
 
 Check check_of(report::IdentificationSummary id, std::optional<double> prediction_db) {
   if (prediction_db) id.allowed_db = *prediction_db;
-  const double largest = std::max(id.open_largest_db, id.closed_largest_db);
+  const double largest = worst_of(id.open_largest_db, id.closed_largest_db);
   const std::string below = cell("%d of %d", id.n_closed_below_open, id.n_reduction_frequencies);
   return {
       .subject = Subject::prediction,

@@ -9,6 +9,7 @@
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "plant_sim/floor/floor_block.hpp"
+#include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/response_prediction.hpp"
 
 namespace stillframe::tools {
@@ -122,12 +123,26 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::str
   return run;
 }
 
+namespace {
+
+/// Above 0.4 of the rate an estimate says little: a sensor's filter and folding are in it.
+FrequencyRange shown(const RecordedRun& run, const stillframe_msgs::run_info_t& info) {
+  FrequencyRange range =
+      run.design ? axis_of(*run.design) : frequency_range({}, {}, info.sample_rate_hz);
+  range.highest_hz = std::min(range.highest_hz, 0.4 * info.sample_rate_hz);
+  range.lowest_hz = std::min(range.lowest_hz, range.highest_hz / 10);
+  return range;
+}
+
+}  // namespace
+
 report::AnalysisPlan analysis_plan(const RecordedRun& run,
                                    const stillframe_msgs::run_info_t& info) {
   report::AnalysisPlan plan;
   plan.multisine = run.multisine;
-  const double highest = std::min(200.0, 0.4 * info.sample_rate_hz);
-  const Eigen::VectorXd frequencies = logarithmic_frequencies(0.5, std::max(highest, 1.0), 50);
+  const FrequencyRange range = shown(run, info);
+  const Eigen::VectorXd frequencies =
+      logarithmic_frequencies(range.lowest_hz, range.highest_hz, 50);
   plan.frequencies_hz.assign(frequencies.begin(), frequencies.end());
   if (!run.design) {
     plan.unmodelled = run.unreadable;
