@@ -113,7 +113,7 @@ class OwnSocket : public Way {
 
 class Stream : public Way {
  public:
-  explicit Stream(const controller::Policy& policy) : stream_(url, run(), policy) {}
+  explicit Stream(const controller::Policy& policy) : stream_(url, run(), 1, policy) {}
   bool send(const controller::Command& command) noexcept override {
     const std::int64_t before = stream_.n_commands_dropped();
     stream_.send(command);

@@ -142,8 +142,7 @@ class Period {
       : T_ns_(static_cast<std::int64_t>(1e9 / gains.sample_rate_hz)),
         sigma_(gains.n_legs()),
         io_(gains.n_legs()),
-        supervisor_(law_from_gains(gains), policy_, gains.sample_rate_hz, gains.force_limit_n,
-                    true),
+        supervisor_(gains, policy_, true),
         loop_(io_, supervisor_, policy_, {.sample_rate_hz = gains.sample_rate_hz, .phase = 0.5}) {
     measurement_.sigma = measurement_.applied = command_.force = VectorXd::Zero(gains.n_legs());
   }

@@ -62,6 +62,7 @@ class Pinger {
     lcm_->subscribe(channels::command, &Pinger::on_command, this);
     lcm_->subscribe(channels::run_state, &Pinger::on_state, this);
     message_.run_id = info.run_id;
+    message_.plant_instance = info.plant_instance;
     message_.n_floor = info.n_floor;
     message_.n_legs = info.n_legs;
     message_.n_frame = info.n_frame;
@@ -75,6 +76,7 @@ class Pinger {
   /// Until the controller is ready; an echo needs none of it.
   void shake_hands() {
     for (int i = 0; i < 200 && !ready_; ++i) {
+      say(run_state_t::WAITING);
       lcm_->publish(channels::run_info, &info_);
       handle_one(*lcm_, 50);
     }
@@ -83,7 +85,12 @@ class Pinger {
   }
 
   void say(std::int32_t state) {
-    const run_state_t message{info_.run_id, "plant", state, 0, ""};
+    run_state_t message{};
+    message.run_id = info_.run_id;
+    message.plant_instance = message.instance = info_.plant_instance;
+    message.sent_ns = monotonic_ns();
+    message.source = "plant";
+    message.state = state;
     lcm_->publish(channels::run_state, &message);
   }
 
@@ -102,11 +109,10 @@ class Pinger {
   }
 
  private:
-  // Run and number stand at the same place in both types, which is all that an echo leaves to
-  // check.
+  // The number stands at the same place in both types, which is all that an echo leaves to check.
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string&) {
     std::int64_t seq = -1;
-    __int64_t_decode_array(buffer->data, 16, static_cast<int>(buffer->data_size) - 16, &seq, 1);
+    __int64_t_decode_array(buffer->data, 32, static_cast<int>(buffer->data_size) - 32, &seq, 1);
     if (seq == message_.seq) answered_ns_ = monotonic_ns();
   }
   void on_state(const lcm::ReceiveBuffer*, const std::string&, const run_state_t* message) {
@@ -127,6 +133,7 @@ class Pinger {
 run_info_t run_of(const controller::Gains& gains) {
   run_info_t info{};
   info.run_id = 1;
+  info.plant_instance = 1;
   info.format_version = 1;
   info.scene_name = "round trip";
   info.scene_hash = gains.scene_hash;

@@ -21,7 +21,6 @@ namespace {
 
 using namespace stillframe;
 using namespace stillframe_msgs;
-using report::decode;
 
 struct Options {
   std::string log;

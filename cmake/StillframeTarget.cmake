@@ -6,6 +6,7 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 
 option(STILLFRAME_WARNINGS_AS_ERRORS "Treat compiler warnings as errors" OFF)
+option(STILLFRAME_FUZZ "Build the fuzz targets, with clang, and nothing else" OFF)
 set(STILLFRAME_SANITIZE "" CACHE STRING "Sanitizers to compile with, as in -fsanitize=...")
 
 if(NOT CMAKE_BUILD_TYPE)
@@ -21,8 +22,8 @@ endif()
 
 add_library(stillframe_settings INTERFACE)
 target_compile_options(stillframe_settings INTERFACE -Wall -Wextra -Wpedantic -Wshadow
-  -Wno-restrict  # GCC 12 warns of std::string concatenation where there is nothing (its bug 105329)
-  $<$<BOOL:${CCACHE_PROGRAM}>:-fpch-preprocess>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # GCC 12 warns of std::string concatenation where there is nothing (its bug 105329)
+  $<$<AND:$<BOOL:${CCACHE_PROGRAM}>,$<CXX_COMPILER_ID:GNU>>:-fpch-preprocess>
   $<$<BOOL:${STILLFRAME_WARNINGS_AS_ERRORS}>:-Werror>)
 if(STILLFRAME_SANITIZE)
   target_compile_options(stillframe_settings INTERFACE -fsanitize=${STILLFRAME_SANITIZE}

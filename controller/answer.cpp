@@ -8,9 +8,13 @@ using Eigen::Map;
 using Eigen::VectorXd;
 
 Answer::Answer(DiscreteLaw law, std::optional<double> force_limit, bool active)
-    : law_(std::move(law)), safety_(force_limit), active_(active) {}
+    : law_(std::move(law)),
+      // Without a rate or a power the gate does not depend on the sample time.
+      limits_(force_limit, Policy{}, law_.n_legs(), 1.0),
+      active_(active) {}
 
 void Answer::prepare(stillframe_msgs::command_t& command) const {
+  command.instance = command.sent_ns = 0;
   command.n_legs = static_cast<std::int32_t>(law_.n_legs());
   command.force.assign(static_cast<size_t>(law_.n_legs()), 0.0);
 }
@@ -21,24 +25,25 @@ void Answer::answer(const stillframe_msgs::measurement_t& measurement,
   const Map<const VectorXd> applied(measurement.applied_force.data(), law_.n_legs());
   Map<VectorXd> force(command.force.data(), law_.n_legs());
   command.run_id = measurement.run_id;
+  command.plant_instance = measurement.plant_instance;
   command.seq = measurement.seq;
   command.time_ns = measurement.time_ns;
   command.saturated = 0;
   force.setZero();
-  if (!Safety::is_finite(sigma) || !Safety::is_finite(applied)) {
+  if (!sigma.allFinite() || !applied.allFinite()) {
     ++n_fallback_;
     return;
   }
   if (!active_) return;
   law_.step_over(last_seq_ < 0 ? 1 : measurement.seq - last_seq_, sigma, applied, force);
   last_seq_ = measurement.seq;
-  if (!Safety::is_finite(force) || !Safety::is_finite(law_.state())) {
+  if (!force.allFinite() || !law_.state().allFinite()) {
     force.setZero();
     law_.reset();
     ++n_fallback_;
     return;
   }
-  if (safety_.saturate(force)) {
+  if (limits_.pass(force)) {
     command.saturated = 1;
     ++n_saturated_;
   }

@@ -4,16 +4,16 @@
 #include <cstdint>
 
 #include "controller/law.hpp"
-#include "controller/safety.hpp"
+#include "controller/limits.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 
 namespace stillframe::controller {
 
 /// One measurement in, one command out: finiteness, the law (over the samples that were missed,
-/// told by seq), finiteness again, saturation. A value that is not finite, before or after the law,
-/// commands zero force and is counted; after the law it also sets the law back to rest, because its
-/// state is lost. Construction is set-up; answer is hot: noexcept, no allocation.
+/// told by seq), finiteness again, the last gate. A value that is not finite, before or after the
+/// law, commands zero force and is counted; after the law it also sets the law back to rest,
+/// because its state is lost. Construction is set-up; answer is hot: noexcept, no allocation.
 class Answer {
  public:
   /// active: false commands zero force and never runs the law. Errors: std::invalid_argument.
@@ -34,7 +34,7 @@ class Answer {
 
  private:
   Law law_;
-  Safety safety_;
+  Limits limits_;
   bool active_;
   std::int64_t n_fallback_ = 0, n_saturated_ = 0, last_seq_ = -1;
 };

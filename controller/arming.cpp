@@ -45,7 +45,7 @@ Fault Arming::judge(Ref<VectorXd> offset) const noexcept {
     const double mean = sums_.row(i).mean() / batch;
     const double scatter = (sums_.row(i).array() / batch - mean).square().sum();
     const double standard_error = std::sqrt(scatter / (n_batches * (n_batches - 1)));
-    if (std::abs(mean) <= 3 * standard_error) continue;
+    if (std::abs(mean) <= sure * standard_error) continue;
     if (std::abs(mean) > offset_limit_) return Fault::offset;
     offset(i) = mean;
   }

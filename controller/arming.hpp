@@ -7,15 +7,18 @@
 namespace stillframe::controller {
 
 /// What is looked at before the loop takes hold: n samples of sigma, whether every sensor moves in
-/// them, and the offset of each. The samples are taken in eight batches; a mean over all counts as
-/// an offset only if it exceeds three times its own standard error, told by the scatter of the
-/// means of the batches: a wrong offset would be worse than none, because the loop gives the frame
-/// K_I / omega_l times as much. Construction is set-up; the rest is hot: noexcept, no allocation.
+/// them, and the offset of each: the mean, taken for one only if it exceeds `sure` times its own
+/// standard error, told by the scatter of the means of sixteen batches: a wrong offset would be
+/// worse than none, because the loop gives the frame K_I / omega_l times as much. Construction is
+/// set-up; the rest is hot: noexcept, no allocation.
 class Arming {
  public:
-  static constexpr Eigen::Index n_batches = 8;
+  static constexpr Eigen::Index n_batches = 16;
+  /// Student's t of 15 degrees of freedom is beyond it once in 9200: six legs, once in 1500
+  /// armings.
+  static constexpr double sure = 5.2;
 
-  /// m legs. Errors: std::invalid_argument if the arming time has fewer than eight samples.
+  /// m legs. Errors: std::invalid_argument if the arming time has fewer samples than batches.
   Arming(Eigen::Index m, const Policy& policy, double sample_rate_hz);
 
   void restart() noexcept { n_ = 0; }
@@ -35,7 +38,7 @@ class Arming {
   bool require_motion_;
   double offset_limit_;
   Eigen::VectorXd first_, moved_;  ///< m; moved: 1 once it has
-  Eigen::MatrixXd sums_;           ///< m x 8
+  Eigen::MatrixXd sums_;           ///< m x n_batches
 };
 
 }  // namespace stillframe::controller

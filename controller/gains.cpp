@@ -1,9 +1,13 @@
 #include "controller/gains.hpp"
 
+#include <cmath>
 #include <numbers>
 #include <set>
 
+#include "controller/gains_bounds.hpp"
 #include "core/yaml/instruments_block.hpp"
+#include "core/yaml/loop_numbers.hpp"
+#include "core/yaml/ranges.hpp"
 
 namespace stillframe::controller {
 
@@ -19,7 +23,10 @@ std::vector<std::string> read_legs(const YamlReader& reader) {
     if (!seen.insert(leg).second) item.fail("found \"" + leg + "\" twice, leg names are unique");
     legs.push_back(leg);
   }
-  if (legs.empty()) reader.fail("found an empty list, allowed is one leg name or more");
+  if (legs.empty() || static_cast<Index>(legs.size()) > largest_loop) {
+    reader.fail("found " + std::to_string(legs.size()) + " names, allowed are 1 to " +
+                std::to_string(largest_loop));
+  }
   return legs;
 }
 
@@ -32,20 +39,50 @@ Realisation read_realisation(const YamlReader& reader) {
                                                       : Realisation::naive_pi;
 }
 
-std::optional<double> read_optional_positive(const YamlReader& reader, const std::string& key) {
-  const auto found = reader.find(key);
-  if (!found) return std::nullopt;
-  return found->positive();
+Eigen::MatrixXd read_matrix(const YamlReader& reader, Index rows, Index cols) {
+  const Eigen::MatrixXd matrix = reader.matrix(rows, cols);
+  for (Index i = 0; i < rows; ++i) {
+    for (Index j = 0; j < cols; ++j) {
+      if (std::abs(matrix(i, j)) <= largest_entry) continue;
+      const auto row = reader.items()[static_cast<size_t>(i)].items();
+      number_within(row[static_cast<size_t>(j)], -largest_entry, largest_entry);
+    }
+  }
+  return matrix;
 }
 
 PassivePlant read_plant(const YamlReader& reader, Index n_legs) {
-  reader.allow_only({"A", "B", "C"});
+  reader.allow_only({"hash", "A", "B", "C", "B_w"});
   const YamlReader A = reader.require("A");
   const auto n = static_cast<Index>(A.items().size());
   if (n == 0) A.fail("found no rows, the plant has one state or more");
-  return {.A = A.matrix(n, n),
-          .B = reader.require("B").matrix(n, n_legs),
-          .C = reader.require("C").matrix(n_legs, n)};
+  if (n > largest_loop) {
+    A.fail("found " + std::to_string(n) + " rows, allowed are up to " +
+           std::to_string(largest_loop));
+  }
+  PassivePlant plant{.A = read_matrix(A, n, n),
+                     .B = read_matrix(reader.require("B"), n, n_legs),
+                     .C = read_matrix(reader.require("C"), n_legs, n),
+                     .B_w = Eigen::MatrixXd::Zero(n, 0)};
+  if (const auto floor = reader.find("B_w")) {
+    const auto rows = floor->items();
+    if (rows.empty()) floor->fail("found no rows, allowed is one for each state");
+    plant.B_w = read_matrix(*floor, n, static_cast<Index>(rows.front().items().size()));
+  }
+  return plant;
+}
+
+/// What a design wrote into the file it knows again: a plant that was changed since by hand, disk
+/// or wire would judge another loop than the one that runs.
+void check_plant_hash(const YamlReader& plant, const Gains& gains) {
+  const auto written = plant.find("hash");
+  if (!written) return;
+  const std::string found = plant_hash(gains);
+  if (written->text() == found) return;
+  written->fail("found " + written->text() +
+                ", but legs, scene_hash and the matrices that stand here have " + found +
+                ": they are not those that were designed. `stillframe design --out` writes "
+                "them anew; a plant that is meant to be another one has no hash");
 }
 
 Gains read(const YamlReader& reader) {
@@ -57,23 +94,40 @@ Gains read(const YamlReader& reader) {
   Gains gains;
   gains.scene_hash = reader.require("scene_hash").text();
   gains.legs = read_legs(reader.require("legs"));
-  gains.sample_rate_hz = reader.require("sample_rate_hz").positive();
-  gains.delay_samples = reader.require("delay_samples").non_negative();
+  gains.sample_rate_hz =
+      number_within(reader.require("sample_rate_hz"), lowest_rate_hz, highest_rate_hz);
+  gains.delay_samples = number_within(reader.require("delay_samples"), 0, longest_delay_samples);
   if (const auto targets = reader.find("target_hz")) {
     for (const YamlReader& target : targets->items()) {
-      gains.target_hz.push_back(target.positive());
+      gains.target_hz.push_back(positive_up_to(target, highest_hz));
     }
   }
   gains.realisation = read_realisation(reader.require("realisation"));
-  gains.leak_hz = reader.require("leak_hz").non_negative();
-  if (const auto corner = reader.find("high_pass_hz")) gains.high_pass_hz = corner->non_negative();
-  if (const auto lead = reader.find("lead_samples")) gains.lead_samples = lead->non_negative();
-  gains.roll_off_hz = read_optional_positive(reader, "roll_off_hz");
-  gains.force_limit_n = read_optional_positive(reader, "force_limit_n");
+  gains.leak_hz = number_within(reader.require("leak_hz"), 0, highest_hz);
+  if (const auto corner = reader.find("high_pass_hz")) {
+    gains.high_pass_hz = number_within(*corner, 0, highest_hz);
+  }
+  if (const auto lead = reader.find("lead_samples")) {
+    gains.lead_samples = number_within(*lead, 0, longest_lead_samples);
+  }
+  if (const auto corner = reader.find("roll_off_hz")) {
+    gains.roll_off_hz = positive_up_to(*corner, highest_hz);
+  }
+  if (const auto limit = reader.find("force_limit_n")) {
+    gains.force_limit_n = positive_up_to(*limit, largest_force_n);
+  }
   if (const auto block = reader.find("instruments")) gains.instruments = read_instruments(*block);
-  gains.K_P = reader.require("K_P").matrix(gains.n_legs(), gains.n_legs());
-  gains.K_I = reader.require("K_I").matrix(gains.n_legs(), gains.n_legs());
-  gains.plant = read_plant(reader.require("plant"), gains.n_legs());
+  gains.K_P = read_matrix(reader.require("K_P"), gains.n_legs(), gains.n_legs());
+  gains.K_I = read_matrix(reader.require("K_I"), gains.n_legs(), gains.n_legs());
+  const YamlReader plant = reader.require("plant");
+  gains.plant = read_plant(plant, gains.n_legs());
+  check_plant_hash(plant, gains);
+  if (most_loop_states(gains) > largest_loop) {
+    reader.fail("found a loop of " + std::to_string(most_loop_states(gains)) +
+                " states (plant, law, and what is under way by delay_samples and "
+                "report_age_samples), allowed are up to " +
+                std::to_string(largest_loop));
+  }
   return gains;
 }
 
@@ -81,6 +135,13 @@ Gains read(const YamlReader& reader) {
 
 std::string_view to_text(Realisation realisation) {
   return realisation == Realisation::implicit_feedthrough ? "implicit_feedthrough" : "naive_pi";
+}
+
+Index most_loop_states(const Gains& gains) {
+  // Of each leg: lag and filter, the law with leak, high-pass, roll-off and lead, the force that is
+  // held, the filtered report, and what is under way.
+  const double per_leg = 8 + std::ceil(gains.delay_samples) + gains.instruments.report_age_samples;
+  return gains.plant.A.rows() + gains.n_legs() * static_cast<Index>(per_leg);
 }
 
 ForceFeedback Gains::feedback() const {

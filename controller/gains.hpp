@@ -15,11 +15,13 @@ namespace stillframe::controller {
 /// The word that stands for a realisation in a gains file.
 std::string_view to_text(Realisation realisation);
 
-/// The passive plant as the legs see it, n states z, m legs, u the leg forces sigma_a (N):
-///   dz/dt = A z + B u,   sigma = C z + u.
-/// A: n x n, B: n x m, C: m x n (N per unit of state).
+/// The passive plant as the legs see it, n states z, m legs, u the leg forces sigma_a (N), w the p
+/// accelerations of the floor (m/s^2):
+///   dz/dt = A z + B u + B_w w,   sigma = C z + u.
+/// A: n x n, B: n x m, C: m x n (N per unit of state), B_w: n x p; without columns where what the
+/// floor does to the legs is not known, or not by its acceleration alone.
 struct PassivePlant {
-  Eigen::MatrixXd A, B, C;
+  Eigen::MatrixXd A, B, C, B_w;
 };
 
 /// The contents of a gains file: all that the controller needs to know of a design, for m legs.

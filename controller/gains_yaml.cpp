@@ -1,7 +1,9 @@
 #include <array>
 #include <charconv>
+#include <cstdint>
+#include <cstdio>
 
-#include "controller/gains.hpp"
+#include "controller/gains_bounds.hpp"
 
 namespace stillframe::controller {
 
@@ -65,6 +67,19 @@ std::string instruments_block(const Instruments& has) {
 
 }  // namespace
 
+std::string plant_hash(const Gains& gains) {
+  std::string text = gains.scene_hash + names(gains.legs);
+  for (const Eigen::MatrixXd* M :
+       {&gains.plant.A, &gains.plant.B, &gains.plant.C, &gains.plant.B_w}) {
+    text += rows(*M, "");
+  }
+  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+  for (const unsigned char byte : text) hash = (hash ^ byte) * 1099511628211ULL;
+  char hex[17];
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
+  return hex;
+}
+
 std::string to_yaml(const Gains& gains) {
   std::string out = "stillframe_gains: 1\n";
   out += "scene_hash: " + quoted(gains.scene_hash) + "\n";
@@ -86,9 +101,11 @@ std::string to_yaml(const Gains& gains) {
   out += "K_P:\n" + rows(gains.K_P, "  ");
   out += "K_I:\n" + rows(gains.K_I, "  ");
   out += "plant:\n";
+  out += "  hash: " + quoted(plant_hash(gains)) + "\n";
   out += "  A:\n" + rows(gains.plant.A, "    ");
   out += "  B:\n" + rows(gains.plant.B, "    ");
   out += "  C:\n" + rows(gains.plant.C, "    ");
+  if (gains.plant.B_w.cols() > 0) out += "  B_w:\n" + rows(gains.plant.B_w, "    ");
   return out;
 }
 

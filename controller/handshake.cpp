@@ -14,6 +14,9 @@ using stillframe_msgs::run_state_t;
 namespace {
 
 constexpr int wait_ms = 50;  // between looks at the clock and the stop signal
+// A plant gives both sides a tenth of a second to settle; a loop that waits for longer than this
+// would be a loop that cannot be ended.
+constexpr std::int64_t farthest_start_ns = 10 * ns_per_s;
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -69,6 +72,13 @@ std::string disagreement(const Gains& gains, const run_info_t& info) {
   return {};
 }
 
+std::string unsound_start(std::int64_t start_ns, std::int64_t now_ns) {
+  if (start_ns >= 0 && start_ns <= now_ns + farthest_start_ns) return {};
+  return "start_monotonic_ns: found " + std::to_string(start_ns) + ", allowed is 0 to " +
+         std::to_string(farthest_start_ns / ns_per_s) + " s from now (" + std::to_string(now_ns) +
+         "); plant and controller must share one clock, CLOCK_MONOTONIC of one machine";
+}
+
 Start shake_hands(LcmIo& io, const Gains& gains, std::optional<std::int64_t> run_id,
                   double timeout_s) {
   const auto limit_ns = static_cast<std::int64_t>(timeout_s * ns_per_s);
@@ -92,7 +102,12 @@ Start shake_hands(LcmIo& io, const Gains& gains, std::optional<std::int64_t> run
     }
     if (heard.run_state) {
       const run_state_t& plant = io.plant_state();
-      if (plant.state == run_state_t::RUNNING) return {{}, plant.start_monotonic_ns};
+      if (plant.state == run_state_t::RUNNING) {
+        const std::string reason = unsound_start(plant.start_monotonic_ns, monotonic_ns());
+        if (reason.empty()) return {{}, plant.start_monotonic_ns};
+        io.publish_state(info.run_id, run_state_t::FAILED, reason);
+        throw InputError(reason);
+      }
       if (plant.state == run_state_t::FAILED) return {Outcome::plant_failed, 0};
       if (plant.state == run_state_t::ENDED) return {Outcome::missed, 0};
     }

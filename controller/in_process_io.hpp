@@ -10,10 +10,12 @@ namespace stillframe::controller {
 /// allocation.
 class InProcessIo : public Io {
  public:
-  /// m legs; room for so many measurements, and commands, that were not taken yet.
-  explicit InProcessIo(Eigen::Index m, std::size_t capacity = 64)
-      : measurements_(capacity,
-                      {.sigma = Eigen::VectorXd::Zero(m), .applied = Eigen::VectorXd::Zero(m)}),
+  /// m legs and p accelerations of the floor; room for so many measurements, and commands, that
+  /// were not taken yet.
+  explicit InProcessIo(Eigen::Index m, std::size_t capacity = 64, Eigen::Index p = 0)
+      : measurements_(capacity, {.sigma = Eigen::VectorXd::Zero(m),
+                                 .applied = Eigen::VectorXd::Zero(m),
+                                 .floor = Eigen::VectorXd::Zero(p)}),
         commands_(capacity, {.force = Eigen::VectorXd::Zero(m)}) {}
 
   bool receive(Measurement& measurement) noexcept override {

@@ -5,13 +5,15 @@
 
 namespace stillframe::controller {
 
-/// What the force sensors read at one instant, for m legs.
+/// What the sensors read at one instant, for m legs and p accelerations of the floor.
 struct Measurement {
   std::int64_t seq = 0;          ///< number of the sample, rising
   std::int64_t time_ns = 0;      ///< of the sample, from the start of the run
   std::int64_t received_ns = 0;  ///< CLOCK_MONOTONIC, when it came
   Eigen::VectorXd sigma;         ///< m, N, tension positive
   Eigen::VectorXd applied;       ///< m, N, sigma_a really applied when sigma was sampled
+  /// p, m/s^2, prescribed accelerations, mean over the sample that ends now; empty: not measured.
+  Eigen::VectorXd floor;
 };
 
 /// The piezo forces that are wanted.

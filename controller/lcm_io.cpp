@@ -1,9 +1,10 @@
 #include "controller/lcm_io.hpp"
 
-#include <random>
+#include <algorithm>
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "stillframe_msgs/timing_t.hpp"
 
@@ -17,18 +18,16 @@ namespace {
 constexpr const char* plant_source = "plant";
 constexpr const char* controller_source = "controller";
 
-std::int64_t random_number() {
-  std::random_device device;
-  return static_cast<std::int64_t>((static_cast<std::uint64_t>(device()) << 31) ^ device());
-}
+constexpr std::size_t most_announced = 16;
 
 }  // namespace
 
 LcmIo::LcmIo(const std::string& url)
     : lcm_(open_lcm(url)),
-      instance_(random_number()),
+      instance_(new_instance()),
       command_channel_(channels::command),
       last_heard_ns_(monotonic_ns()) {
+  require_hearing(*lcm_);
   lcm_->subscribe(channels::run_info, &LcmIo::on_run_info, this);
   lcm_->subscribe(channels::run_state, &LcmIo::on_run_state, this);
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
@@ -53,7 +52,10 @@ Heard LcmIo::take(int timeout_ms) noexcept {
 
 void LcmIo::follow(const stillframe_msgs::run_info_t& info) {
   run_id_ = info.run_id;
+  plant_instance_ = info.plant_instance;
   measurements_.follow(info);
+  command_.instance = instance_;
+  command_.sent_ns = 0;
   command_.n_legs = info.n_legs;
   command_.force.assign(static_cast<size_t>(info.n_legs), 0.0);
   command_bytes_.resize(static_cast<size_t>(command_.getEncodedSize()));
@@ -73,6 +75,9 @@ void LcmIo::repeat_command() noexcept {
 
 void LcmIo::publish_state(std::int64_t run_id, std::int32_t state, const std::string& text) {
   const run_state_t message{.run_id = run_id,
+                            .plant_instance = run_info_.plant_instance,
+                            .instance = instance_,
+                            .sent_ns = monotonic_ns(),
                             .source = controller_source,
                             .state = state,
                             .start_monotonic_ns = 0,
@@ -87,6 +92,7 @@ void LcmIo::publish_timing(const Counters& counters) {
                          .n_late = counters.n_late,
                          .n_lost = counters.n_lost,
                          .n_duplicate = counters.n_duplicate,
+                         .n_foreign = 0,
                          .n_listened = counters.n_listened,
                          .worst_wake_up_ns = counters.worst_wake_up_ns,
                          .worst_compute_ns = counters.worst_compute_ns,
@@ -101,8 +107,9 @@ void LcmIo::on_run_info(const lcm::ReceiveBuffer* buffer, const std::string&) {
     ++n_malformed_;
     return;
   }
-  if (following_ && message.run_id != run_id_) {
-    heard_.other_run = true;
+  if (!is_announced(message)) return;
+  if (following_ && !is_followed(message.run_id, message.plant_instance)) {
+    (message.run_id == run_id_ ? heard_.other_plant : heard_.other_run) = true;
     return;
   }
   if (!following_) run_info_ = std::move(message);
@@ -116,10 +123,37 @@ void LcmIo::on_run_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
     ++n_malformed_;
     return;
   }
-  if (message.source != plant_source || !following_ || message.run_id != run_id_) return;
+  if (message.source != plant_source) return;
+  note_announced(message);
+  if (!following_ || !is_followed(message.run_id, message.plant_instance)) return;
   plant_state_ = std::move(message);
   heard_.run_state = true;
   last_heard_ns_ = monotonic_ns();
+}
+
+/// Remembers which plants have just said that they are there.
+void LcmIo::note_announced(const run_state_t& state) {
+  const auto same = [&](const Announced& a) {
+    return a.run_id == state.run_id && a.plant_instance == state.plant_instance;
+  };
+  std::erase_if(announced_, same);
+  const bool there = state.state == run_state_t::WAITING || state.state == run_state_t::RUNNING;
+  if (!there || !is_fresh(state.sent_ns, monotonic_ns())) return;
+  if (announced_.size() == most_announced) announced_.erase(announced_.begin());
+  announced_.push_back({state.run_id, state.plant_instance, state.sent_ns});
+}
+
+// A recorded run_info says the same as a live one, but nobody stands behind it.
+bool LcmIo::is_announced(const stillframe_msgs::run_info_t& info) const {
+  const std::int64_t now = monotonic_ns();
+  return std::any_of(announced_.begin(), announced_.end(), [&](const Announced& a) {
+    return a.run_id == info.run_id && a.plant_instance == info.plant_instance &&
+           is_fresh(a.sent_ns, now);
+  });
+}
+
+bool LcmIo::is_followed(std::int64_t run_id, std::int64_t plant_instance) const noexcept {
+  return run_id == run_id_ && plant_instance == plant_instance_;
 }
 
 void LcmIo::on_request(const lcm::ReceiveBuffer* buffer, const std::string&) {
@@ -136,7 +170,8 @@ void LcmIo::on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
     return;
   }
   heard_.other_status =
-      following_ && other_status_.run_id == run_id_ && other_status_.instance != instance_;
+      following_ && is_followed(other_status_.run_id, other_status_.plant_instance) &&
+      other_status_.instance != instance_ && is_fresh(other_status_.sent_ns, monotonic_ns());
 }
 
 void LcmIo::on_measurement(const lcm::ReceiveBuffer* buffer, const std::string&) {

@@ -8,6 +8,8 @@
 
 #include "controller/measurement_decoder.hpp"
 #include "controller/outcome.hpp"
+#include "controller/requests.hpp"
+#include "msgs/clock.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -23,8 +25,9 @@ struct Heard {
   bool run_state = false;     ///< of the plant
   bool measurement = false;   ///< of the run, with the sizes of the run
   bool other_run = false;     ///< run_info of a run that is not followed
-  bool request = false;       ///< for this run or for any
-  bool other_status = false;  ///< of another controller of this run
+  bool other_plant = false;   ///< run_info of another plant that has the number of this run
+  bool request = false;       ///< for this run or for any; not yet admitted
+  bool other_status = false;  ///< of another controller of this plant, said just now
 };
 
 /// The controller's end of LCM: decodes into messages that it keeps, encodes into a buffer that it
@@ -40,7 +43,8 @@ class LcmIo {
   /// run or one that does not decode is none. A signal ends the wait early.
   Heard take(int timeout_ms) noexcept;
 
-  /// Fixes the run: from now on only its messages are heard, measurements among them. Set-up.
+  /// Fixes run and plant: from now on only its messages are heard, measurements among them. A
+  /// run_info is heard at all only while its plant says where it is. Set-up.
   void follow(const stillframe_msgs::run_info_t& info);
   /// Lets go of the run, so that the next one may be followed. Set-up.
   void forget() noexcept { following_ = false; }
@@ -54,6 +58,8 @@ class LcmIo {
   }
 
   const stillframe_msgs::control_request_t& request() const noexcept { return request_; }
+  /// Whether that is to be obeyed, now and never again. Set-up.
+  bool admits_request() { return requests_.admits(request_, monotonic_ns()); }
   const stillframe_msgs::controller_status_t& other_status() const noexcept {
     return other_status_;
   }
@@ -87,12 +93,20 @@ class LcmIo {
 
   void on_request(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void note_announced(const stillframe_msgs::run_state_t& state);
+  bool is_announced(const stillframe_msgs::run_info_t& info) const;
+  bool is_followed(std::int64_t run_id, std::int64_t plant_instance) const noexcept;
 
   std::unique_ptr<lcm::LCM> lcm_;
   lcm::Subscription* measurement_subscription_ = nullptr;
   std::int64_t instance_;
   bool following_ = false;
-  std::int64_t run_id_ = 0;
+  std::int64_t run_id_ = 0, plant_instance_ = 0;
+  struct Announced {
+    std::int64_t run_id = 0, plant_instance = 0, sent_ns = 0;
+  };
+  std::vector<Announced> announced_;  ///< plants, oldest first
+  Requests requests_;
   Heard heard_;
   stillframe_msgs::run_info_t run_info_;
   stillframe_msgs::run_state_t plant_state_;

@@ -23,9 +23,10 @@ namespace stillframe::controller {
 /// Source: docs/decisions/0013-loop-and-threads.md.
 class LcmStream : public Io {
  public:
-  /// Follows a run. The threads ask for real time as the policy says, one priority below the
-  /// loop. Errors: InputError if LCM cannot be opened.
-  LcmStream(const std::string& url, const stillframe_msgs::run_info_t& info, const Policy& policy);
+  /// Follows a run, and signs commands as this instance. The threads ask for real time as the
+  /// policy says, one priority below the loop. Errors: InputError if LCM cannot be opened.
+  LcmStream(const std::string& url, const stillframe_msgs::run_info_t& info, std::int64_t instance,
+            const Policy& policy);
   ~LcmStream() override;
   LcmStream(const LcmStream&) = delete;
   LcmStream& operator=(const LcmStream&) = delete;
@@ -34,13 +35,19 @@ class LcmStream : public Io {
   void send(const Command& command) noexcept override;
 
   std::int64_t n_bad_messages() const noexcept { return n_bad_; }  ///< other run, size or type
+  /// Since when (CLOCK_MONOTONIC, ns) every measurement has said that the plant obeys another
+  /// controller; 0 if it does not.
+  std::int64_t obeys_another_since_ns() const noexcept { return obeys_another_since_ns_; }
   std::int64_t n_measurements_dropped() const noexcept { return n_measurements_dropped_; }
   std::int64_t n_commands_dropped() const noexcept { return n_commands_dropped_; }
 
  private:
+  void end_threads();
   void run_receiver(const Policy& policy) noexcept;
   void run_sender(const Policy& policy) noexcept;
   void on_measurement(const lcm::ReceiveBuffer* buffer, const std::string& channel) noexcept;
+
+  void note_obeyed(std::int64_t controller, std::int64_t now_ns) noexcept;
 
   std::unique_ptr<lcm::LCM> in_, out_;
   MeasurementDecoder decoder_;
@@ -48,9 +55,10 @@ class LcmStream : public Io {
   Ring<Command> commands_;
   stillframe_msgs::command_t message_;
   std::vector<std::uint8_t> bytes_;
+  std::atomic<std::int64_t> obeys_another_since_ns_{0};
   std::atomic<std::int64_t> n_bad_{0}, n_measurements_dropped_{0}, n_commands_dropped_{0};
   sem_t something_to_send_{};
-  std::atomic<bool> stop_{false}, listening_{false};
+  std::atomic<bool> stop_{false}, listening_{false}, deaf_{false};
   std::thread receiver_, sender_;
 };
 

@@ -23,32 +23,40 @@ double checked(const char* what, std::optional<double> value) {
 
 }  // namespace
 
-Limits::Limits(std::optional<double> force_limit_n, const Policy& policy, double sample_time)
+Limits::Limits(std::optional<double> force_limit_n, const Policy& policy, Index m,
+               double sample_time)
     : force_(checked("the force limit", force_limit_n)),
       rate_(checked("the rate limit", policy.rate_limit_n_per_s) *
             checked("the sample time", sample_time)),
       energy_(2 * checked("the power limit", policy.power_limit_w) *
               checked("the actuator's stiffness",
                       policy.power_limit_w ? policy.actuator_stiffness_n_per_m : 1.0) *
-              sample_time) {}
+              sample_time),
+      last_(VectorXd::Zero(m)) {}
 
-bool Limits::apply(const Ref<const VectorXd>& last, std::int64_t n_samples,
-                   Ref<VectorXd> force) const noexcept {
-  const auto n = static_cast<double>(n_samples);
+bool Limits::pass(Ref<VectorXd> force) noexcept {
   bool limited = false;
   for (Index i = 0; i < force.size(); ++i) {
-    const double before = last(i);
-    double allowed = std::clamp(force(i), before - n * rate_, before + n * rate_);
-    // Through zero the energy starts from nothing.
-    const double held = before * allowed > 0 ? before * before : 0;
-    const double largest =
-        std::max(std::sqrt(held + n * energy_), held > 0 ? std::abs(before) : 0.0);
-    allowed = std::clamp(allowed, -largest, largest);
+    const double before = last_(i), wanted = force(i);
+    double allowed = before;
+    if (std::isfinite(wanted)) {
+      allowed = std::clamp(wanted, before - rate_, before + rate_);
+      // Through zero the energy starts from nothing.
+      const double held = before * allowed > 0 ? before * before : 0;
+      const double largest = std::max(std::sqrt(held + energy_), held > 0 ? std::abs(before) : 0.0);
+      allowed = std::clamp(allowed, -largest, largest);
+    }
     allowed = std::clamp(allowed, -force_, force_);
-    limited |= allowed != force(i);
-    force(i) = allowed;
+    limited |= allowed != wanted;
+    force(i) = last_(i) = allowed;
   }
   return limited;
+}
+
+void Limits::meet(const Ref<const VectorXd>& applied) noexcept {
+  for (Index i = 0; i < last_.size(); ++i) {
+    if (std::isfinite(applied(i))) last_(i) = std::clamp(applied(i), -force_, force_);
+  }
 }
 
 }  // namespace stillframe::controller

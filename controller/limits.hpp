@@ -7,24 +7,36 @@
 
 namespace stillframe::controller {
 
-/// What the actuators and their amplifiers allow, for every leg by itself: the rate of the force,
-/// the power of the amplifier and the force, in this order.
-///   |F - F_0| <= dt dF_max,   (F^2 - F_0^2) / (2 k) <= dt P_max where |F| grows,   |F| <= F_max.
-/// k is the stiffness of the actuator, F^2 / (2 k) the energy that it holds; what flows back is not
-/// limited, so that a force can always be let go. Construction is set-up; the rest is hot:
-/// noexcept, no allocation.
+/// The last gate: every force, whichever way it came about, goes through here on its way to the
+/// actuators, and nothing comes after it. For every leg by itself, F_0 its last command:
+///   |F - F_0| <= T dF_max,   (F^2 - F_0^2) / (2 k) <= T P_max where |F| grows,   |F| <= F_max,
+/// in this order, and F = F_0 where F is not finite. k is the stiffness of the actuator, F^2 / (2
+/// k) the energy that it holds; what flows back is not limited, so that a force can always be let
+/// go. T is one sample however many were missed: the amplifiers meet the step, not its history.
+/// Construction is set-up; the rest is hot: noexcept, no allocation.
 class Limits {
  public:
-  /// force_limit_n: N, > 0, or none; rate and power from the policy; sample_time: s.
+  /// force_limit_n: N, > 0, or none; rate and power from the policy; m legs; sample_time: s.
   /// Errors: std::invalid_argument on a value that is not positive.
-  Limits(std::optional<double> force_limit_n, const Policy& policy, double sample_time);
+  Limits(std::optional<double> force_limit_n, const Policy& policy, Eigen::Index m,
+         double sample_time);
 
-  /// Limits a force (N) against `last`, the one n_samples before. Answers whether any was limited.
-  bool apply(const Eigen::Ref<const Eigen::VectorXd>& last, std::int64_t n_samples,
-             Eigen::Ref<Eigen::VectorXd> force) const noexcept;
+  /// Limits the force (m, N) that is about to be commanded. Answers whether any was limited.
+  bool pass(Eigen::Ref<Eigen::VectorXd> force) noexcept;
+
+  /// The forces that act are these (m, N): what another has left, or an amplifier by itself.
+  void meet(const Eigen::Ref<const Eigen::VectorXd>& applied) noexcept;
+
+  const Eigen::VectorXd& last() const noexcept { return last_; }
+
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(last_);
+  }
 
  private:
   double force_, rate_, energy_;  ///< N; N and N^2 a sample: infinite where there is no limit
+  Eigen::VectorXd last_;          ///< m, N, the last command
 };
 
 }  // namespace stillframe::controller

@@ -16,16 +16,18 @@ namespace {
 
 constexpr auto relaxed = std::memory_order_relaxed;
 constexpr double checkpoint_s = 0.1, telemetry_s = 1, after_fault_s = 0.5;
+constexpr std::int64_t longest_sleep_ns = 50'000'000;
 
-Measurement measurement_of(Eigen::Index m) {
+Measurement measurement_of(Eigen::Index m, Eigen::Index p) {
   Measurement measurement;
   measurement.sigma = measurement.applied = VectorXd::Zero(m);
+  measurement.floor = VectorXd::Zero(p);
   return measurement;
 }
 
-LoopRecord record_of(Eigen::Index m) {
+LoopRecord record_of(Eigen::Index m, Eigen::Index p) {
   LoopRecord record;
-  record.measurement = measurement_of(m);
+  record.measurement = measurement_of(m, p);
   record.command.force = VectorXd::Zero(m);
   return record;
 }
@@ -67,17 +69,20 @@ Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const Loo
       checkpoint_every_(samples(checkpoint_s, setting.sample_rate_hz)),
       last_answered_(setting.first_seq - 1),
       page_faults_every_(samples(1, setting.sample_rate_hz)),
-      incoming_(measurement_of(supervisor.n_legs())),
+      incoming_(measurement_of(supervisor.n_legs(), setting.n_floor)),
       newest_(incoming_),
-      record_(record_of(supervisor.n_legs())),
+      record_(record_of(supervisor.n_legs(), setting.n_floor)),
       checkpoint_(checkpoint_of(supervisor)),
       records_(places(telemetry_s, setting.sample_rate_hz), record_),
       checkpoints_(places(telemetry_s / checkpoint_s, 1) + 1, checkpoint_),
-      flight_(places(policy.record_s, setting.sample_rate_hz),
-              places(policy.record_s / checkpoint_s, 1) + 1,
-              samples(policy.fade_s + after_fault_s, setting.sample_rate_hz), record_,
-              checkpoint_) {
+      flight_(std::make_shared<FlightRecorder>(
+          places(policy.record_s, setting.sample_rate_hz),
+          places(policy.record_s / checkpoint_s, 1) + 1,
+          samples(policy.fade_s + after_fault_s, setting.sample_rate_hz), record_, checkpoint_)) {
   if (setting.now_ns > deadlines_.next_ns()) deadlines_.wake_up(setting.now_ns);
+  counters_.state = supervisor_.state();
+  counters_.fault = supervisor_.fault();
+  counters_.latched = supervisor_.latched();
 }
 
 void Loop::period(std::int64_t now_ns) noexcept {
@@ -90,7 +95,8 @@ void Loop::period(std::int64_t now_ns) noexcept {
   give_checkpoint();
 
   record_.defect = take_newest(now_ns);
-  record_.request = request_.exchange(Request::none);
+  const RequestSlot::Asked asked = requests_.take();
+  record_.request = asked.request;
   const bool have = record_.defect == Defect::none;
   record_.sent = supervisor_.step({.n_elapsed = record_.n_elapsed,
                                    .measurement = have ? &record_.measurement : nullptr,
@@ -108,6 +114,7 @@ void Loop::period(std::int64_t now_ns) noexcept {
   add(counters_.n_late, wake_up.n_skipped);
   raise(counters_.worst_wake_up_ns, wake_up.late_ns);
   count(now_ns);
+  requests_.done(asked);
   give_record();
 }
 
@@ -141,16 +148,16 @@ void Loop::count(std::int64_t now_ns) noexcept {
   raise(counters_.worst_compute_ns, record_.computed_ns - now_ns);
   record_.state = supervisor_.state();
   record_.fault = supervisor_.fault();
-  if (supervisor_.n_faults() > counters_.n_faults.load(relaxed)) flight_.trigger();
+  if (supervisor_.n_faults() > counters_.n_faults.load(relaxed)) flight_->trigger();
   counters_.n_faults.store(supervisor_.n_faults(), relaxed);
   counters_.n_rejoins.store(supervisor_.n_rejoins(), relaxed);
   counters_.n_saturated.store(supervisor_.n_saturated(), relaxed);
   counters_.fault.store(record_.fault, relaxed);
   counters_.latched.store(supervisor_.latched(), relaxed);
   counters_.driving.store(supervisor_.driving(), relaxed);
-  if (record_.request != Request::none) add(counters_.n_requests, 1);
   if (record_.state == State::active) add(counters_.n_active, 1);
   counters_.state.store(record_.state, std::memory_order_release);
+  counters_.woke_ns.store(now_ns, std::memory_order_release);
   if (--since_page_faults_ <= 0) {
     since_page_faults_ = page_faults_every_;
     const std::int64_t now = page_faults();
@@ -164,7 +171,7 @@ void Loop::give_checkpoint() noexcept {
   since_checkpoint_ = checkpoint_every_;
   checkpoint_.period = period_;
   supervisor_.save(checkpoint_.memory);
-  flight_.add(checkpoint_);
+  flight_->add(checkpoint_);
   if (LoopCheckpoint* place = checkpoints_.free_place()) {
     *place = checkpoint_;
     checkpoints_.push();
@@ -174,7 +181,7 @@ void Loop::give_checkpoint() noexcept {
 }
 
 void Loop::give_record() noexcept {
-  flight_.add(record_);
+  flight_->add(record_);
   if (LoopRecord* place = records_.free_place()) {
     *place = record_;
     records_.push();
@@ -184,9 +191,12 @@ void Loop::give_record() noexcept {
 }
 
 void run_periodic(Loop& loop, const std::atomic<bool>& stop) noexcept {
+  std::int64_t now = monotonic_ns();
   while (!stop.load(relaxed)) {
-    sleep_until(loop.next_ns());
-    loop.period(monotonic_ns());
+    // A run may begin an hour from now, or never.
+    sleep_until(std::min(loop.next_ns(), now + longest_sleep_ns));
+    now = monotonic_ns();
+    if (now >= loop.next_ns()) loop.period(now);
   }
   loop.finish();
 }

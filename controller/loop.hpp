@@ -2,11 +2,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 
 #include "controller/deadlines.hpp"
 #include "controller/flight_recorder.hpp"
 #include "controller/histogram.hpp"
 #include "controller/io.hpp"
+#include "controller/request_slot.hpp"
 #include "controller/ring.hpp"
 #include "controller/screen.hpp"
 #include "controller/supervisor.hpp"
@@ -23,9 +25,9 @@ struct LoopCounters {
   std::atomic<std::int64_t> n_active{0};     ///< periods with the whole gain
   std::atomic<std::int64_t> n_missing{0};    ///< periods without a measurement to answer
   std::atomic<std::int64_t> n_listened{0};   ///< measurements met while it must not command
-  std::atomic<std::int64_t> n_requests{0};   ///< taken
   std::atomic<std::int64_t> n_saturated{0}, n_faults{0}, n_rejoins{0};
   std::atomic<std::int64_t> n_records_dropped{0}, n_page_faults{0};
+  std::atomic<std::int64_t> woke_ns{0};  ///< when the last period began, CLOCK_MONOTONIC
   std::atomic<std::int64_t> worst_wake_up_ns{0}, worst_compute_ns{0};
   std::atomic<State> state{State::idle};
   std::atomic<Fault> fault{Fault::none};
@@ -48,6 +50,7 @@ struct LoopSetting {
   std::int64_t start_ns = 0;   ///< t_0 of the samples, CLOCK_MONOTONIC
   std::int64_t now_ns = 0;     ///< deadlines before it are none of this loop's
   std::int64_t first_seq = 0;  ///< samples before it were not ours to answer
+  Eigen::Index n_floor = 0;    ///< accelerations of the floor in a measurement
 };
 
 /// The periodic loop of a wall-clock run: at each deadline it takes what has come, screens the
@@ -65,11 +68,11 @@ class Loop {
   /// Goes through the period whose deadline has just passed; now_ns: the time of the wake-up.
   void period(std::int64_t now_ns) noexcept;
   /// The end, on the loop's thread: gives the flight record free.
-  void finish() noexcept { flight_.finish(); }
+  void finish() noexcept { flight_->finish(); }
 
-  /// Asks for a change of state at the next period; n_requests says when it was taken, and one that
-  /// comes before takes its place. Any thread.
-  void request(Request request) noexcept { request_.store(request); }
+  /// Asks for a change of state at the next period. Any thread.
+  void request(Request request) noexcept { requests_.ask(request); }
+  RequestSlot& requests() noexcept { return requests_; }
 
   const LoopCounters& counters() const noexcept { return counters_; }
   /// To be read when the loop's thread has ended.
@@ -78,7 +81,11 @@ class Loop {
   /// Telemetry, for one reading thread.
   Ring<LoopRecord>& records() noexcept { return records_; }
   Ring<LoopCheckpoint>& checkpoints() noexcept { return checkpoints_; }
-  FlightRecorder& flight() noexcept { return flight_; }
+  FlightRecorder& flight() noexcept { return *flight_; }
+  /// For a thread that may read it longer than the loop lives.
+  std::shared_ptr<FlightRecorder> share_flight() noexcept { return flight_; }
+  /// Of the loop's thread alone while it runs.
+  const Supervisor& supervisor() const noexcept { return supervisor_; }
 
  private:
   Defect take_newest(std::int64_t now_ns) noexcept;
@@ -100,11 +107,12 @@ class Loop {
   LoopTimes times_;
   Ring<LoopRecord> records_;
   Ring<LoopCheckpoint> checkpoints_;
-  FlightRecorder flight_;
-  std::atomic<Request> request_{Request::none};
+  std::shared_ptr<FlightRecorder> flight_;
+  RequestSlot requests_;
 };
 
-/// Runs the loop at its deadlines until `stop`. Hot: no allocation.
+/// Runs the loop at its deadlines until `stop`, which it looks at twenty times a second however far
+/// off a deadline is. Hot: no allocation.
 void run_periodic(Loop& loop, const std::atomic<bool>& stop) noexcept;
 
 }  // namespace stillframe::controller

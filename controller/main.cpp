@@ -1,15 +1,20 @@
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "controller/background.hpp"
+#include "controller/background_log.hpp"
 #include "controller/gains.hpp"
 #include "controller/handshake.hpp"
+#include "controller/latch.hpp"
 #include "controller/law.hpp"
 #include "controller/lock_step.hpp"
 #include "controller/policy.hpp"
@@ -17,6 +22,7 @@
 #include "controller/session.hpp"
 #include "controller/start_check.hpp"
 #include "controller/timing_file.hpp"
+#include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
 #include "core/yaml/reader.hpp"
 #include "msgs/clock.hpp"
@@ -37,9 +43,9 @@ constexpr const char* description =
     "(SF_MEASUREMENT) with piezo forces (SF_COMMAND) until the plant ends the run. Lock-step or\n"
     "wall-clock, sample rate and delay are the plant's to say (SF_RUN_INFO).\n"
     "In wall-clock runs it arms, ramps the loop in, and lets the frame go smoothly when anything\n"
-    "fails, by the numbers of a policy (docs/safety.md). Keys: s start, x or space stop, r reset "
-    "a\n"
-    "latched fault, Ctrl-C end; `stillframe ctl` does the same from elsewhere.";
+    "fails, by the numbers of a policy (docs/safety.md). `stillframe ctl` starts, stops and "
+    "resets\n"
+    "it; Ctrl-C, SIGTERM and a hang-up ramp out and end it.";
 
 constexpr const char* footer =
     "Examples:\n"
@@ -59,6 +65,8 @@ struct Options {
   double phase = 0.5;
   std::optional<std::filesystem::path> policy, timing;
   std::filesystem::path flight_folder = ".";
+  std::optional<std::filesystem::path> latch;
+  bool reset = false;
   std::optional<std::string> realtime;
   bool check_only = false;
 };
@@ -97,17 +105,38 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str()
       ->type_name("DIR")
       ->check(CLI::ExistingDirectory);
+  app.add_option(
+         "--latch", options.latch,
+         "Wall-clock mode: where a latched fault is kept until a person resets it (default: "
+         "$XDG_STATE_HOME or ~/.local/state, stillframe/latch-SCENE_HASH.yaml)")
+      ->type_name("FILE");
+  app.add_flag("--reset", options.reset,
+               "Wall-clock mode: the cause of a fault that is latched from before is mended");
   app.add_flag("--check-only", options.check_only,
                "Only check the gains: print the spectral radius of the sampled closed loop");
 }
 
-void print_closing_line(const Counters& counters) {
-  std::printf(
-      "controller: %lld periods, %lld late, %lld lost, worst wake-up %.1f us, worst compute %.1f "
-      "us\n",
-      static_cast<long long>(counters.n_periods), static_cast<long long>(counters.n_late),
-      static_cast<long long>(counters.n_lost), static_cast<double>(counters.worst_wake_up_ns) / 1e3,
-      static_cast<double>(counters.worst_compute_ns) / 1e3);
+// Long enough for a disk that is slow; one that takes longer hangs.
+constexpr double terminal_patience_s = 1, disk_patience_s = 4;
+constexpr std::size_t most_lines = 1000, most_files = 16;  // that wait for them
+
+/// What may hang. Nothing that serves the frame waits for either.
+struct Outside {
+  Background terminal{most_lines}, disk{most_files};
+  bool disk_hangs = false;  ///< it was waited for once
+};
+
+void print_closing_line(Background& terminal, const Counters& counters) {
+  terminal.give([counters] {
+    std::printf(
+        "controller: %lld periods, %lld late, %lld lost, worst wake-up %.1f us, worst compute %.1f "
+        "us\n",
+        static_cast<long long>(counters.n_periods), static_cast<long long>(counters.n_late),
+        static_cast<long long>(counters.n_lost),
+        static_cast<double>(counters.worst_wake_up_ns) / 1e3,
+        static_cast<double>(counters.worst_compute_ns) / 1e3);
+    std::fflush(stdout);
+  });
 }
 
 /// How a run ended in words, for all that is not an end in good order.
@@ -129,24 +158,25 @@ std::string trouble(Outcome outcome, const LcmIo& io, double timeout_s) {
   return "";
 }
 
-int close_run(Outcome outcome, LcmIo& io, const Counters& counters, double timeout_s) {
+int close_run(Outcome outcome, LcmIo& io, const Counters& counters, double timeout_s,
+              Background& terminal) {
   if (outcome == Outcome::interrupted) {
     io.publish_state(io.run_info().run_id, stillframe_msgs::run_state_t::FAILED,
                      "the controller was interrupted");
   }
   if (outcome == Outcome::ended) io.publish_timing(counters);
-  if (counters.n_periods > 0) print_closing_line(counters);
+  if (counters.n_periods > 0) print_closing_line(terminal, counters);
   const std::string text = trouble(outcome, io, timeout_s);
   if (text.empty()) return exit_done;
   spdlog::error(text);
   return exit_failed;
 }
 
-int serve_lock_step(const Options& options, const Gains& gains, LcmIo& io) {
+int serve_lock_step(const Options& options, const Gains& gains, LcmIo& io, Background& terminal) {
   Answer answer(law_from_gains(gains), gains.force_limit_n, io.run_info().loop != "passive");
   Counters counters;
   const Outcome outcome = run_lock_step(io, answer, options.timeout_s, counters);
-  const int code = close_run(outcome, io, counters, options.timeout_s);
+  const int code = close_run(outcome, io, counters, options.timeout_s, terminal);
   if (answer.n_saturated() > 0) {
     spdlog::warn("{} commands were limited by force_limit_n", answer.n_saturated());
   }
@@ -176,12 +206,14 @@ void say_counters(const LoopCounters& counters) {
 class WallClock {
  public:
   WallClock(const Options& options, const Gains& gains, const Policy& policy,
-            const std::string& policy_text, LcmIo& io)
+            const std::string& policy_text, LcmIo& io, Latch& latch, Outside& outside)
       : options_(options),
         gains_(gains),
         policy_(policy),
         io_(io),
-        presence_(io.instance(), monotonic_ns()) {
+        outside_(outside),
+        presence_(io.instance(), monotonic_ns()),
+        latch_(latch) {
     session_options_ = {.lcm_url = lcm_url(options.lcm_url),
                         .timeout_s = options.timeout_s,
                         .phase = options.phase,
@@ -190,21 +222,21 @@ class WallClock {
                         .policy_text = policy_text,
                         .say = [](const std::string& text) { spdlog::info(text); },
                         .warn = [](const std::string& text) { spdlog::warn(text); }};
-    if (keyboard_.is_there()) spdlog::info("keys: s start, x stop, r reset, Ctrl-C end");
     io.stop_measurements();
+    // Stop and interlock are not to wait for their turn behind ordinary programs.
+    if (policy.realtime != Policy::Realtime::off) prepare_thread(policy.priority - 1, {});
   }
 
   int serve(Start start) {
     while (true) {
       if (start.over) return close(*start.over);
-      Session session(io_, gains_, policy_, presence_, keyboard_, session_options_,
+      Session session(io_, gains_, policy_, presence_, latch_, outside_.disk, session_options_,
                       start.start_monotonic_ns);
       const Outcome outcome = session.run();
       session.add_to(counters_, times_);
       say_counters(session.counters());
       if (outcome == Outcome::refused) throw Refusal(session.reason());
       never_active_ = session.never_active();
-      latched_ = session.latched() ? session.fault() : Fault::none;
       if (outcome != Outcome::began_anew) return close(outcome);
       spdlog::info("the plant begins anew");
       io_.forget();
@@ -214,24 +246,43 @@ class WallClock {
 
  private:
   int close(Outcome outcome) {
-    const int code = close_run(outcome, io_, counters_, options_.timeout_s);
-    if (options_.timing) write_timing_file(*options_.timing, counters_, times_);
+    int code = close_run(outcome, io_, counters_, options_.timeout_s, outside_.terminal);
+    if (!write_files() && code == exit_done) code = exit_error;
     if (!never_active_.empty()) spdlog::error(never_active_);
-    if (latched_ == Fault::none) return never_active_.empty() ? code : exit_failed;
-    spdlog::error("the run ended with a latched fault: {}", to_text(latched_));
+    if (latch_.fault() == Fault::none) return never_active_.empty() ? code : exit_failed;
+    spdlog::error("the run ended with a latched fault: {}", to_text(latch_.fault()));
     return exit_failed;
+  }
+
+  /// False, and said, if they are not what was asked for.
+  bool write_files() {
+    const auto sound = std::make_shared<std::atomic<bool>>(true);
+    if (options_.timing) {
+      outside_.disk.give([sound, file = *options_.timing, counters = counters_, times = times_] {
+        try {
+          write_timing_file(file, counters, times);
+        } catch (const std::exception& error) {
+          spdlog::error("{}", error.what());
+          *sound = false;
+        }
+      });
+    }
+    if (outside_.disk.finish(disk_patience_s)) return *sound;
+    outside_.disk_hangs = true;
+    spdlog::error("the disk does not answer: files of this run are not complete");
+    return false;
   }
 
   const Options& options_;
   const Gains& gains_;
   const Policy& policy_;
   LcmIo& io_;
+  Outside& outside_;
   Presence presence_;
-  Keyboard keyboard_;
+  Latch& latch_;
   SessionOptions session_options_;
   Counters counters_;
   LoopTimes times_;
-  Fault latched_ = Fault::none;
   std::string never_active_;
 };
 
@@ -249,18 +300,43 @@ Policy policy_of(const Options& options, std::string& policy_text) {
   return policy;
 }
 
+/// The latch of a wall-clock run. A plant that waits is told if it cannot be read.
+Latch open_latch(const Options& options, const Gains& gains, LcmIo& io, Background& disk) {
+  const auto warn = [](const std::string& text) { spdlog::warn(text); };
+  try {
+    const Latch latch(options.latch ? *options.latch : default_latch_file(gains.scene_hash), disk,
+                      warn, options.reset);
+    if (latch.file().empty()) {
+      warn(
+          "a latched fault will not outlive this process: there is no home folder, and no "
+          "--latch FILE");
+    }
+    if (latch.fault() != Fault::none) {
+      spdlog::warn(
+          "a fault is latched from before ({}, {}): mend its cause, then `stillframe ctl "
+          "reset` or --reset",
+          to_text(latch.fault()), latch.file().string());
+    }
+    return latch;
+  } catch (const InputError& error) {
+    io.publish_state(io.run_info().run_id, stillframe_msgs::run_state_t::FAILED, error.what());
+    throw;
+  }
+}
+
 /// no_ramp: why a wall-clock run would be refused, empty if it would not.
 int serve(const Options& options, const Gains& gains, const Policy& policy,
-          const std::string& policy_text, const std::string& no_ramp) {
+          const std::string& policy_text, const std::string& no_ramp, Outside& outside) {
   catch_stop_signals();
+  ignore_write_signals();
   LcmIo io(lcm_url(options.lcm_url));
   spdlog::info("waiting for a plant");
   const Start start = shake_hands(io, gains, options.run_id, options.timeout_s);
   const auto& info = io.run_info();
-  if (start.over) return close_run(*start.over, io, {}, options.timeout_s);
+  if (start.over) return close_run(*start.over, io, {}, options.timeout_s, outside.terminal);
   spdlog::info("run {} of {}: {}, {} Hz, {} loop", info.run_id, info.scene_name, info.mode,
                info.sample_rate_hz, info.loop);
-  if (info.mode != "wall_clock") return serve_lock_step(options, gains, io);
+  if (info.mode != "wall_clock") return serve_lock_step(options, gains, io, outside.terminal);
   if (info.loop != "passive" && !no_ramp.empty()) {
     io.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, no_ramp);
     throw Refusal(no_ramp);
@@ -272,10 +348,11 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
     throw Refusal("real time is enforced and was not obtained: " + realtime.text +
                   "; run as root or with CAP_SYS_NICE and CAP_IPC_LOCK, or take best_effort");
   }
-  return WallClock(options, gains, policy, policy_text, io).serve(start);
+  Latch latch = open_latch(options, gains, io, outside.disk);
+  return WallClock(options, gains, policy, policy_text, io, latch, outside).serve(start);
 }
 
-int run(const Options& options) {
+int run(const Options& options, Outside& outside) {
   const Gains gains = read_gains(options.gains);
   std::string policy_text;
   const Policy policy = policy_of(options, policy_text);
@@ -288,24 +365,23 @@ int run(const Options& options) {
   std::string no_ramp;
   try {
     require_stable_ramp(gains);
+    force_limit(gains, policy);
   } catch (const Refusal& refusal) {
     no_ramp = refusal.what();
   }
-  return serve(options, gains, policy, policy_text, no_ramp);
+  return serve(options, gains, policy, policy_text, no_ramp, outside);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  spdlog::set_default_logger(spdlog::stderr_color_st("controller"));
-  spdlog::set_pattern("%n: %^%l%$: %v");
+int main(int argc, char** argv, Outside& outside) {
   Options options;
   CLI::App app(description);
   app.footer(footer);
   add_options(app, options);
   try {
     app.parse(argc, argv);
-    return run(options);
+    return run(options, outside);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? exit_done : exit_bad_input;
   } catch (const InputError& error) {
@@ -320,9 +396,20 @@ int main(int argc, char** argv) {
   }
 }
 
+/// A terminal or a disk that hangs does not keep the process.
+int main_with_outside(int argc, char** argv) {
+  Outside outside;
+  log_in_background("controller", outside.terminal);
+  set_printable_log("%n: %^%l%$: %*");
+  const int code = main(argc, argv, outside);
+  const bool written = !outside.disk_hangs && outside.disk.finish(disk_patience_s);
+  if (!outside.terminal.finish(terminal_patience_s) || !written) _exit(code);
+  return code;
+}
+
 }  // namespace stillframe::controller
 
 int main(int argc, char** argv) {
-  return stillframe::with_standard_output("controller",
-                                          [&] { return stillframe::controller::main(argc, argv); });
+  return stillframe::with_standard_output(
+      "controller", [&] { return stillframe::controller::main_with_outside(argc, argv); });
 }

@@ -2,12 +2,14 @@
 
 #include <array>
 
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 
 namespace stillframe::controller {
 
 void MeasurementDecoder::follow(const stillframe_msgs::run_info_t& info) {
   run_id_ = info.run_id;
+  plant_instance_ = info.plant_instance;
   message_.n_floor = info.n_floor;
   message_.n_legs = info.n_legs;
   message_.n_frame = info.n_frame;
@@ -18,21 +20,20 @@ void MeasurementDecoder::follow(const stillframe_msgs::run_info_t& info) {
 }
 
 MeasurementDecoder::Result MeasurementDecoder::decode(const lcm::ReceiveBuffer& buffer) noexcept {
-  if (!is_of_run(buffer)) return Result::other_run;
-  if (!has_run_sizes(buffer) || !stillframe::decode(buffer, message_)) return Result::malformed;
+  const auto identity = identity_of(bytes_of(buffer));
+  if (!identity) return Result::malformed;
+  if (identity->run_id != run_id_ || identity->plant_instance != plant_instance_) {
+    return Result::other_run;
+  }
+  if (!has_run_sizes(buffer)) return Result::malformed;
+  // The sizes are those that the vectors have: nothing is allocated, nothing can throw.
+  const auto size = static_cast<int>(buffer.data_size);
+  if (message_.decode(buffer.data, 0, size) != size) return Result::malformed;
   return Result::taken;
 }
 
-bool MeasurementDecoder::is_of_run(const lcm::ReceiveBuffer& buffer) const noexcept {
-  constexpr int offset = 8;  // after the fingerprint
-  std::int64_t run_id = 0;
-  return __int64_t_decode_array(buffer.data, offset, static_cast<int>(buffer.data_size) - offset,
-                                &run_id, 1) > 0 &&
-         run_id == run_id_;
-}
-
 bool MeasurementDecoder::has_run_sizes(const lcm::ReceiveBuffer& buffer) const noexcept {
-  constexpr int offset = 8 + 3 * 8;  // fingerprint, run_id, seq, time_ns
+  constexpr int offset = 8 + 5 * 8;  // fingerprint, run, plant, controller, seq, time
   if (static_cast<int>(buffer.data_size) != message_.getEncodedSize()) return false;
   std::array<std::int32_t, 3> sizes{};
   __int32_t_decode_array(buffer.data, offset, 12, sizes.data(), 3);

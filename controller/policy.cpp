@@ -42,6 +42,8 @@ std::string_view to_text(Fault fault) noexcept {
       return "not_alive";
     case Fault::offset:
       return "offset";
+    case Fault::limited:
+      return "limited";
   }
   return "unknown";
 }

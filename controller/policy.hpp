@@ -23,6 +23,7 @@ enum class Fault : std::int32_t {
   law_not_finite,  ///< the law's force or state is not finite
   not_alive,       ///< arming: a sensor does not move
   offset,          ///< arming: a sensor's offset beyond offset_limit_n
+  limited,         ///< too many commands of about a second were at the force limit
 };
 
 /// Faults that end by themselves once measurements come again; the others stay until a reset.
@@ -53,6 +54,8 @@ struct Policy {
   double frozen_force_n = 0.01;        ///< N: a sensor that stays while its actuator moves by more
   std::int64_t rejoins_a_minute = 20;  ///< of passing faults; one more stays
 
+  double limited_part = 0.25;           ///< of the commands of about a second, at the force limit
+  std::optional<double> force_limit_n;  ///< N, of every leg; the lower of it and gains
   std::optional<double> rate_limit_n_per_s;          ///< N/s, of every leg
   std::optional<double> power_limit_w;               ///< W, of every leg
   std::optional<double> actuator_stiffness_n_per_m;  ///< N/m, with a power limit
@@ -61,6 +64,8 @@ struct Policy {
   std::int64_t priority = 49;       ///< SCHED_FIFO, 2 to 98
   std::optional<std::int64_t> cpu;  ///< processor of the loop's thread
   double record_s = 10;             ///< s, length of the flight record
+  std::int64_t record_files = 100;  ///< so many records are kept, the oldest goes
+  double record_mb = 1000;          ///< MB, in all
 };
 
 /// Reads a policy file. Errors: InputError (missing file, unknown key, value that is not allowed).

@@ -33,7 +33,8 @@ bool Screen::is_new(const Measurement& measurement, std::int64_t now_ns) noexcep
 Defect Screen::judge(const Measurement& measurement, std::int64_t now_ns) noexcept {
   const bool frozen = is_frozen(measurement);
   if (age(measurement, now_ns) > late_after_) return Defect::late;
-  if (!measurement.sigma.allFinite() || !measurement.applied.allFinite()) {
+  if (!measurement.sigma.allFinite() || !measurement.applied.allFinite() ||
+      !measurement.floor.allFinite()) {
     return Defect::not_finite;
   }
   if ((measurement.sigma.array().abs() > sigma_limit_).any() ||

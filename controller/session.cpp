@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
+#include <exception>
 
 #include "controller/flight_file.hpp"
+#include "controller/flight_folder.hpp"
 #include "controller/law.hpp"
-#include "controller/realtime.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
 
@@ -16,97 +16,128 @@ using stillframe_msgs::run_state_t;
 
 namespace {
 
-constexpr int wait_ms = 10;  // between looks at the loop
-constexpr std::size_t most_asked = 16;
+constexpr int wait_ms = 10;        // between looks at the loop
+constexpr int most_messages = 64;  // between two looks at it
 constexpr std::int64_t ms = 1'000'000, status_every_ns = 100 * ms, lost_after_ns = 1000 * ms;
+// A plant says for some samples more that it obeys a controller that is gone.
+constexpr std::int64_t overruled_after_ns = 200 * ms;
+constexpr std::int64_t asleep_ns = 50 * ms;  // no other could begin in that time
 // A controller that comes to a run which has gone on for longer than this was not there before.
 constexpr std::int64_t late_start_ns = 500 * ms;
 
-LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns) {
+LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
+                       std::int32_t n_floor) {
   const std::int64_t now = monotonic_ns();
   const auto samples = static_cast<double>(now - start_ns) * 1e-9 * gains.sample_rate_hz;
   return {.sample_rate_hz = gains.sample_rate_hz,
           .phase = phase,
           .start_ns = start_ns,
           .now_ns = now,
-          .first_seq = now - start_ns > late_start_ns ? std::llround(samples) : 0};
+          .first_seq = now - start_ns > late_start_ns ? std::llround(samples) : 0,
+          .n_floor = n_floor};
+}
+
+Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active, Fault latched) {
+  Supervisor supervisor(gains, policy, active);
+  if (latched != Fault::none) supervisor.begin_latched(latched);
+  return supervisor;
 }
 
 }  // namespace
 
 Session::Session(LcmIo& io, const Gains& gains, const Policy& policy, const Presence& presence,
-                 Keyboard& keyboard, const SessionOptions& options, std::int64_t start_ns)
+                 Latch& latch, Background& disk, const SessionOptions& options,
+                 std::int64_t start_ns)
     : io_(io),
       policy_(policy),
       presence_(presence),
-      keyboard_(keyboard),
+      latch_(latch),
+      disk_(disk),
       options_(options),
-      stream_(options.lcm_url, io.run_info(), policy),
+      stream_(options.lcm_url, io.run_info(), presence.instance(), policy),
       start_ns_(start_ns),
       sample_rate_hz_(gains.sample_rate_hz),
-      loop_(stream_,
-            Supervisor(law_from_gains(gains), policy, gains.sample_rate_hz, gains.force_limit_n,
-                       io.run_info().loop != "passive"),
-            policy, setting_of(gains, options.phase, start_ns)),
+      loop_(stream_, supervisor_of(gains, policy, io.run_info().loop != "passive", latch.fault()),
+            policy, setting_of(gains, options.phase, start_ns, io.run_info().n_floor)),
       telemetry_(io, loop_, stream_, presence, options.policy_text),
+      told_latched_(latch.fault() != Fault::none),
       alive_ns_(monotonic_ns()) {}
 
 Outcome Session::run() {
-  std::atomic<bool> stop{false};
-  std::thread thread([&] {
-    if (policy_.realtime != Policy::Realtime::off) prepare_thread(policy_.priority, policy_.cpu);
-    run_periodic(loop_, stop);
-  });
-  while (!end_) {
+  LoopThread thread(loop_, policy_, sample_rate_hz_);
+  while (!is_over(thread)) {
     listen();
-    take_keys();
     serve_requests();
     telemetry_.publish_records();
-    tell();
-    if (loop_.flight().stands_still()) write_flight();
-    if (!end_) end_ = broken_off();
+    tell(false);
+    give_flight();
+    look_for_end();
   }
-  stop = true;
-  thread.join();
+  thread.end();
   if (end_ == Outcome::ended) {
     n_unheard_ = std::max<std::int64_t>(io_.run_info().n_samples - 1 - loop_.last_seq(), 0);
+  } else if (loop_.counters().driving) {
+    options_.warn("a force is left with the amplifiers, which hold it and then let go of it");
   }
   telemetry_.publish_records();
-  tell();
-  if (loop_.flight().stands_still()) write_flight();
+  tell(true);
+  give_flight();
   return *end_;
 }
 
+// The frame is let go of first. What another controller serves is its own to let go of, and where
+// all is silent there is nobody who hears.
+bool Session::is_over(LoopThread& thread) {
+  if (!end_) return false;
+  if (end_ == Outcome::refused || end_ == Outcome::silent) return true;
+  thread.let_go();
+  return thread.has_let_go();
+}
+
+// After a sleep, of the process or of the loop alone, its state is that of before. Whoever claimed
+// to hold the frame then would send away the controller that took its place meanwhile; so nothing
+// is said or judged before the loop has woken up, which begins with finding out that it slept.
+bool Session::knows_the_loop() const {
+  const std::int64_t woke_ns = loop_.counters().woke_ns;
+  const double hold_s = static_cast<double>(policy_.hold_periods) / sample_rate_hz_;
+  return woke_ns == 0 ||
+         monotonic_ns() - woke_ns < asleep_ns + static_cast<std::int64_t>(hold_s * ns_per_s);
+}
+
+// Told at once, because the state may be the same as before.
+void Session::end(Outcome outcome) {
+  if (end_) return;
+  end_ = outcome;
+  told_ns_ = 0;
+}
+
 void Session::listen() {
-  for (Heard heard = io_.take(wait_ms); heard.message; heard = io_.take(0)) {
+  int left = most_messages;
+  for (Heard heard = io_.take(wait_ms); heard.message && left > 0; heard = io_.take(0), --left) {
     if (heard.run_info) io_.publish_state(io_.run_info().run_id, run_state_t::READY, "");
     if (heard.run_state) {
       const run_state_t& plant = io_.plant_state();
-      if (plant.state == run_state_t::ENDED) end_ = Outcome::ended;
-      if (plant.state == run_state_t::FAILED) end_ = Outcome::plant_failed;
+      if (plant.state == run_state_t::ENDED) end(Outcome::ended);
+      if (plant.state == run_state_t::FAILED) end(Outcome::plant_failed);
       if (plant.state == run_state_t::RUNNING && plant.start_monotonic_ns != start_ns_) {
-        end_ = Outcome::began_anew;
+        end(Outcome::began_anew);
       }
     }
-    if (heard.other_run && options_.any_run && monotonic_ns() - alive_ns_ > lost_after_ns) {
-      end_ = Outcome::began_anew;
+    const bool another = heard.other_plant || (heard.other_run && options_.any_run);
+    // A plant that says it is there is not left for another one, however late its measurements are.
+    const std::int64_t heard_ns = std::max(alive_ns_, io_.last_heard_ns());
+    if (another && monotonic_ns() - heard_ns > lost_after_ns) end(Outcome::began_anew);
+    // Whoever asks repeats it until the status names it.
+    if (heard.request && io_.admits_request()) {
+      requests_.hear(static_cast<Request>(io_.request().request), io_.request().nonce);
     }
-    if (heard.request) {
-      const auto& request = io_.request();
-      const auto same = [&](const Asked& asked) { return asked.nonce == request.nonce; };
-      // Whoever asks repeats it until the status names it.
-      if (request.nonce != last_request_.nonce && asked_.size() < most_asked &&
-          std::none_of(asked_.begin(), asked_.end(), same)) {
-        asked_.push_back({static_cast<Request>(request.request), request.nonce});
-      }
-    }
-    if (heard.other_status) {
+    if (heard.other_status && knows_the_loop()) {
       if (const auto why = presence_.gives_way(loop_.counters().state, io_.other_status())) {
         reason_ = *why;
         end_ = Outcome::refused;
+        return;
       }
     }
-    if (end_) return;
   }
 }
 
@@ -114,63 +145,35 @@ std::string Session::refusal(Request request) const {
   const LoopCounters& counters = loop_.counters();
   if (request < Request::start || request > Request::reset) return "there is no such request";
   if (request != Request::start) return "";
+  if (end_) return "the controller ends";
   if (io_.run_info().loop == "passive") return "the run is passive";
   if (!counters.latched) return "";
   return "a fault is latched (" + std::string(to_text(counters.fault.load())) +
          "); mend its cause and reset it first";
 }
 
-// One after the other: a reset must have been taken before a start can be judged.
 void Session::serve_requests() {
-  while (!asked_.empty()) {
-    const Asked front = asked_.front();
-    std::string refused;
-    if (n_requests_ < 0) {
-      refused = refusal(front.request);
-      if (refused.empty()) {
-        n_requests_ = loop_.counters().n_requests;
-        loop_.request(front.request);
-        return;
-      }
-    } else if (loop_.counters().n_requests == n_requests_) {
-      return;
-    }
-    n_requests_ = -1;
-    asked_.pop_front();
-    if (front.nonce == 0) {
-      if (!refused.empty()) options_.warn("refused: " + refused);
-      continue;
-    }
-    last_request_ = {.nonce = front.nonce, .answer = refused};
+  requests_.serve(loop_.requests(), [this](Request request) { return refusal(request); });
+  if (!knows_the_loop()) return;
+  while (const auto answer = requests_.answer()) {
+    last_request_ = *answer;
     telemetry_.publish_status(last_request_);
   }
 }
 
-void Session::take_keys() {
-  while (const auto key = keyboard_.key()) {
-    const auto request = *key == 's'                  ? Request::start
-                         : *key == 'x' || *key == ' ' ? Request::stop
-                         : *key == 'r'                ? Request::reset
-                                                      : Request::none;
-    if (request == Request::none) {
-      options_.say("keys: s start, x or space stop, r reset a latched fault, Ctrl-C end");
-    } else if (asked_.size() < most_asked) {
-      asked_.push_back({request, 0});
-    }
-  }
-}
-
-void Session::tell() {
+void Session::tell(bool whatever) {
+  if (!whatever && !knows_the_loop()) return;
   const LoopCounters& counters = loop_.counters();
   const State state = counters.state.load(std::memory_order_acquire);
   const std::int64_t now = monotonic_ns();
   const std::int64_t n_faults = counters.n_faults;
   const bool latched = counters.latched;
   if (state == told_state_ && n_faults == told_faults_ && latched == told_latched_ &&
-      now - told_ns_ < status_every_ns && !end_) {
+      now - told_ns_ < status_every_ns && !whatever) {
     return;
   }
   telemetry_.publish_status(last_request_);
+  if (latched != told_latched_) keep_latch();
   if (n_faults != told_faults_ || latched > told_latched_) {
     options_.warn("fault: " + std::string(to_text(counters.fault.load())) +
                   (latched ? ", latched" : ", passing"));
@@ -183,48 +186,55 @@ void Session::tell() {
   told_ns_ = now;
 }
 
-void Session::write_flight() {
-  std::filesystem::path file;
-  for (int n = 1; file.empty() || std::filesystem::exists(file); ++n) {
-    file = options_.flight_folder /
-           ("flight-" + std::to_string(io_.run_info().run_id) + "-" + std::to_string(n) + ".lcm");
+void Session::keep_latch() {
+  if (loop_.counters().latched) {
+    latch_.hold(loop_.counters().fault, io_.run_info().run_id);
+  } else {
+    latch_.clear();
   }
-  try {
-    write_flight_file(file, io_.run_info(), loop_.flight(), options_.policy_text);
-    options_.warn("flight record: " + file.string());
-  } catch (const std::exception& error) {
-    options_.warn(error.what());
-  }
-  loop_.flight().resume();
 }
 
-std::optional<Outcome> Session::broken_off() {
+void Session::give_flight() {
+  const auto recorder = loop_.share_flight();
+  if (!recorder->stands_still()) flight_given_ = false;
+  if (flight_given_ || !recorder->stands_still()) return;
+  flight_given_ = true;
+  const FlightBounds bounds{.files = policy_.record_files, .bytes = policy_.record_mb * 1e6};
+  disk_.give([recorder, bounds, info = io_.run_info(), policy_text = options_.policy_text,
+              folder = options_.flight_folder, warn = options_.warn] {
+    try {
+      const auto file = next_flight_file(folder, info.run_id);
+      write_flight_file(file, info, *recorder, policy_text);
+      warn("flight record: " + file.string());
+      make_room(folder, bounds);
+    } catch (const std::exception& error) {
+      warn(error.what());
+    }
+    recorder->resume();
+  });
+}
+
+void Session::look_for_end() {
   const std::int64_t now = monotonic_ns();
   const LoopCounters& counters = loop_.counters();
   const std::int64_t count = counters.n_answered + counters.n_duplicate;
   if (count != alive_count_) alive_ns_ = now;
   alive_count_ = count;
-  if (stop_requested()) {
-    // Out of the frame's way smoothly first, if anybody is there to be let go.
-    if (let_go_until_ns_ == 0) {
-      loop_.request(Request::stop);
-      const double most_s = policy_.ramp_out_s + policy_.fade_s + 0.5;
-      let_go_until_ns_ = now + static_cast<std::int64_t>(most_s * ns_per_s);
-    }
-    if (!counters.driving || now > let_go_until_ns_ || now - alive_ns_ > lost_after_ns) {
-      return Outcome::interrupted;
-    }
+  if (stop_requested()) end(Outcome::interrupted);
+  const std::int64_t overruled_ns = stream_.obeys_another_since_ns();
+  if (overruled_ns != 0 && now - overruled_ns > overruled_after_ns) {
+    reason_ = "the plant obeys another controller; end that one first";
+    end(Outcome::refused);
   }
   const std::int64_t heard_ns = std::max(alive_ns_, io_.last_heard_ns());
-  if (static_cast<double>(now - heard_ns) > options_.timeout_s * ns_per_s) return Outcome::silent;
-  return std::nullopt;
+  if (static_cast<double>(now - heard_ns) > options_.timeout_s * ns_per_s) end(Outcome::silent);
 }
 
 std::string Session::never_active() const {
   const LoopCounters& now = loop_.counters();
   const double lasted_s = static_cast<double>(now.n_periods + now.n_late) / sample_rate_hz_;
   const bool wanted = policy_.start_at_once && io_.run_info().loop != "passive";
-  if (!wanted || now.n_active > 0) return "";
+  if (!wanted || now.latched || now.n_active > 0) return "";
   if (lasted_s < 2 * (policy_.arming_s + policy_.ramp_in_s) + 1) return "";
   return "the loop was never active: of " + std::to_string(now.n_periods) + " periods " +
          std::to_string(now.n_missing) + " had no sound measurement that was on time";

@@ -1,20 +1,22 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 
+#include "controller/background.hpp"
 #include "controller/gains.hpp"
-#include "controller/keyboard.hpp"
+#include "controller/latch.hpp"
 #include "controller/lcm_io.hpp"
 #include "controller/lcm_stream.hpp"
 #include "controller/loop.hpp"
+#include "controller/loop_thread.hpp"
 #include "controller/outcome.hpp"
 #include "controller/policy.hpp"
 #include "controller/presence.hpp"
+#include "controller/request_queue.hpp"
 #include "controller/telemetry.hpp"
 
 namespace stillframe::controller {
@@ -26,21 +28,21 @@ struct SessionOptions {
   double phase = 0.5;     ///< of the deadlines in a sample
   bool any_run = true;    ///< another run may take the place of one that is silent
   std::filesystem::path flight_folder;
-  std::string policy_text;  ///< of the policy file, empty without one
-  std::function<void(const std::string&)> say, warn;
+  std::string policy_text;                            ///< of the policy file, empty without one
+  std::function<void(const std::string&)> say, warn;  ///< they never wait; from any thread
 };
 
 /// One wall-clock run of one plant: the loop on a thread of its own, and beside it, on the calling
-/// thread, all that may be slow: status and telemetry, requests from bus and keyboard, the flight
-/// record, the watch for other controllers and for the end. Set-up.
+/// thread, interlock, requests, status and telemetry, and the watch for the end. It touches neither
+/// terminal nor disk: what it says and what it records goes to threads that may hang. Set-up.
 class Session {
  public:
-  /// io follows the run; all arguments outlive the session. start_ns: t_0 of the run on
-  /// CLOCK_MONOTONIC. Errors: as LcmStream and Supervisor.
+  /// io follows the run; all arguments outlive the session. disk writes the flight records.
+  /// start_ns: t_0 of the run on CLOCK_MONOTONIC. Errors: as LcmStream and Supervisor.
   Session(LcmIo& io, const Gains& gains, const Policy& policy, const Presence& presence,
-          Keyboard& keyboard, const SessionOptions& options, std::int64_t start_ns);
+          Latch& latch, Background& disk, const SessionOptions& options, std::int64_t start_ns);
 
-  /// Runs to the end.
+  /// Runs to the end, and lets go of the frame before it answers.
   Outcome run();
 
   const std::string& reason() const { return reason_; }  ///< why the session was refused
@@ -56,33 +58,32 @@ class Session {
   void listen();
   void serve_requests();
   std::string refusal(Request request) const;
-  void take_keys();
-  void tell();
-  void write_flight();
-  std::optional<Outcome> broken_off();
+  void tell(bool whatever);
+  void keep_latch();
+  void give_flight();
+  void look_for_end();
+  void end(Outcome outcome);
+  bool is_over(LoopThread& thread);
+  bool knows_the_loop() const;
 
   LcmIo& io_;
   const Policy& policy_;
   const Presence& presence_;
-  Keyboard& keyboard_;
+  Latch& latch_;
+  Background& disk_;
   const SessionOptions& options_;
   LcmStream stream_;
   std::int64_t start_ns_;
   double sample_rate_hz_;
   Loop loop_;
   Telemetry telemetry_;
-  struct Asked {
-    Request request = Request::none;
-    std::int64_t nonce = 0;  ///< 0: from the keyboard
-  };
-  std::deque<Asked> asked_;       ///< oldest first; its front may be with the loop
-  std::int64_t n_requests_ = -1;  ///< that the loop had taken before the front; -1: not with it
+  RequestQueue requests_;
   LastRequest last_request_;
   std::optional<Outcome> end_;
   std::string reason_;
   State told_state_ = State::idle;
-  bool told_latched_ = false;
-  std::int64_t told_ns_ = 0, told_faults_ = 0, alive_ns_, alive_count_ = 0, let_go_until_ns_ = 0;
+  bool told_latched_, flight_given_ = false;
+  std::int64_t told_ns_ = 0, told_faults_ = 0, alive_ns_, alive_count_ = 0;
   std::int64_t n_unheard_ = 0;
 };
 

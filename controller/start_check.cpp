@@ -1,6 +1,5 @@
 #include "controller/start_check.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,7 +8,9 @@
 #include <numbers>
 #include <utility>
 
+#include "controller/gains_bounds.hpp"
 #include "controller/law.hpp"
+#include "core/linear/eigenvalues.hpp"
 #include "core/linear/sampled_loop.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -51,8 +52,8 @@ std::vector<double> candidate_leaks(const Gains& gains) {
   if (gains.leak_hz > 0) leaks.push_back(gains.leak_hz / 10);
   const Index m = gains.n_legs();
   const MatrixXd X = MatrixXd::Identity(m, m) + gains.K_P;
-  const double bound = X.partialPivLu().solve(gains.K_I).eigenvalues().cwiseAbs().maxCoeff() /
-                       (2 * std::numbers::pi);
+  const double bound =
+      spectral_radius(MatrixXd(X.partialPivLu().solve(gains.K_I))) / (2 * std::numbers::pi);
   for (double decade = 0.01; decade < 1e3; decade *= 10) {
     for (const double step : {1.0, 2.0, 3.0, 5.0, 7.0}) {
       const double leak = decade * step;
@@ -108,7 +109,7 @@ void try_changes(Gains gains, const std::vector<const Change*>& changes,
 
 std::string reason(const Gains& gains, double radius) {
   if (gains.realisation == Realisation::naive_pi) {
-    const double gain = gains.K_P.eigenvalues().cwiseAbs().maxCoeff();
+    const double gain = spectral_radius(gains.K_P);
     if (gain >= 1) {
       return "The actuator pushes on its own force sensor, so the sampled PI of `naive_pi` is a "
              "loop "
@@ -152,22 +153,40 @@ double ramp_radius(const Gains& gains) {
     DiscreteLaw law = whole;
     law.C *= 0.05 * i;
     law.D *= 0.05 * i;
-    const double radius = spectral_radius(close_loop(plant, law));
-    if (std::isnan(radius)) return radius;
-    largest = std::max(largest, radius);
+    largest = std::max(largest, spectral_radius(close_loop(plant, law)));
   }
   return largest;
 }
 
 double require_stable_ramp(const Gains& gains) {
+  const double alone = spectral_radius(sample_and_hold(loop_plant(gains), gains.sampling()).Phi);
+  // A frame that moves freely has double poles at 1, which rounding spreads by its square root.
+  if (!(alone < 1 + 1e-6)) {
+    throw Refusal(
+        "plant: the frame does not stand by itself: without control its spectral radius is " +
+        shown_radius(alone) + ", and 1 is needed, because at every fault the loop lets go of it");
+  }
   const double radius = ramp_radius(gains);
-  if (radius < 1) return radius;  // and not where it is not known
+  if (radius < 1) return radius;
   throw Refusal(
       "the loop is stable, but not on the way there: with a part of its gain, as in a ramp, "
       "its spectral radius is " +
       shown_radius(radius) +
       ", and below 1 is needed. A frame that does not stand by itself, or a design of "
       "little margin, does so; see `stillframe design` for the margins");
+}
+
+double force_limit(const Gains& gains, const Policy& policy) {
+  if (gains.force_limit_n && policy.force_limit_n) {
+    return std::min(*gains.force_limit_n, *policy.force_limit_n);
+  }
+  if (gains.force_limit_n) return *gains.force_limit_n;
+  if (policy.force_limit_n) return *policy.force_limit_n;
+  throw Refusal(
+      "no force limit: a wall-clock run needs one, found neither force_limit_n in the gains file "
+      "nor limits.force_n in the policy; state what the actuators may be asked for, as in "
+      "force_limit_n: 200 of the scene's controller block and a new design, or limits: "
+      "{force_n: 200} of the policy");
 }
 
 std::vector<Remedy> find_remedies(const Gains& gains) {
@@ -180,8 +199,12 @@ std::vector<Remedy> find_remedies(const Gains& gains) {
     try_changes(gains, {&change}, found);
   }
   if (!found.empty()) return found;
+  // An attempt takes the cube of the states: of 60 all pairs are tried, of 300 the first dozen,
+  // both in seconds.
+  const double states = static_cast<double>(most_loop_states(gains));
+  double attempts = 4e8 / (states * states * states);
   for (size_t i = 0; i < changes.size(); ++i) {
-    for (size_t j = i + 1; j < changes.size(); ++j) {
+    for (size_t j = i + 1; j < changes.size() && attempts > 0; ++j, --attempts) {
       if (key(changes[i].text) == key(changes[j].text)) continue;
       try_changes(gains, {&changes[i], &changes[j]}, found);
     }

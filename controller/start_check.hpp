@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "controller/gains.hpp"
+#include "controller/policy.hpp"
 
 namespace stillframe::controller {
 
@@ -20,15 +21,20 @@ struct Remedy {
 };
 
 /// The changes of one setting that really give a stable loop, or of two settings if no single one
-/// does; each is tried numerically. Set-up.
+/// does; each is tried numerically, of large loops only the first pairs. Set-up.
 std::vector<Remedy> find_remedies(const Gains& gains);
 
 /// The largest spectral radius of the loop while it is ramped in or out: with the law's force taken
 /// w times, w = 0.05, 0.10, ... 0.95. A frame that is not stable by itself has one above 1. Set-up.
 double ramp_radius(const Gains& gains);
 
-/// That radius if a wall-clock run may ramp. Set-up. Errors: Refusal if it is not below one.
+/// That radius if a wall-clock run may ramp. Set-up. Errors: Refusal if it is not below one, or the
+/// frame alone is not stable.
 double require_stable_ramp(const Gains& gains);
+
+/// The force limit of a wall-clock run (N): the lower of the gains file's and the policy's. Set-up.
+/// Errors: Refusal if there is none.
+double force_limit(const Gains& gains, const Policy& policy);
 
 /// The spectral radius of gains that may be run. Set-up. Errors: Refusal if the loop is not stable,
 /// saying the radius, the reason and what mends it.

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "controller/start_check.hpp"
 #include "core/linear/smooth_step.hpp"
 
 namespace stillframe::controller {
@@ -109,13 +110,13 @@ std::string_view to_text(State state) noexcept {
   return "";
 }
 
-Supervisor::Supervisor(DiscreteLaw law, const Policy& policy, double sample_rate_hz,
-                       std::optional<double> force_limit_n, bool active)
-    : law_(std::move(law)),
+Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
+    : law_(law_from_gains(gains)),
       policy_(policy),
-      limits_(force_limit_n, policy, 1 / sample_rate_hz),
-      arming_(law_.n_legs(), policy, sample_rate_hz),
-      sample_time_(1 / sample_rate_hz),
+      limits_(force_limit(gains, policy), policy, gains.n_legs(), gains.sample_time()),
+      arming_(gains.n_legs(), policy, gains.sample_rate_hz),
+      watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
+      sample_time_(gains.sample_time()),
       active_(active),
       wanted_(active && policy.start_at_once),
       quiet_(std::llround(quiet_s / sample_time_)) {
@@ -135,7 +136,9 @@ void Supervisor::visit(Archive& archive) {
   archive(seq_), archive(law_seq_), archive(time_ns_);
   archive(n_faults_), archive(n_rejoins_), archive(n_saturated_);
   law_.visit(archive);
+  limits_.visit(archive);
   arming_.visit(archive);
+  watch_.visit(archive);
 }
 
 void Supervisor::save(std::span<double> memory) const noexcept {
@@ -170,7 +173,6 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   }
   watch(event);
 
-  saturated_ = false;
   bool send = event.measurement != nullptr;
   if (engaged()) {
     if (send) run_law(event);
@@ -197,8 +199,12 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   }
   command.seq = seq_;
   command.time_ns = static_cast<std::int64_t>(time_ns_);
+  command.saturated = send && limits_.pass(force_);
   command.force = force_;
-  command.saturated = saturated_;
+  if (send) {
+    n_saturated_ += command.saturated ? 1 : 0;
+    watch_.command(force_, engaged());
+  }
   return send;
 }
 
@@ -245,6 +251,7 @@ void Supervisor::count_missing(const Event& event) noexcept {
 }
 
 void Supervisor::watch(const Event& event) noexcept {
+  if (engaged() && watch_.limited()) return let_go(Fault::limited, event);
   if (engaged() || state_ == State::fading) {
     if (event.n_elapsed - 1 > policy_.hold_periods) return let_go(Fault::suspended, event);
     if (n_frozen_ >= policy_.frozen_samples) return let_go(Fault::frozen, event);
@@ -261,8 +268,9 @@ void Supervisor::watch(const Event& event) noexcept {
 }
 
 void Supervisor::fade_from(const VectorXd& force) noexcept {
-  base_ = force;
-  q_ = force.isZero(0) ? 0 : 1;
+  limits_.meet(force);
+  base_ = limits_.last();
+  q_ = base_.isZero(0) ? 0 : 1;
 }
 
 // After a gap the amplifiers may have let go by themselves: then go on from what they report. Where
@@ -285,7 +293,7 @@ void Supervisor::let_go(Fault fault, const Event& event) noexcept {
   if (fault == Fault::suspended) {
     if (event.measurement != nullptr) fade_from(event.measurement->applied);
   } else if (!fades) {
-    fade_from(force_);
+    fade_from(fault == Fault::limited ? watch_.steady_force() : force_);
   }
   if (is_passing(fault)) {
     passing_fault_ = true;
@@ -301,6 +309,11 @@ void Supervisor::latch(Fault fault) noexcept {
   state_ = State::fault;
   latched_ = true;
   wanted_ = false;
+}
+
+void Supervisor::begin_latched(Fault fault) noexcept {
+  latch(fault);
+  n_faults_ = 0;  // it was counted when it happened
 }
 
 // Out of a passing fault, once the force is gone and measurements are there again.
@@ -329,6 +342,7 @@ void Supervisor::arm(const Event& event) noexcept {
   const Fault found = arming_.judge(offset_);
   if (found != Fault::none) return latch(found);
   law_.reset();
+  watch_.restart();
   law_ran_ = false;
   p_ = 0;
   if (passing_fault_) {
@@ -349,10 +363,7 @@ void Supervisor::run_law(const Event& event) noexcept {
   if (!u_.allFinite() || !law_.state().allFinite()) return let_go(Fault::law_not_finite, event);
   move_gain(event.n_elapsed);
   if (!engaged()) return;
-  u_ *= smooth_step(p_);
-  saturated_ = limits_.apply(force_, n_samples, u_);
-  n_saturated_ += saturated_ ? 1 : 0;
-  force_ = u_;
+  force_ = smooth_step(p_) * u_;
 }
 
 void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {

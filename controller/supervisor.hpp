@@ -6,6 +6,7 @@
 #include <span>
 
 #include "controller/arming.hpp"
+#include "controller/command_watch.hpp"
 #include "controller/io.hpp"
 #include "controller/law.hpp"
 #include "controller/limits.hpp"
@@ -39,10 +40,11 @@ struct Event {
 class Supervisor {
  public:
   /// active: false never leaves idle and commands zero force. Errors: std::invalid_argument of
-  /// Law, Limits and Arming.
-  Supervisor(DiscreteLaw law, const Policy& policy, double sample_rate_hz,
-             std::optional<double> force_limit_n, bool active);
+  /// Law, Limits and Arming, Refusal where there is no force limit.
+  Supervisor(const Gains& gains, const Policy& policy, bool active);
 
+  /// Begins with a fault that was latched before, and so waits for a reset. Set-up.
+  void begin_latched(Fault fault) noexcept;
   /// Goes through one period; true if command (its force has m values already) is to be sent.
   bool step(const Event& event, Command& command) noexcept;
 
@@ -82,14 +84,15 @@ class Supervisor {
   Policy policy_;
   Limits limits_;
   Arming arming_;
+  CommandWatch watch_;
   double sample_time_;
   bool active_;
 
   State state_ = State::idle;
   Fault fault_ = Fault::none;
-  bool latched_ = false, wanted_ = false, met_ = false, law_ran_ = false, saturated_ = false;
+  bool latched_ = false, wanted_ = false, met_ = false, law_ran_ = false;
   std::int64_t missing_ = 0;   ///< periods since the last measurement
-  std::int64_t n_frozen_ = 0;  ///< of them with a frozen sensor
+  std::int64_t n_frozen_ = 0;  ///< frozen measurements since the last sound one
   std::int64_t gap_ = 0;       ///< of them before the measurement of this very period
   double missing_part_ = 0;    ///< mean over about a second
   Defect last_defect_ = Defect::none;

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include "msgs/channels.hpp"
+#include "msgs/clock.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 
 namespace stillframe::controller {
@@ -46,6 +47,8 @@ loop_record_t to_message(const LoopRecord& record) {
   message.sigma = list(record.measurement.sigma);
   message.applied = list(record.measurement.applied);
   message.force = list(record.command.force);
+  message.n_floor = static_cast<std::int32_t>(record.measurement.floor.size());
+  message.floor = list(record.measurement.floor);
   return message;
 }
 
@@ -78,7 +81,8 @@ LoopRecord from_message(const loop_record_t& message) {
                         .time_ns = message.time_ns,
                         .received_ns = message.received_ns,
                         .sigma = vector(message.sigma),
-                        .applied = vector(message.applied)};
+                        .applied = vector(message.applied),
+                        .floor = vector(message.floor)};
   record.command.force = vector(message.force);
   record.command.saturated = message.saturated != 0;
   return record;
@@ -117,7 +121,9 @@ void Telemetry::publish_status(const LastRequest& request) {
   const Fault fault = counters.fault;
   controller_status_t status;
   status.run_id = io_.run_info().run_id;
+  status.plant_instance = io_.run_info().plant_instance;
   status.instance = presence_.instance();
+  status.sent_ns = monotonic_ns();
   status.started_ns = presence_.started_ns();
   status.pid = getpid();
   status.state = static_cast<std::int32_t>(state);

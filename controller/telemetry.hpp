@@ -6,6 +6,7 @@
 #include "controller/lcm_stream.hpp"
 #include "controller/loop.hpp"
 #include "controller/presence.hpp"
+#include "controller/request_queue.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_record_t.hpp"
 
@@ -18,12 +19,6 @@ stillframe_msgs::loop_checkpoint_t to_message(const LoopCheckpoint& checkpoint, 
                                               const std::string& policy_text);
 /// The way back, for replay; the vectors get their sizes from the message.
 LoopRecord from_message(const stillframe_msgs::loop_record_t& message);
-
-/// What was last asked of the controller, and what came of it.
-struct LastRequest {
-  std::int64_t nonce = 0;
-  std::string answer;  ///< empty: done
-};
 
 /// Tells the bus what the loop does, from a thread that may be slow. Set-up.
 class Telemetry {

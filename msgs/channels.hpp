@@ -10,9 +10,9 @@ inline constexpr const char* run_state = "SF_RUN_STATE";      // run_state_t, pl
 inline constexpr const char* timing = "SF_TIMING";            // timing_t, plant and controller
 
 // Wall-clock runs only:
-inline constexpr const char* request = "SF_REQUEST";  // control_request_t, to the controller
-inline constexpr const char* status = "SF_STATUS";    // controller_status_t, controller
-inline constexpr const char* loop = "SF_LOOP";        // loop_records_t, controller
+inline constexpr const char* request = "SF_REQUEST";        // control_request_t, to the controller
+inline constexpr const char* status = "SF_STATUS";          // controller_status_t, controller
+inline constexpr const char* loop = "SF_LOOP";              // loop_records_t, controller
 inline constexpr const char* checkpoint = "SF_CHECKPOINT";  // loop_checkpoint_t, controller
 
 inline constexpr const char* logger_check =

@@ -3,8 +3,10 @@
 #include <poll.h>
 
 #include <cstdlib>
+#include <stdexcept>
 
 #include "core/yaml/input_error.hpp"
+#include "msgs/lcm_guard.hpp"
 
 namespace stillframe {
 
@@ -16,6 +18,7 @@ std::string lcm_url(const std::string& given) {
 }
 
 std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
+  if (!lcm_is_guarded()) throw std::logic_error("liblcm's socket would be open to any packet");
   auto lcm = std::make_unique<lcm::LCM>(url);
   if (!lcm->good()) {
     throw InputError(
@@ -25,6 +28,17 @@ std::unique_ptr<lcm::LCM> open_lcm(const std::string& url) {
         "it one: sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo");
   }
   return lcm;
+}
+
+void require_hearing(lcm::LCM& lcm) {
+  if (lcm.getFileno() < 0) refuse_deaf();
+}
+
+void refuse_deaf() {
+  throw InputError(
+      "LCM opened, and cannot hear: it got no socket, pipe or thread; see `ulimit -n` (files that "
+      "a "
+      "process may open) and `ulimit -u`");
 }
 
 bool handle_one(lcm::LCM& lcm, int timeout_ms) noexcept {

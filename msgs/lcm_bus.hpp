@@ -1,9 +1,11 @@
 #pragma once
 
-#include <exception>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <string>
+#include <string_view>
+
+#include "msgs/message_fit.hpp"
 
 namespace stillframe {
 
@@ -14,19 +16,26 @@ std::string lcm_url(const std::string& given);
 /// Opens LCM. Errors: InputError with the commands that mend it if multicast is not routed.
 std::unique_ptr<lcm::LCM> open_lcm(const std::string& url);
 
+/// Makes LCM hear from now on, which it otherwise begins with the first subscription and without a
+/// word if it cannot. Errors: InputError.
+void require_hearing(lcm::LCM& lcm);
+/// Throws what require_hearing would.
+[[noreturn]] void refuse_deaf();
+
 /// Waits up to timeout_ms for one message and handles it; a signal ends the wait early. Answers
 /// whether a message was handled. hot: noexcept.
 bool handle_one(lcm::LCM& lcm, int timeout_ms) noexcept;
 
+/// The bytes of a message as it came.
+inline std::string_view bytes_of(const lcm::ReceiveBuffer& buffer) noexcept {
+  return {static_cast<const char*>(buffer.data), buffer.data_size};
+}
+
 /// Decodes a message, false if its bytes are not of that type. LCM runs handlers from C, which no
-/// exception may cross, and a damaged message can make decode throw.
+/// exception may cross.
 template <class Message>
 bool decode(const lcm::ReceiveBuffer& buffer, Message& message) noexcept {
-  try {
-    return message.decode(buffer.data, 0, static_cast<int>(buffer.data_size)) >= 0;
-  } catch (const std::exception&) {
-    return false;
-  }
+  return decode(bytes_of(buffer), message);
 }
 
 }  // namespace stillframe

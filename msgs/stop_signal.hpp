@@ -2,11 +2,15 @@
 
 namespace stillframe {
 
-/// From now on SIGINT and SIGTERM only set a flag, and interrupt waits. Set-up.
-/// Errors: std::system_error.
+/// From now on SIGINT, SIGTERM and SIGHUP only set a flag, and interrupt waits; a hang-up that was
+/// ignored before, as nohup does, stays so. Set-up. Errors: std::system_error.
 void catch_stop_signals();
 
-/// True once SIGINT or SIGTERM has come. Hot: noexcept, no allocation.
+/// From now on a pipe without a reader, and a file that has reached its limit, are errors of what
+/// writes there and no longer the end of the process. Set-up. Errors: std::system_error.
+void ignore_write_signals();
+
+/// True once a stop signal has come. Hot: noexcept, no allocation.
 bool stop_requested() noexcept;
 
 }  // namespace stillframe

@@ -13,8 +13,10 @@
 #include <string>
 
 #include "core/control_loop.hpp"
+#include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/floor/floor_block.hpp"
@@ -42,13 +44,13 @@ constexpr const char* footer =
     "  stillframe-controller --gains gains.yaml --run-id 7\n"
     "Exit codes: 0 done, 1 internal error or output that cannot be written, 2 bad input, 3 "
     "refused,\n"
-    "4 the run failed.";
+    "(another plant has this number), 4 the run failed.";
 
 struct Options {
   std::filesystem::path scene, gains;
   std::optional<std::filesystem::path> floor, controller, pace_by_log;
   std::string mode = "lock_step", loop = "active", lcm_url;
-  std::int64_t run_id = 1;
+  std::optional<std::int64_t> run_id;
   std::optional<double> duration_s;
   double timeout_s = 10, amplifier_fade_s = 1;
   std::int64_t amplifier_hold_samples = 10;
@@ -76,8 +78,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--duration", options.duration_s,
                  "Seconds of plant time (default: the scene's, or the floor's)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--run-id", options.run_id, "Number that ties the messages of one run together")
-      ->capture_default_str();
+  app.add_option("--run-id", options.run_id,
+                 "Number that ties the messages of one run together (default: random)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--lcm-url", options.lcm_url,
                  "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
                  "udpm://239.255.76.67:7667?ttl=0)");
@@ -137,7 +140,8 @@ int run(const Options& options) {
   if (options.priority && options.mode == "wall_clock") request_fifo(*options.priority);
   PlantLink link(
       lcm_url(options.lcm_url),
-      describe_run(scene, {.run_id = options.run_id,
+      describe_run(scene, {.run_id = options.run_id.value_or(new_run_id()),
+                           .plant_instance = new_instance(),
                            .n_samples = n,
                            .program_version = STILLFRAME_VERSION,
                            .floor_text = floor->text,
@@ -148,6 +152,7 @@ int run(const Options& options) {
   if (options.pace_by_log) link.pace_by(*options.pace_by_log);
 
   catch_stop_signals();
+  ignore_write_signals();
   PlantRunOptions run_options;
   run_options.timeout_s = options.timeout_s;
   run_options.amplifier_hold_samples = options.amplifier_hold_samples;
@@ -169,6 +174,7 @@ int run(const Options& options) {
                  plant.n_out_of_range());
   }
   if (outcome.ended) return exit_done;
+  if (!link.rival().empty()) throw Refusal(link.rival());
   spdlog::error("the run did not end as it should: {}", outcome.reason);
   return exit_failed;
 }
@@ -187,7 +193,7 @@ int plant_main(int argc, char** argv) {
     return app.exit(error) == 0 ? exit_done : exit_bad_input;
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("plant"));
-  spdlog::set_pattern("%n: %^%v%$");
+  set_printable_log("%n: %^%*%$");
   try {
     return run(options);
   } catch (const Refusal& refusal) {

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "msgs/channels.hpp"
+#include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "plant_sim/measurement_message.hpp"
 
@@ -18,6 +21,10 @@ PlantLink::PlantLink(const std::string& url, run_info_t info)
       info_(std::move(info)),
       last_allowed_(info_.mode == "wall_clock" ? -1 : std::numeric_limits<std::int64_t>::max()),
       commands_(info_.n_legs) {
+  command_.n_legs = info_.n_legs;
+  command_.force.assign(static_cast<size_t>(info_.n_legs), 0.0);
+  command_size_ = static_cast<std::size_t>(command_.getEncodedSize());
+  require_hearing(*lcm_);
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
   // so.
   lcm_->subscribe(channels::command, &PlantLink::on_command, this)->setQueueCapacity(4096);
@@ -48,8 +55,11 @@ void PlantLink::publish_info() { publish(channels::run_info, info_); }
 
 void PlantLink::publish_state(std::int32_t state, std::int64_t start_monotonic_ns,
                               const std::string& text) {
+  state_ = state;
   run_state_t message;
   message.run_id = info_.run_id;
+  message.plant_instance = message.instance = info_.plant_instance;
+  message.sent_ns = monotonic_ns();
   message.source = "plant";
   message.state = state;
   message.start_monotonic_ns = start_monotonic_ns;
@@ -61,6 +71,8 @@ void PlantLink::publish_timing(const timing_t& timing) { publish(channels::timin
 
 void PlantLink::publish_measurement(std::int64_t k, const Reading& reading) {
   measurement_.run_id = info_.run_id;
+  measurement_.plant_instance = info_.plant_instance;
+  measurement_.controller_instance = seat_is_free_ ? 0 : obeyed_;
   write_measurement(reading, k, info_.sample_rate_hz, measurement_);
   measurement_bytes_.resize(static_cast<size_t>(measurement_.getEncodedSize()));
   measurement_.encode(measurement_bytes_.data(), 0, static_cast<int>(measurement_bytes_.size()));
@@ -71,22 +83,35 @@ void PlantLink::repeat_measurement() { send(channels::measurement, measurement_b
 
 bool PlantLink::listen(int timeout_ms) noexcept { return handle_one(*lcm_, timeout_ms); }
 
+void PlantLink::set_clock(std::int64_t start_ns, double period_ns) {
+  start_ns_ = start_ns;
+  period_ns_ = period_ns;
+}
+
 void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
   if (pacer_) pacer_->sent(buffer->data_size, channel.size());
-  if (!decode(*buffer, command_)) {
+  const auto identity = identity_of(bytes_of(*buffer));
+  if (!identity) {
     ++n_malformed_;
     return;
   }
-  if (command_.run_id != info_.run_id) return;
-  const bool finite = std::all_of(command_.force.begin(), command_.force.end(),
-                                  [](double force) { return std::isfinite(force); });
-  if (command_.n_legs != info_.n_legs || !finite || command_.seq > last_allowed_) {
+  if (identity->run_id != info_.run_id) return;
+  if (identity->plant_instance != info_.plant_instance ||
+      (!seat_is_free_ && identity->controller_instance != obeyed_)) {
+    ++n_foreign_;
+    return;
+  }
+  // A command of this run has the size of every other, so decoding it takes no more memory.
+  if (bytes_of(*buffer).size() != command_size_ || !decode(*buffer, command_) ||
+      !is_sound(command_)) {
     ++n_malformed_;
     return;
   }
   const Eigen::Map<const Eigen::VectorXd> force(command_.force.data(), info_.n_legs);
   switch (commands_.add(command_.seq, force)) {
     case CommandTrack::Result::taken:
+      obeyed_ = command_.instance;
+      seat_is_free_ = false;
       ++n_commands_;
       return;
     case CommandTrack::Result::duplicate:
@@ -97,13 +122,50 @@ void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string& 
   }
 }
 
+bool PlantLink::is_sound(const command_t& command) const {
+  const bool finite = std::all_of(command.force.begin(), command.force.end(),
+                                  [](double force) { return std::isfinite(force); });
+  if (command.n_legs != info_.n_legs || !finite || command.instance == 0) return false;
+  if (command.seq > last_allowed_) return false;
+  if (start_ns_ == 0 || command.seq < 0) return true;
+  // It answers its sample, or what would have been: nobody can have sent it before that was due,
+  // nor after now.
+  if (command.sent_ns < 0 || command.sent_ns > monotonic_ns()) return false;
+  return static_cast<double>(command.sent_ns - start_ns_) >=
+         period_ns_ * static_cast<double>(command.seq - 1);
+}
+
 void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
   run_state_t state;
-  if (!decode(*buffer, state) || state.run_id != info_.run_id || state.source != "controller")
+  if (!decode(*buffer, state) || state.run_id != info_.run_id) return;
+  if (state.source == "plant") {
+    if (state.plant_instance != info_.plant_instance) meet(state);
     return;
+  }
+  if (state.source != "controller" || state.plant_instance != info_.plant_instance) return;
   if (state.state == run_state_t::READY) controller_ready_ = true;
-  if (state.state == run_state_t::FAILED)
+  // Of a controller that it does not obey it is no concern.
+  if (state.state == run_state_t::FAILED && (obeyed_ == 0 || state.instance == obeyed_)) {
     controller_failure_ = "the controller refused: " + state.text;
+  }
+}
+
+// Another plant of this number: who runs stays, and of two that do the first, and of two that wait
+// the one with the smaller instance.
+void PlantLink::meet(const run_state_t& other) {
+  if (!is_fresh(other.sent_ns, monotonic_ns())) return;
+  const bool other_runs = other.state == run_state_t::RUNNING;
+  if (!other_runs && other.state != run_state_t::WAITING) return;
+  const bool runs = state_ == run_state_t::RUNNING;
+  const bool first = std::pair(start_ns_, info_.plant_instance) <
+                     std::pair(other.start_monotonic_ns, other.plant_instance);
+  const bool stays = runs != other_runs ? runs : first;
+  if (!stays) {
+    rival_ = "another plant " + std::string(other_runs ? "runs" : "waits") + " as run " +
+             std::to_string(info_.run_id) + "; end it first, or choose another --run-id";
+  } else if (runs) {
+    publish_state(run_state_t::RUNNING, start_ns_, "");
+  }
 }
 
 }  // namespace stillframe

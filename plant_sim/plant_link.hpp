@@ -21,7 +21,8 @@
 namespace stillframe {
 
 /// The plant's end of the bus for one run: it publishes measurements and the state of the run, and
-/// keeps the newest command. Construction is set-up.
+/// keeps the newest command of the one controller that it obeys: the first that is heard, and
+/// another only once that one has been silent. Construction is set-up.
 class PlantLink {
  public:
   /// Errors: InputError if LCM cannot be opened.
@@ -48,6 +49,14 @@ class PlantLink {
   /// Why the controller gave up; empty while it has not.
   const std::string& controller_failure() const { return controller_failure_; }
 
+  /// Wall-clock: t_0 of the run on CLOCK_MONOTONIC and its period, ns. From here on a command must
+  /// have been sent since its sample.
+  void set_clock(std::int64_t start_ns, double period_ns);
+  /// The controller that is obeyed has been silent: the next one that commands may take its place.
+  void free_seat() { seat_is_free_ = true; }
+  /// Why this plant has to go, another one having its number; empty while it has not.
+  const std::string& rival() const { return rival_; }
+
   /// Goes on to the newest command that belongs to sample k or one before; then the number of its
   /// sample, -1 before the first, and its forces (N).
   void take_commands(std::int64_t k) { commands_.advance_to(k); }
@@ -58,13 +67,17 @@ class PlantLink {
   void refuse_after(std::int64_t k) { last_allowed_ = k; }
   /// How many commands were heard that were new.
   std::int64_t n_commands() const { return n_commands_; }
-  /// Commands that were refused: of a wrong size or not finite.
+  /// Commands that were refused: of a wrong size, not finite, or of no sound time.
   std::int64_t n_malformed() const { return n_malformed_; }
   std::int64_t n_duplicate() const { return n_duplicate_; }
+  /// Commands of this run for another plant, or of a controller that is not obeyed.
+  std::int64_t n_foreign() const { return n_foreign_; }
 
  private:
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  bool is_sound(const stillframe_msgs::command_t& command) const;
+  void meet(const stillframe_msgs::run_state_t& other);
   template <class Message>
   void publish(const char* channel, const Message& message);
   void send(const char* channel, const std::vector<std::uint8_t>& bytes);
@@ -79,7 +92,14 @@ class PlantLink {
   bool controller_ready_ = false;
   std::string controller_failure_;
   std::int64_t last_allowed_;
-  std::int64_t n_commands_ = 0, n_malformed_ = 0, n_duplicate_ = 0;
+  std::int64_t n_commands_ = 0, n_malformed_ = 0, n_duplicate_ = 0, n_foreign_ = 0;
+  std::int64_t obeyed_ = 0;   ///< instance of the last controller that was, 0: none yet
+  bool seat_is_free_ = true;  ///< and another one may follow it
+  std::int32_t state_ = stillframe_msgs::run_state_t::WAITING;
+  std::int64_t start_ns_ = 0;
+  double period_ns_ = 0;
+  std::size_t command_size_ = 0;
+  std::string rival_;
   CommandTrack commands_;
 };
 

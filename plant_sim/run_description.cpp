@@ -5,6 +5,7 @@ namespace stillframe {
 stillframe_msgs::run_info_t describe_run(const Scene& scene, const RunDescription& run) {
   stillframe_msgs::run_info_t info;
   info.run_id = run.run_id;
+  info.plant_instance = run.plant_instance;
   info.format_version = 1;
   info.program_version = run.program_version;
   info.scene_name = scene.title;

@@ -10,7 +10,7 @@ namespace stillframe {
 
 /// What a run says of itself beside its scene.
 struct RunDescription {
-  std::int64_t run_id = 0, n_samples = 0;
+  std::int64_t run_id = 0, plant_instance = 0, n_samples = 0;
   std::string program_version, floor_text, gains_text;
   std::string mode, loop;  ///< lock_step, single_process or wall_clock; active or passive
 };

@@ -30,7 +30,7 @@ class Run {
     timing_.run_id = link.info().run_id;
     timing_.source = "plant";
     timing_.n_periods = timing_.n_late = timing_.n_lost = timing_.n_duplicate = 0;
-    timing_.n_listened = 0;
+    timing_.n_listened = timing_.n_foreign = 0;
     timing_.worst_wake_up_ns = timing_.worst_compute_ns = timing_.wall_time_ns = 0;
   }
 
@@ -38,13 +38,13 @@ class Run {
     // Without it a controller would never learn t_0; in lock-step the first measurement says as
     // much.
     announce(start_ns);
-    for (int i = 0; start_ns > 0 && i < 2; ++i) {
-      link_.publish_state(run_state_t::RUNNING, start_ns, "");
-    }
+    if (start_ns > 0) link_.publish_state(run_state_t::RUNNING, start_ns, "");
     began_ns_ = monotonic_ns();
   }
 
+  /// A run_info counts only with somebody behind it, and who follows it waits for the start.
   void announce(std::int64_t start_ns) {
+    link_.publish_state(run_state_t::RUNNING, start_ns, "");
     link_.publish_info();
     link_.publish_state(run_state_t::RUNNING, start_ns, "");
   }
@@ -73,6 +73,7 @@ class Run {
   PlantOutcome end() {
     timing_.wall_time_ns = monotonic_ns() - began_ns_;
     timing_.n_duplicate = link_.n_duplicate();
+    timing_.n_foreign = link_.n_foreign();
     if (options_.progress) options_.progress(n_, n_);
     link_.publish_state(run_state_t::ENDED, 0, "");
     link_.publish_timing(timing_);
@@ -112,6 +113,7 @@ std::string await_command(PlantLink& link, std::int64_t k, double timeout_s) {
              " s";
     }
     if (now - asked > 200 * ns_per_ms) {
+      link.free_seat();
       link.repeat_measurement();
       asked = now;
     }
@@ -124,12 +126,14 @@ std::string await_command(PlantLink& link, std::int64_t k, double timeout_s) {
 std::string await_controller(PlantLink& link, double timeout_s) {
   const std::int64_t begin = monotonic_ns();
   while (!link.controller_ready()) {
+    link.publish_state(run_state_t::WAITING, 0, "");
     link.publish_info();
     const std::int64_t asked = monotonic_ns();
     while (!link.controller_ready() && monotonic_ns() - asked < 50 * ns_per_ms) {
       link.listen(10);
       if (stop_requested()) return "interrupted";
       if (!link.controller_failure().empty()) return link.controller_failure();
+      if (!link.rival().empty()) return link.rival();
     }
     if (static_cast<double>(monotonic_ns() - begin) > timeout_s * 1e9) {
       return "no controller answered within " + std::to_string(timeout_s) +
@@ -165,6 +169,7 @@ PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions
                             1 / link.info().sample_rate_hz);
   // Both processes get time to settle before the first deadline.
   const std::int64_t start = monotonic_ns() + 100 * ns_per_ms;
+  link.set_clock(start, period_ns);
   run.begin(start);
   std::int64_t heard_ns = start, announced_ns = start, n_heard = 0;
   for (std::int64_t k = 0; k < run.n(); ++k) {
@@ -176,10 +181,12 @@ PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions
     }
     if (stop_requested()) return run.fail("interrupted");
     if (!link.controller_failure().empty()) return run.fail(link.controller_failure());
+    if (!link.rival().empty()) return run.fail(link.rival());
     run.timing().worst_wake_up_ns = std::max(run.timing().worst_wake_up_ns, now - deadline);
     if (static_cast<double>(now - deadline) > period_ns) ++run.timing().n_late;
     link.take_commands(k - 1);
     const std::int64_t n_missing = k - 1 - link.command_seq();
+    if (n_missing > options.amplifier_hold_samples) link.free_seat();
     if (link.n_commands() > 0 && n_missing > 0) ++run.timing().n_lost;
     if (link.n_commands() != n_heard) heard_ns = now;
     n_heard = link.n_commands();

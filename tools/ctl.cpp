@@ -3,12 +3,12 @@
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <random>
 #include <stdexcept>
 
 #include "controller/supervisor.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "report/table.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
@@ -50,7 +50,8 @@ class Listener {
  private:
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
     controller_status_t status;
-    if (!decode(*buffer, status)) return;
+    // A recording of a controller is none.
+    if (!decode(*buffer, status) || !is_fresh(status.sent_ns, monotonic_ns())) return;
     const bool fits =
         answer_ ? status.instance == answer_->instance : run_id_ == 0 || status.run_id == run_id_;
     const bool answers = fits && (nonce_ == 0 || status.nonce == nonce_);
@@ -69,12 +70,6 @@ std::int32_t number_of(const std::string& action) {
   return control_request_t::RESET;
 }
 
-std::int64_t random_nonce() {
-  std::random_device device;
-  const auto bits = static_cast<std::uint64_t>(device()) << 31 ^ device();
-  return static_cast<std::int64_t>(bits & 0x7fffffffffffffff) | 1;  // never 0
-}
-
 std::string nobody(const Options& options, const std::string& url, const Listener& listener) {
   const std::string within = report::cell(" within %g s", options.timeout_s);
   if (!listener.other()) {
@@ -91,14 +86,15 @@ std::string nobody(const Options& options, const std::string& url, const Listene
 }
 
 /// Listens until so many statuses have answered or the time is over; asks meanwhile.
-void listen(lcm::LCM& lcm, const Listener& listener, const control_request_t& request,
-            int n_answers, double most_s) {
+void listen(lcm::LCM& lcm, const Listener& listener, control_request_t request, int n_answers,
+            double most_s) {
   const std::int64_t began = monotonic_ns();
   const std::int64_t end = began + std::llround(most_s * 1e9);
   std::int64_t next = began;
   for (std::int64_t now = began; now < end && listener.n_answers() < n_answers;
        now = monotonic_ns()) {
     if (now >= next) {
+      request.sent_ns = now;
       if (request.nonce != 0 && !listener.answer()) lcm.publish(channels::request, &request);
       next = now + repeat_ns;
     }
@@ -109,9 +105,12 @@ void listen(lcm::LCM& lcm, const Listener& listener, const control_request_t& re
 controller_status_t ask(const Options& options) {
   const std::string url = lcm_url(options.lcm_url);
   const auto lcm = open_lcm(url);
+  require_hearing(*lcm);
   const bool asks = options.action != "status";
   const control_request_t request{.run_id = options.run_id,
-                                  .nonce = asks ? random_nonce() : 0,
+                                  .nonce = asks ? new_instance() : 0,
+                                  .asked_ns = monotonic_ns(),
+                                  .sent_ns = 0,
                                   .request = asks ? number_of(options.action) : 0};
   Listener listener(*lcm, options.run_id, request.nonce);
   listen(*lcm, listener, request, 1, options.timeout_s);

@@ -29,7 +29,9 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .K_P = loop.gains.K_P,
           .K_I = loop.gains.K_I,
           .instruments = scene.instruments,
-          .plant = {plant.A.topLeftCorner(n, n), plant.B_u.topRows(n), plant.C_sigma.leftCols(n)}};
+          // Where the floor's position strains elements by itself, its acceleration is not enough.
+          .plant = {plant.A.topLeftCorner(n, n), plant.B_u.topRows(n), plant.C_sigma.leftCols(n),
+                    plant.B_w.topLeftCorner(n, plant.n_exogenous > 0 ? 0 : plant.B_w.cols())}};
 }
 
 /// Replaces the design by that of another model with the controller block of this one.

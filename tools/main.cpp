@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -49,8 +50,15 @@ void require_known_verb(CLI::App& app, int argc, char** argv) {
 
 int say(const char* what, const std::string& text, int code) {
   const bool colour = isatty(STDERR_FILENO) != 0;
-  std::cerr << "stillframe: " << (colour ? "\033[31m" : "") << what << (colour ? "\033[0m" : "")
-            << ": " << text << "\n";
+  // Past std::cerr, which lets no escape through.
+  const auto paint = [colour](const char* escape) {
+    if (colour) std::fputs(escape, stderr);
+  };
+  std::cerr << "stillframe: " << std::flush;
+  paint("\033[31m");
+  std::cerr << what << std::flush;
+  paint("\033[0m");
+  std::cerr << ": " << text << "\n";
   return code;
 }
 

@@ -272,8 +272,7 @@ ReplayResult replay_lock_step(const ReplayLog& log, const Gains& gains) {
 ReplayResult replay_wall_clock(const ReplayLog& log, const Gains& gains,
                                const controller::Policy& policy) {
   check_legs(log, gains);
-  const Supervisor supervisor(law_from_gains(gains), policy, gains.sample_rate_hz,
-                              gains.force_limit_n, log.info.loop != "passive");
+  const Supervisor supervisor(gains, policy, log.info.loop != "passive");
   ReplayResult result;
   std::vector<Computed> computed;
   for (const LoopSession& session : log.sessions) {

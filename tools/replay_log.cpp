@@ -91,7 +91,7 @@ class Collector {
   template <class Message, class Store>
   void with(const LogEvent& event, Store&& store) {
     Message message;
-    if (!report::decode(event.payload, message)) {
+    if (!decode(event.payload, message)) {
       ++n_undecodable;
       return;
     }

@@ -1,11 +1,11 @@
 #include <ctime>
 #include <iostream>
 #include <memory>
-#include <random>
 
 #include "controller/policy.hpp"
 #include "controller/start_check.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/plant.hpp"
@@ -40,12 +40,6 @@ std::filesystem::path default_folder(const std::filesystem::path& scene) {
   char stamp[32];
   std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", std::localtime(&now));
   return std::filesystem::path("runs") / (scene.stem().string() + "-" + stamp);
-}
-
-std::int64_t random_run_id() {
-  std::random_device device;
-  return static_cast<std::int64_t>((static_cast<std::uint64_t>(device()) << 31) ^ device()) &
-         0x7fffffffffffffff;
 }
 
 /// The processes of a run read what they are given themselves; a pipe would give it only once.
@@ -112,7 +106,7 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
                      .mode = options.mode,
                      .loop = "",
                      .lcm_url = lcm_url(options.lcm_url),
-                     .run_id = options.run_id.value_or(random_run_id()),
+                     .run_id = options.run_id.value_or(new_run_id()),
                      .duration_s = options.duration_s,
                      .sample_rate_hz = design.gains.sample_rate_hz,
                      .timeout_s = options.timeout_s,
@@ -195,7 +189,8 @@ void add_run(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber);
   verb->add_option("--run-id", options->run_id,
                    "Number that ties the messages of a run together (default: random; "
-                   "the second loop has the next one)");
+                   "the second loop has the next one)")
+      ->check(CLI::PositiveNumber);
   verb->add_option("--lcm-url", options->lcm_url,
                    "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
                    "udpm://239.255.76.67:7667?ttl=0)");

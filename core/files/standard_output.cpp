@@ -8,7 +8,32 @@
 #include <cstring>
 #include <iostream>
 
+#include "core/files/printable_lines.hpp"
+
 namespace stillframe {
+
+namespace {
+
+/// Gives a stream another buffer while it lives.
+class Behind {
+ public:
+  explicit Behind(std::ostream& stream) : stream_(stream), own_(stream.rdbuf()), lines_(*own_) {
+    stream_.rdbuf(&lines_);
+  }
+  ~Behind() {
+    lines_.pubsync();
+    stream_.rdbuf(own_);
+  }
+  Behind(const Behind&) = delete;
+  Behind& operator=(const Behind&) = delete;
+
+ private:
+  std::ostream& stream_;
+  std::streambuf* own_;
+  PrintableLines lines_;
+};
+
+}  // namespace
 
 int with_standard_output(const char* program, const std::function<int()>& run) {
   // Where a standard stream is closed, the next file that is opened would take its number, and what
@@ -16,6 +41,7 @@ int with_standard_output(const char* program, const std::function<int()>& run) {
   int free = open("/dev/null", O_RDONLY | O_CLOEXEC);
   while (free >= 0 && free <= STDERR_FILENO) free = open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (free >= 0) close(free);
+  const Behind output(std::cout), errors(std::cerr);
   const int exit_code = run();
   errno = 0;
   std::cout.flush();

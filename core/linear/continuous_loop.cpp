@@ -1,13 +1,13 @@
 #include "core/linear/continuous_loop.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
-#include "core/linear/balance.hpp"
+#include "core/linear/eigenvalues.hpp"
+#include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
@@ -40,9 +40,10 @@ Eigen::VectorXcd closed_loop_poles(const LoopPlant& plant, const ForceFeedback& 
   for (Index i = 0; i < kept.size(); ++i) {
     kept(i) = static_cast<int>(i < floor ? i : i + plant.n_exogenous);
   }
-  Eigen::VectorXcd poles = balanced(loop.A(kept, kept)).eigenvalues();
-  std::sort(poles.begin(), poles.end(), [](auto a, auto b) { return std::abs(a) < std::abs(b); });
-  return poles;
+  auto poles = eigenvalues(MatrixXd(loop.A(kept, kept)));
+  if (!poles) throw Refusal("the poles of the continuous loop are not found");
+  std::sort(poles->begin(), poles->end(), [](auto a, auto b) { return std::abs(a) < std::abs(b); });
+  return *poles;
 }
 
 Decoupling decoupling(const MatrixXcd& T) {

@@ -12,7 +12,7 @@ namespace stillframe {
 /// are kept among the states. Errors: as strain_feedback.
 LinearSystem continuous_loop(const LoopPlant& plant, const ForceFeedback& feedback);
 
-/// Its poles without the floor integrators, rad/s, slowest first.
+/// Its poles without the floor integrators, rad/s, slowest first. Errors: Refusal if not found.
 Eigen::VectorXcd closed_loop_poles(const LoopPlant& plant, const ForceFeedback& feedback);
 
 /// How far a square transfer matrix is from one curve for all, and from a diagonal.

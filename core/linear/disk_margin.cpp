@@ -1,6 +1,5 @@
 #include "core/linear/disk_margin.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -8,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/linear/balance.hpp"
+#include "core/linear/eigenvalues.hpp"
 #include "core/linear/singular_values.hpp"
 
 namespace stillframe {
@@ -114,11 +113,10 @@ std::vector<double> level_angles(const LinearSystem& system, Index leg, double l
   sum << F + I, G, Q, I + F.transpose();
   difference << F - I, G, -Q, I - F.transpose();
   const MatrixXd pencil = sum.partialPivLu().solve(difference);
-  if (!pencil.allFinite()) return {};
-  const Eigen::EigenSolver<MatrixXd> solver(balanced(pencil), false);
-  if (solver.info() != Eigen::Success) return {};
+  const auto values = eigenvalues(pencil);
+  if (!values) return {};
   std::vector<double> angles{0.0, pi};
-  for (const Complex s : solver.eigenvalues()) {
+  for (const Complex s : *values) {
     const double angle = std::abs(std::arg((1.0 + s) / (1.0 - s)));
     if (std::isfinite(angle)) angles.push_back(angle);
   }

@@ -1,12 +1,11 @@
 #include "core/linear/frequency_range.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "core/linear/balance.hpp"
+#include "core/linear/eigenvalues.hpp"
 
 namespace stillframe {
 
@@ -47,13 +46,11 @@ double rounded_up(double x) {
 }  // namespace
 
 Eigen::VectorXd own_frequencies_hz(const Eigen::MatrixXd& A) {
-  if (A.rows() == 0 || !A.allFinite()) return {};
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(balanced(A), false);
-  if (solver.info() != Eigen::Success) return {};
-  const Eigen::VectorXcd values = solver.eigenvalues();
-  const double largest = values.cwiseAbs().maxCoeff();
+  const auto values = eigenvalues(A);
+  if (!values || values->size() == 0) return {};
+  const double largest = values->cwiseAbs().maxCoeff();
   std::vector<double> found;
-  for (const auto& value : values) {
+  for (const auto& value : *values) {
     if (value.imag() >= 0 && std::abs(value) > zero_part * largest) {
       found.push_back(std::abs(value) / (2 * std::numbers::pi));
     }

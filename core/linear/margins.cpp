@@ -1,6 +1,5 @@
 #include "core/linear/margins.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -8,16 +7,19 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/linear/disk_margin.hpp"
+#include "core/linear/eigenvalues.hpp"
 #include "core/linear/sampled_loop.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
 using Eigen::Index;
+using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 namespace {
@@ -49,6 +51,12 @@ std::vector<double> steps(double from, double to, double step) {
   std::vector<double> values;
   for (int i = 1; i <= n; ++i) values.push_back(from + (to - from) * i / n);
   return values;
+}
+
+/// Where a loop without known poles may fail nobody can say.
+VectorXcd known(const std::optional<VectorXcd>& values) {
+  if (!values) throw Refusal("the poles of a perturbed loop are not found: it has no margins");
+  return *values;
 }
 
 /// Tries perturbed loops with one law; the law does not know of the perturbation.
@@ -115,10 +123,10 @@ class Perturbed {
   std::vector<double> worst_delays(const VectorXd& mask) const {
     const SampledPlant plant = sample_and_hold(plant_, sampling_);
     std::vector<double> angles;  // per sample
-    for (const std::complex<double> pole : close_loop(plant, law_).A.eigenvalues()) {
+    for (const std::complex<double> pole : known(eigenvalues(close_loop(plant, law_).A))) {
       angles.push_back(std::arg(pole));
     }
-    for (const std::complex<double> mode : plant_.A.eigenvalues()) {
+    for (const std::complex<double> mode : known(eigenvalues(plant_.A))) {
       // What has died away after a sample is no resonance.
       const std::complex<double> turn = mode * sampling_.sample_time;
       if (turn.real() > -3) angles.push_back(turn.imag());
@@ -140,7 +148,7 @@ class Perturbed {
   Eigen::VectorXcd round_trips(const SampledPlant& plant, const VectorXd& mask,
                                double angle) const {
     const Eigen::MatrixXcd L = return_ratio(plant, law_, angle / plant.sample_time, Cut::command);
-    if (mask.sum() > 1) return L.eigenvalues();
+    if (mask.sum() > 1) return known(eigenvalues(L));
     Index leg = 0;
     mask.maxCoeff(&leg);
     const Eigen::MatrixXcd I = Eigen::MatrixXcd::Identity(m_, m_);

@@ -1,12 +1,11 @@
 #include "core/linear/sampled_loop.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "core/linear/balance.hpp"
+#include "core/linear/eigenvalues.hpp"
 
 namespace stillframe {
 
@@ -165,11 +164,7 @@ SampledLoop open_loop(const SampledPlant& plant) {
 
 double spectral_radius(const SampledLoop& loop) {
   const Index n = loop.A.rows() - loop.n_exogenous;
-  const MatrixXd A = loop.A.bottomRightCorner(n, n);
-  constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
-  if (!A.allFinite()) return not_known;
-  const Eigen::EigenSolver<MatrixXd> solver(A, false);
-  return solver.info() == Eigen::Success ? solver.eigenvalues().cwiseAbs().maxCoeff() : not_known;
+  return spectral_radius(MatrixXd(loop.A.bottomRightCorner(n, n)));
 }
 
 namespace {

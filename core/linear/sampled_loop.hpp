@@ -33,8 +33,8 @@ SampledLoop open_loop(const SampledPlant& plant);
 /// 100 000 s, and a leak of as little as 1 mHz decays at 1e-7 a sample.
 inline constexpr double largest_stable_radius = 1.0 - 1e-9;
 
-/// Largest modulus of the eigenvalues of the feedback part of A (floor integrators left out); NaN,
-/// which is below no bound, where A is not finite or they are not found.
+/// Largest modulus of the eigenvalues of the feedback part of A (floor integrators left out);
+/// infinite where they are not known.
 double spectral_radius(const SampledLoop& loop);
 
 /// T(e^{j omega T_s}), y from w: n_y x p. omega in rad/s.

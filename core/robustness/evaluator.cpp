@@ -1,14 +1,15 @@
 #include "core/robustness/evaluator.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "core/control_loop.hpp"
+#include "core/linear/eigenvalues.hpp"
 #include "core/linear/frequency_sweep.hpp"
 #include "core/linear/singular_values.hpp"
 #include "core/model/model.hpp"
@@ -76,9 +77,9 @@ FrequencySweep sweep_of(const SampledLoop& loop) {
   return FrequencySweep(system);
 }
 
-Eigen::VectorXcd feedback_poles(const SampledLoop& loop) {
+std::optional<Eigen::VectorXcd> feedback_poles(const SampledLoop& loop) {
   const Index n = loop.A.rows() - loop.n_exogenous;
-  return loop.A.bottomRightCorner(n, n).eigenvalues();
+  return eigenvalues(Eigen::MatrixXd(loop.A.bottomRightCorner(n, n)));
 }
 
 /// What an error is about, without the numbers of this plant.
@@ -114,7 +115,12 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
     return outcome;
   }
   const double T_s = loop.sample_time;
-  const Eigen::VectorXcd poles = feedback_poles(loop);
+  const auto found = feedback_poles(loop);
+  if (!found) {
+    outcome.failure = "the poles of the loop are not found";
+    return outcome;
+  }
+  const Eigen::VectorXcd& poles = *found;
   outcome.radius = poles.cwiseAbs().maxCoeff();
   outcome.decay = -std::log(outcome.radius) / T_s;
   outcome.damping = least_damping(poles);

@@ -3,13 +3,12 @@
 #include <algorithm>
 
 #include "core/scene/references.hpp"
+#include "core/yaml/loop_numbers.hpp"
+#include "core/yaml/ranges.hpp"
 
 namespace stillframe {
 
 namespace {
-
-/// Samples that a command or a report may be under way; more is a mistake rather than a plant.
-constexpr int most_delay = 100;
 
 /// A leg carries the actuator and the force sensor along it, so its first deformation (elongation)
 /// has to be elastic, and it has to be there once.
@@ -28,11 +27,14 @@ std::vector<std::string> read_legs(const YamlReader& list, const Scene& scene) {
   return legs;
 }
 
+/// More than this is two poles decades apart, and no target.
+constexpr double highest_damping_ratio = 100;
+
 /// One positive number, or one for each virtual mode.
-std::vector<double> read_targets(const YamlReader& value, size_t n_modes) {
-  if (!value.is_sequence()) return {value.positive()};
+std::vector<double> read_targets(const YamlReader& value, size_t n_modes, double highest) {
+  if (!value.is_sequence()) return {positive_up_to(value, highest)};
   std::vector<double> targets;
-  for (const YamlReader& item : value.items()) targets.push_back(item.positive());
+  for (const YamlReader& item : value.items()) targets.push_back(positive_up_to(item, highest));
   if (targets.size() != n_modes) {
     value.fail("found " + std::to_string(targets.size()) +
                " numbers, allowed are one, or one for each of the " + std::to_string(n_modes) +
@@ -59,8 +61,10 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
   SceneController controller;
   controller.place = block.place();
   controller.legs = read_legs(block.require("legs"), scene);
-  controller.target_hz = read_targets(block.require("target_hz"), controller.legs.size());
-  controller.damping_ratio = read_targets(block.require("damping_ratio"), controller.legs.size());
+  controller.target_hz =
+      read_targets(block.require("target_hz"), controller.legs.size(), highest_hz);
+  controller.damping_ratio =
+      read_targets(block.require("damping_ratio"), controller.legs.size(), highest_damping_ratio);
   if (const auto value = block.find("order")) {
     controller.order =
         value->one_of({"exact", "deck"}) == "exact" ? GainOrder::exact : GainOrder::deck;
@@ -75,26 +79,26 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
     controller.realisation =
         word == "naive_pi" ? Realisation::naive_pi : Realisation::implicit_feedthrough;
   }
-  controller.sample_rate_hz = block.require("sample_rate_hz").positive();
-  const YamlReader delay = block.require("delay_samples");
-  controller.delay_samples = delay.non_negative();
-  if (controller.delay_samples > most_delay) {
-    delay.fail("found " + delay.text() + ", allowed is 0 to " + std::to_string(most_delay));
-  }
-  controller.leak_hz = block.require("leak_hz").non_negative();
+  controller.sample_rate_hz =
+      number_within(block.require("sample_rate_hz"), lowest_rate_hz, highest_rate_hz);
+  controller.delay_samples =
+      number_within(block.require("delay_samples"), 0, longest_delay_samples);
+  controller.leak_hz = number_within(block.require("leak_hz"), 0, highest_hz);
   if (const auto value = block.find("high_pass_hz")) {
-    controller.high_pass_hz = value->non_negative();
+    controller.high_pass_hz = number_within(*value, 0, highest_hz);
   }
   if (const auto value = block.find("lead_samples")) {
-    controller.lead_samples = value->non_negative();
+    controller.lead_samples = number_within(*value, 0, longest_lead_samples);
   }
   if (const auto value = block.find("roll_off_hz")) {
-    controller.roll_off_hz = value->positive();
+    controller.roll_off_hz = positive_up_to(*value, highest_hz);
     if (*controller.roll_off_hz >= controller.sample_rate_hz / 2) {
       value->fail("found " + value->text() + ", allowed is below half the sample rate");
     }
   }
-  if (const auto value = block.find("force_limit_n")) controller.force_limit_n = value->positive();
+  if (const auto value = block.find("force_limit_n")) {
+    controller.force_limit_n = positive_up_to(*value, largest_force_n);
+  }
   return controller;
 }
 
@@ -114,7 +118,7 @@ SceneUncertainty read_uncertainty(const YamlReader& block) {
     uncertainty.leg_direction_rad = value->non_negative();
   }
   if (const auto value = block.find("delay_samples")) {
-    uncertainty.delay_samples = value->non_negative();
+    uncertainty.delay_samples = number_within(*value, 0, longest_delay_samples);
   }
   return uncertainty;
 }

@@ -9,6 +9,7 @@
 #include "core/scene/signals.hpp"
 #include "core/scene/structure.hpp"
 #include "core/yaml/instruments_block.hpp"
+#include "core/yaml/ranges.hpp"
 
 namespace stillframe {
 
@@ -31,24 +32,20 @@ Block read_block(const YamlReader& value) {
 }
 
 const std::map<std::string, PlantMethod, std::less<>> plant_methods{
-    {"auto", PlantMethod::automatic},
-    {"linear", PlantMethod::linear},
-    {"exponential", PlantMethod::exponential},
-    {"dormand_prince", PlantMethod::dormand_prince},
-    {"fehlberg", PlantMethod::fehlberg},
-    {"nodal", PlantMethod::nodal},
+    {"auto", PlantMethod::automatic},          {"linear", PlantMethod::linear},
+    {"exponential", PlantMethod::exponential}, {"dormand_prince", PlantMethod::dormand_prince},
+    {"fehlberg", PlantMethod::fehlberg},       {"nodal", PlantMethod::nodal},
 };
 
 SceneSimulation read_simulation(const YamlReader& block) {
   block.allow_only({"duration_s", "relative_tolerance", "method"});
   SceneSimulation simulation;
   simulation.place = block.place();
-  if (const auto value = block.find("duration_s")) simulation.duration_s = value->positive();
+  if (const auto value = block.find("duration_s")) {
+    simulation.duration_s = positive_up_to(*value, 1e9);
+  }
   if (const auto value = block.find("relative_tolerance")) {
-    simulation.relative_tolerance = value->positive();
-    if (simulation.relative_tolerance > 1e-2 || simulation.relative_tolerance < 1e-12) {
-      value->fail("found " + value->text() + ", allowed is 1e-12 to 1e-2");
-    }
+    simulation.relative_tolerance = number_within(*value, 1e-12, 1e-2);
   }
   if (const auto value = block.find("method")) {
     simulation.method = plant_methods.at(

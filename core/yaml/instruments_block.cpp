@@ -3,24 +3,23 @@
 #include <cstdint>
 
 #include "core/linear/bouc_wen.hpp"
+#include "core/yaml/loop_numbers.hpp"
+#include "core/yaml/ranges.hpp"
 
 namespace stillframe {
 
 namespace {
 
-/// More is a mistake rather than an instrument.
-constexpr std::int64_t most_age = 100;
-
 Instruments read_linear(const YamlReader& block) {
   Instruments instruments;
   if (const auto value = block.find("actuator_gain")) {
-    instruments.actuator_gain = value->positive();
+    instruments.actuator_gain = number_within(*value, 1e-3, 1e3);
   }
   if (const auto value = block.find("actuator_lag_hz")) {
-    instruments.actuator_lag_hz = value->positive();
+    instruments.actuator_lag_hz = positive_up_to(*value, highest_hz);
   }
   if (const auto value = block.find("sensor_filter_hz")) {
-    instruments.sensor_filter_hz = value->positive();
+    instruments.sensor_filter_hz = positive_up_to(*value, highest_hz);
   }
   if (const auto value = block.find("applied_force")) {
     instruments.report = value->one_of({"measured", "commanded"}) == "measured"
@@ -28,11 +27,8 @@ Instruments read_linear(const YamlReader& block) {
                              : Instruments::Report::commanded;
   }
   if (const auto value = block.find("report_age_samples")) {
-    const std::int64_t age = value->integer(0);
-    if (age > most_age) {
-      value->fail("found " + value->text() + ", allowed is 0 to " + std::to_string(most_age));
-    }
-    instruments.report_age_samples = static_cast<int>(age);
+    instruments.report_age_samples =
+        static_cast<int>(integer_within(*value, 0, longest_delay_samples));
   }
   return instruments;
 }

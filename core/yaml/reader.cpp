@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <numeric>
-#include <set>
-#include <sstream>
+
+#include "core/yaml/load.hpp"
 
 namespace stillframe {
 
@@ -20,90 +19,15 @@ struct YamlReader::Source {
 
 namespace {
 
-std::string place_of(const std::string& file, const YAML::Mark& mark) {
-  if (mark.is_null()) return file;
-  return file + ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1);
-}
+/// Of a value that is not allowed a message shows so many bytes, and of everything together so
+/// many.
+constexpr std::size_t longest_shown = 80, longest_message = 2000;
 
 std::string shape_of(const YAML::Node& node) {
   if (node.IsMap()) return "a map";
   if (node.IsSequence()) return "a sequence of " + std::to_string(node.size());
   if (node.IsNull()) return "nothing";
-  return "'" + node.Scalar() + "'";
-}
-
-/// yaml-cpp keeps the last of two equal keys without a word; a person would never know which one
-/// counts.
-void refuse_duplicate_keys(const std::string& file, const YAML::Node& node) {
-  if (node.IsMap()) {
-    std::set<std::string> seen;
-    for (const auto& entry : node) {
-      if (!entry.first.IsScalar()) {
-        throw InputError(place_of(file, entry.first.Mark()) + ": a key must be a plain word");
-      }
-      if (!seen.insert(entry.first.Scalar()).second) {
-        throw InputError(place_of(file, entry.first.Mark()) + ": " + entry.first.Scalar() +
-                         ": this key stands twice in the same map");
-      }
-    }
-  }
-  if (node.IsMap() || node.IsSequence()) {
-    for (const auto& entry : node) refuse_duplicate_keys(file, node.IsMap() ? entry.second : entry);
-  }
-}
-
-/// The place of the first tab in the indentation of a text, which YAML does not allow and yaml-cpp
-/// takes for all kinds of things; empty if there is none.
-std::string tab_in_indentation(const std::string& file, const std::string& text) {
-  int line = 1;
-  for (size_t start = 0; start < text.size(); ++line) {
-    const size_t stop = text.find_first_not_of(" \t", start);
-    const size_t tab = text.substr(start, std::min(stop, text.size()) - start).find('\t');
-    if (tab != std::string::npos) {
-      return file + ":" + std::to_string(line) + ":" + std::to_string(tab + 1);
-    }
-    const size_t end = text.find('\n', start);
-    start = end == std::string::npos ? text.size() : end + 1;
-  }
-  return "";
-}
-
-/// How many bytes the UTF-8 sequence at the beginning has, 0 if there is none. Source: RFC 3629,
-/// section 4.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if (byte(i) < 0x80 || byte(i) > 0xBF) return 0;
-  }
-  // Longer than it need be, a half of a pair of UTF-16, or beyond U+10FFFF.
-  const bool impossible = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
-                          (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F);
-  return impossible ? 0 : length;
-}
-
-/// Names go into JSON, pages and messages, all of which are UTF-8.
-void refuse_other_encodings(const std::string& file, std::string_view text) {
-  int line = 1, column = 1;
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    if (length == 0) {
-      char hex[8];
-      std::snprintf(hex, sizeof hex, "0x%02x", static_cast<unsigned char>(text.front()));
-      throw InputError(file + ":" + std::to_string(line) + ":" + std::to_string(column) +
-                       ": found the byte " + hex + ", allowed is text in UTF-8");
-    }
-    column = text.front() == '\n' ? 1 : column + 1;
-    line += text.front() == '\n';
-    text.remove_prefix(length);
-  }
+  return "'" + printable(node.Scalar(), longest_shown) + "'";
 }
 
 std::string join(std::initializer_list<std::string_view> words) {
@@ -131,31 +55,23 @@ YamlReader::YamlReader(std::shared_ptr<const Source> source, const YAML::Node& n
 
 YamlReader YamlReader::from_file(const std::filesystem::path& path) {
   std::ifstream file(path);
-  std::stringstream text;
   if (std::filesystem::is_directory(path)) {
     throw InputError(path.string() + ": is a folder, a YAML file is needed");
   }
-  if (!file || !(text << file.rdbuf())) {
+  // One byte more than is allowed, so that a device without an end is refused as well.
+  std::string text(most_yaml_bytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad() || file.gcount() == 0) {
     throw InputError(path.string() + ": cannot be read (missing, empty or not allowed)");
   }
+  text.resize(static_cast<std::size_t>(file.gcount()));
   const auto folder = path.parent_path();
-  return from_text(text.str(), path.string(), folder.empty() ? std::filesystem::path(".") : folder);
+  return from_text(text, path.string(), folder.empty() ? std::filesystem::path(".") : folder);
 }
 
 YamlReader YamlReader::from_text(const std::string& text, const std::string& source_name,
                                  const std::filesystem::path& folder) {
-  refuse_other_encodings(source_name, text);
-  YAML::Node node;
-  try {
-    node = YAML::Load(text);
-  } catch (const YAML::ParserException& error) {
-    const std::string tab = tab_in_indentation(source_name, text);
-    if (!tab.empty()) {
-      throw InputError(tab + ": not YAML: a tab in the indentation, allowed are spaces only");
-    }
-    throw InputError(place_of(source_name, error.mark) + ": not YAML: " + error.msg);
-  }
-  refuse_duplicate_keys(source_name, node);
+  const YAML::Node node = load_yaml(text, source_name);
   return YamlReader(std::make_shared<const Source>(Source{source_name, text, folder}), node, "");
 }
 
@@ -182,8 +98,8 @@ void YamlReader::allow_only(std::initializer_list<std::string_view> keys) const 
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     const std::string near = nearest_name(key, {keys.begin(), keys.end()});
     throw InputError(place_of(source_->name, entry.first.Mark()) + ": " +
-                     (name_.empty() ? "" : name_ + ".") + key + ": unknown key" +
-                     (near.empty() ? "" : " (did you mean '" + near + "'?)") +
+                     printable((name_.empty() ? "" : name_ + ".") + key, longest_message) +
+                     ": unknown key" + (near.empty() ? "" : " (did you mean '" + near + "'?)") +
                      "; allowed: " + join(keys));
   }
 }
@@ -288,7 +204,8 @@ Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols) const {
 }
 
 void YamlReader::fail(const std::string& message) const {
-  throw InputError(place() + ": " + (name_.empty() ? "" : name_ + ": ") + message);
+  throw InputError(place() + ": " +
+                   printable((name_.empty() ? "" : name_ + ": ") + message, longest_message));
 }
 
 void YamlReader::fail_found(const std::string& allowed) const {

@@ -21,8 +21,7 @@ int main(int argc, char** argv) try {
   RigIo io(cards, gains.sample_rate_hz, start);
 
   const Policy policy;  // or read_policy("policy.yaml")
-  const Supervisor supervisor(law_from_gains(gains), policy, gains.sample_rate_hz,
-                              gains.force_limit_n, true);
+  const Supervisor supervisor(gains, policy, true);
   Loop loop(io, supervisor, policy,
             {.sample_rate_hz = gains.sample_rate_hz, .phase = 0, .start_ns = start});
   while (loop.counters().state != State::active && loop.counters().n_periods < 10'000) {

@@ -1,8 +1,8 @@
 #include "plant_sim/motion/make_motion.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <numbers>
 
+#include "core/linear/eigenvalues.hpp"
 #include "core/operating_point.hpp"
 #include "core/yaml/input_error.hpp"
 #include "plant_sim/motion/adaptive_motion.hpp"
@@ -21,9 +21,9 @@ namespace {
 constexpr Index most_dofs_of_exponentials = 60;
 
 /// What a step in minimal coordinates may err by, of the tolerance of the run, so that many of them
-/// keep it: by the estimates of the explicit pairs and of the exponential method errors of steps add
-/// up to some ten times the tolerance in swings of a radian. The estimate of the nodal method is one
-/// of order 5 for steps of order 9, and needs no such share (docs/decisions/0025).
+/// keep it: by the estimates of the explicit pairs and of the exponential method errors of steps
+/// add up to some ten times the tolerance in swings of a radian. The estimate of the nodal method
+/// is one of order 5 for steps of order 9, and needs no such share (docs/decisions/0025).
 constexpr double step_share = 0.1;
 
 /// Highest frequency of the linear part times a part's duration up to which explicit steps are
@@ -31,10 +31,6 @@ constexpr double step_share = 0.1;
 /// takes of the exponential method's (docs/speed_against_error.md).
 constexpr double most_explicit = 0.2;
 constexpr double implicit_weight = 0.6;
-
-double spectral_radius(const Eigen::MatrixXd& A) {
-  return A.size() > 0 ? A.eigenvalues().cwiseAbs().maxCoeff() : 0.0;
-}
 
 /// Whether the forces of the legs have the closed form that the linear answer counts with.
 bool in_closed_form(const Drive& drive) {
@@ -127,8 +123,8 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
                                                    of_a_step, drive, durations);
   if (scene.simulation.method != PlantMethod::automatic) return small;
   if (fastest <= most_explicit) {
-    return std::make_unique<AdaptiveMotion>(
-        std::move(small), explicit_motion(Scheme::dormand_prince), 1.0, size);
+    return std::make_unique<AdaptiveMotion>(std::move(small),
+                                            explicit_motion(Scheme::dormand_prince), 1.0, size);
   }
   return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), implicit_weight, size);
 }

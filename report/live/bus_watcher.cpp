@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "msgs/channels.hpp"
-#include "report/log/message_fit.hpp"
+#include "msgs/message_fit.hpp"
 
 namespace stillframe::live {
 
@@ -35,13 +35,13 @@ BusWatcher::BusWatcher(WatchSettings settings, std::int64_t now_ns)
 
 template <class Message, class Handler>
 void BusWatcher::read(ChannelTraffic& traffic, std::string_view bytes, Handler handler) {
-  switch (report::fit<Message>(bytes)) {
-    case report::Fit::whole:
+  switch (fit<Message>(bytes)) {
+    case Fit::whole:
       break;
-    case report::Fit::other_version:
+    case Fit::other_version:
       ++traffic.n_other_version;
       return;
-    case report::Fit::damaged:
+    case Fit::damaged:
       ++traffic.n_broken;
       return;
   }

@@ -30,6 +30,7 @@ Listener::Listener(const std::string& url, WatchSettings settings)
     : lcm_(open_lcm(url)),
       watcher_(std::move(settings), monotonic_ns()),
       handler_(std::make_unique<Handler>(*this)) {
+  require_hearing(*lcm_);
   lcm_->subscribe("SF_.*", &Handler::on_message, handler_.get())->setQueueCapacity(queue_capacity);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     while (!stop.stop_requested()) handle_one(*lcm_, 100);

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/yaml/input_error.hpp"
+#include "report/live/page_connection.hpp"
 #include "report/live/page_parts.hpp"
 
 namespace stillframe::live {
@@ -22,9 +23,9 @@ constexpr const char* address = "127.0.0.1";
 // Beside the streams, for whoever asks for the page.
 constexpr std::size_t n_threads = PageServer::most_streams + 8;
 constexpr auto write_timeout = 2s;
+constexpr RequestLimits request_limits{.bytes = 8192, .read = 2s, .write = write_timeout};
 // A stream says something at least so often, so that a browser that has gone is noticed.
 constexpr auto longest_silence = 5s;
-constexpr std::size_t most_request_bytes = 4096;
 
 using View = std::shared_ptr<const std::string>;
 
@@ -91,6 +92,15 @@ bool write(httplib::DataSink& sink, std::string_view text) {
   return sink.is_writable() && sink.write(text.data(), text.size());
 }
 
+/// The library's server on connections of our own: its own ones would read headers without end.
+class BoundedServer : public httplib::Server {
+  bool process_and_close_socket(socket_t socket) override {
+    PageConnection connection(socket, request_limits);
+    bool closed = false;
+    return process_request(connection, true, closed, nullptr);
+  }
+};
+
 }  // namespace
 
 bool is_own_host(const std::string& host, int port) {
@@ -110,13 +120,7 @@ class PageServer::Impl {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    server_.set_read_timeout(2s);
-    server_.set_write_timeout(write_timeout);
-    // A connection that asks for nothing yet, or not again, is a thread that waits for it.
-    server_.set_keep_alive_timeout(1);
-    server_.set_keep_alive_max_count(1);
     server_.set_tcp_nodelay(true);
-    server_.set_payload_max_length(most_request_bytes);
     add_routes();
     bind(port);
     thread_ = std::thread([this] {
@@ -164,6 +168,10 @@ class PageServer::Impl {
                                  {"Referrer-Policy", "no-referrer"},
                                  {"Cache-Control", "no-store"}});
     server_.set_pre_routing_handler([this](const Request& request, Response& response) {
+      if (request.method != "GET" && request.method != "HEAD") {
+        response.status = 405;
+        return Server::HandlerResponse::Handled;
+      }
       if (is_own_host(request.get_header_value("Host"), port_)) {
         return Server::HandlerResponse::Unhandled;
       }
@@ -207,7 +215,7 @@ class PageServer::Impl {
         });
   }
 
-  httplib::Server server_;
+  BoundedServer server_;
   Board board_;
   std::atomic<int> n_streams_ = 0;
   std::atomic<bool> ended_ = false;

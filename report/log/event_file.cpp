@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "report/log/big_endian.hpp"
+#include "msgs/big_endian.hpp"
 
 namespace stillframe::report {
 

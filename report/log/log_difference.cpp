@@ -22,12 +22,15 @@ struct Payloads {
   std::vector<std::string> measurements, commands;
 };
 
-// Every payload begins with 8 bytes that stand for the type, then the run_id, its first field.
-constexpr std::size_t run_id_offset = 8, after_run_id = 16;
+// Every payload begins with 8 bytes that stand for the type, then the run_id, its first field, and
+// the numbers of two processes.
+constexpr std::size_t run_id_offset = 8, after_run_id = 16, after_identity = 32;
 
-std::string without_run_id(const std::string& payload) {
+std::string without_identity(const std::string& payload) {
   std::string copy = payload;
-  if (copy.size() >= after_run_id) std::fill_n(copy.begin() + run_id_offset, 8, '\0');
+  if (copy.size() >= after_identity) {
+    std::fill_n(copy.begin() + run_id_offset, after_identity - run_id_offset, '\0');
+  }
   return copy;
 }
 
@@ -110,7 +113,7 @@ template <typename Message>
 std::string compare_channel(const std::string& channel, const std::vector<std::string>& a,
                             const std::vector<std::string>& b) {
   for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
-    if (without_run_id(a[k]) != without_run_id(b[k])) {
+    if (without_identity(a[k]) != without_identity(b[k])) {
       return channel + ": message " + std::to_string(k) + ", " + describe<Message>(a[k], b[k]);
     }
   }

@@ -18,8 +18,8 @@ struct LogDifference {
 };
 
 /// Whether two logs carry bit-identical measurement and command payloads: the same bytes in the
-/// same order within each channel, identical repeats dropped, run_id left out. Errors: InputError
-/// for a missing file, or a log without a measurement.
+/// same order within each channel, identical repeats dropped, run_id and the numbers of the
+/// processes left out. Errors: InputError for a missing file, or a log without a measurement.
 LogDifference compare_logs(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace stillframe::report

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string_view>
 
-#include "report/log/message_fit.hpp"
+#include "msgs/message_fit.hpp"
 
 namespace stillframe::report {
 
@@ -29,15 +29,5 @@ struct LogDamage {
 /// Errors: InputError if the file cannot be opened, is not a file, or the disk fails.
 LogDamage for_each_event(const std::filesystem::path& path,
                          const std::function<void(const LogEvent&)>& receive);
-
-/// The message of type Message in a payload. Returns false if the bytes are not one whole message.
-template <typename Message>
-bool decode(std::string_view payload, Message& message) {
-  if (fit<Message>(payload) != Fit::whole) return false;
-  // lcm-gen's decoders leave a list of no entries as it was.
-  message = Message();
-  const auto size = static_cast<int>(payload.size());
-  return message.decode(payload.data(), 0, size) == size;
-}
 
 }  // namespace stillframe::report

@@ -39,7 +39,8 @@ class ControllerProcess : public testing::Test {
   /// Writes the gains and gives the command line to run them.
   std::vector<std::string> command_line(const Gains& gains, std::vector<std::string> more = {}) {
     std::ofstream(gains_file) << to_yaml(gains);
-    std::vector<std::string> all{program, "--gains", gains_file, "--flight-folder", folder};
+    std::vector<std::string> all{program, "--gains", gains_file,           "--flight-folder",
+                                 folder,  "--latch", folder / "latch.yaml"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
@@ -52,15 +53,16 @@ inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// The bytes that the law, run here, would send.
+/// The bytes that the law, run here, would send as the controller that was heard last.
 class Reference {
  public:
-  explicit Reference(const Gains& gains)
-      : answer_(law_from_gains(gains), gains.force_limit_n, true) {
+  Reference(const Gains& gains, const toy::FakePlant& plant)
+      : answer_(law_from_gains(gains), gains.force_limit_n, true), plant_(plant) {
     answer_.prepare(command_);
   }
   std::vector<std::uint8_t> operator()(const measurement_t& measurement) {
     answer_.answer(measurement, command_);
+    command_.instance = plant_.states.back().instance;
     std::vector<std::uint8_t> bytes(static_cast<size_t>(command_.getEncodedSize()));
     command_.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
     return bytes;
@@ -68,6 +70,7 @@ class Reference {
 
  private:
   Answer answer_;
+  const toy::FakePlant& plant_;
   command_t command_{};
 };
 

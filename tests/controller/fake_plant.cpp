@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "msgs/channels.hpp"
+#include "msgs/clock.hpp"
 
 namespace stillframe::controller::toy {
 
@@ -22,15 +23,24 @@ FakePlant::FakePlant(run_info_t info) : info_(std::move(info)) {
 
 int FakePlant::announce() {
   for (int attempt = 0; attempt < 1000; ++attempt) {
+    publish_state(run_state_t::WAITING);
     lcm_.publish(channels::run_info, &info_);
-    take(20);
-    if (!states.empty()) return states.back().state;
+    if (is_answered()) return states.back().state;
   }
   return -1;
 }
 
+bool FakePlant::is_answered() {
+  while (states.empty() && take(20)) {
+  }
+  return !states.empty();
+}
+
 void FakePlant::publish_state(std::int32_t state, std::int64_t start_ns, const std::string& text) {
   const run_state_t message{.run_id = info_.run_id,
+                            .plant_instance = info_.plant_instance,
+                            .instance = info_.plant_instance,
+                            .sent_ns = monotonic_ns(),
                             .source = "plant",
                             .state = state,
                             .start_monotonic_ns = start_ns,
@@ -61,6 +71,7 @@ bool FakePlant::take(int timeout_ms) { return lcm_.handleTimeout(timeout_ms) > 0
 measurement_t FakePlant::measure(std::int64_t k) const {
   measurement_t message{};
   message.run_id = info_.run_id;
+  message.plant_instance = info_.plant_instance;
   message.seq = k;
   message.time_ns = static_cast<std::int64_t>(static_cast<double>(k) * 1e9 / info_.sample_rate_hz);
   message.n_legs = info_.n_legs;

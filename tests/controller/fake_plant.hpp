@@ -22,6 +22,7 @@ inline stillframe_msgs::run_info_t run_info(const Gains& gains, std::int64_t run
                                             const std::string& mode, std::int64_t n_samples) {
   stillframe_msgs::run_info_t info{};
   info.run_id = run_id;
+  info.plant_instance = 1000 + run_id;
   info.format_version = 1;
   info.scene_name = "toy";
   info.scene_hash = gains.scene_hash;
@@ -40,8 +41,12 @@ class FakePlant {
  public:
   explicit FakePlant(stillframe_msgs::run_info_t info);
 
-  /// Repeats run_info until the controller has answered READY or FAILED; its answer, or -1.
+  /// Repeats that it waits, and run_info, until the controller has answered READY or FAILED; its
+  /// answer, or -1.
   int announce();
+  /// Whether the controller has said something; waits until nothing has come for 20 ms, itself not
+  /// either.
+  bool is_answered();
   void publish_state(std::int32_t state, std::int64_t start_ns = 0, const std::string& text = "");
   void publish(const stillframe_msgs::measurement_t& measurement);
   void publish_raw(const std::string& channel, const void* data, size_t size);

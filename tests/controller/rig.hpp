@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <deque>
 #include <functional>
 #include <random>
 
@@ -10,66 +11,86 @@
 #include "core/worst.hpp"
 #include "tests/controller/toy_plant.hpp"
 
-namespace stillframe::controller::toy {
+namespace stillframe::controller {
 
-/// The toy frame on a shaking floor and the loop, in one thread, on a clock of its own: sample k is
-/// taken at k T, the loop wakes at (k + 1/2) T unless it is told otherwise, and what it commands
-/// acts from (k + 1) T on, until the amplifiers miss it. The frame has unit masses, so its
-/// acceleration is -sigma.
+/// What counts of a frame beside the forces in its legs, y = C_y z + D_yw w + D_yu u.
+struct FrameOutputs {
+  Eigen::MatrixXd C_y, D_yw, D_yu;
+};
+
+/// Any designed loop and its frame in one thread, on a clock of its own: the exactly sampled plant
+/// of a gains file with its instruments and its delay, shaken by a floor; sample k is taken at k T,
+/// the loop wakes in it, and what it commands takes effect delay_samples later, until the
+/// amplifiers miss it. Without wires it is the loop that the gains were designed as.
 class Rig {
  public:
-  explicit Rig(const Policy& policy = {}, bool active = true, const Gains& gains = toy::gains(5))
-      : period_ns(std::llround(1e9 / gains.sample_rate_hz)),
-        gains_(gains),
-        io_(gains.n_legs()),
-        supervisor_(law_from_gains(gains), policy, gains.sample_rate_hz, gains.force_limit_n,
-                    active),
-        loop_(io_, supervisor_, policy, {.sample_rate_hz = gains.sample_rate_hz}),
-        q_(Eigen::VectorXd::Zero(gains.n_legs())),
-        v_(q_),
-        force_(q_) {
-    command_.force = q_;
-    measurement_.sigma = measurement_.applied = q_;
-  }
-
   /// What happens between the sensors and the loop in a sample; false: nothing arrives.
   using Wire = std::function<bool(Measurement&)>;
+  /// What the actuators make of a force before it acts, m, N; the report follows it.
+  using Actuators = std::function<void(Eigen::VectorXd&)>;
+  /// The floor's acceleration over sample k (p, m/s^2).
+  using Floor = std::function<void(std::int64_t, Eigen::VectorXd&)>;
+
+  explicit Rig(const Policy& policy = {}, bool active = true,
+               const Gains& gains = toy::damped_gains(), const FrameOutputs& outputs = {})
+      : Rig(policy, active, gains, gains, outputs) {}
+
+  /// The frame is that of other gains than the loop's: what a model does not know.
+  Rig(const Policy& policy, bool active, const Gains& gains, const Gains& frame,
+      const FrameOutputs& outputs)
+      : period_ns(std::llround(1e9 / gains.sample_rate_hz)),
+        gains_(gains),
+        plant_(sampled(frame, outputs)),
+        io_(gains.n_legs(), 64, plant_.Gamma_w.cols()),
+        supervisor_(gains, policy, active),
+        loop_(io_, supervisor_, policy,
+              {.sample_rate_hz = gains.sample_rate_hz, .n_floor = plant_.Gamma_w.cols()}) {
+    const Eigen::Index m = gains.n_legs();
+    x_ = Eigen::VectorXd::Zero(plant_.Phi.rows());
+    force_ = before_ = sigma = Eigen::VectorXd::Zero(m);
+    y = Eigen::VectorXd::Zero(plant_.C_y.rows());
+    w_ = Eigen::VectorXd::Zero(plant_.Gamma_w.cols());
+    command_.force = force_before_ = force_;
+    measurement_.sigma = measurement_.applied = force_;
+    measurement_.floor = w_;
+    on_its_way_.assign(static_cast<std::size_t>(plant_.whole_delay(0)) + 1, force_);
+    reports_.assign(static_cast<std::size_t>(plant_.report_age) + 1, force_);
+    floor = [this](std::int64_t, Eigen::VectorXd& w) { shake(w); };
+  }
 
   /// One sample. awake: the loop is woken in it.
   void step(const Wire& wire = {}, bool awake = true) {
-    for (Eigen::Index i = 0; i < q_.size(); ++i) {
-      const double w = two_pi * frequencies_hz()[static_cast<size_t>(i)];
-      measurement_.sigma(i) = w * w * q_(i) + force_(i);
-    }
-    peak = worst_of(peak, measurement_.sigma.cwiseAbs().maxCoeff());
+    sigma.noalias() = plant_.C_sigma * x_ + plant_.D_sigma * before_;
+    reports_.push_back(plant_.C_report * x_ + plant_.D_report * before_);
+    reports_.pop_front();
+    peak = worst_of(peak, sigma.cwiseAbs().maxCoeff());
     measurement_.seq = k_;
-    measurement_.time_ns = k_ * period_ns;
-    measurement_.applied = force_;
-    measurement_.received_ns = k_ * period_ns + 1000;
+    measurement_.time_ns = std::llround(static_cast<double>(k_) * 1e9 / gains_.sample_rate_hz);
+    measurement_.sigma = sigma;
+    measurement_.applied = reports_.front();
+    measurement_.floor = w_;
+    measurement_.received_ns = measurement_.time_ns + 1000;
     Measurement sent = measurement_;
     if (!wire || wire(sent)) io_.put(sent);
     sent_any = false;
     ++unheard_;
-    if (awake) loop_.period(k_ * period_ns + period_ns / 2 + period_ns / 50);
+    // Late by anything between nothing and a tenth of a period.
+    const auto late = static_cast<std::int64_t>(late_(random_) * static_cast<double>(period_ns));
+    if (awake) loop_.period(measurement_.time_ns + period_ns / 2 + late);
     while (io_.take(command_)) {
       sent_any = true;
       unheard_ = 0;
       force_ = command_.force;
+      largest_force = worst_of(largest_force, force_.cwiseAbs().maxCoeff());
       largest_jump = worst_of(largest_jump, (force_ - force_before_).cwiseAbs().maxCoeff());
       force_before_ = force_;
     }
-    const double T = gains_.sample_time();
     // The amplifiers hold a force for ten samples, and let it go within a second.
     if (unheard_ > 10) {
-      force_ = (1 - smooth_step(static_cast<double>(unheard_ - 10) * T)) * force_before_;
+      const double missed_s = static_cast<double>(unheard_ - 10) * gains_.sample_time();
+      force_ = (1 - smooth_step(missed_s)) * force_before_;
     }
-    // Noise through a low-pass of 10 Hz: a floor has little at high frequencies.
-    floor_ += 0.06 * (normal_(random_) - floor_);
-    for (Eigen::Index i = 0; i < q_.size(); ++i) {
-      v_(i) -= floor_ * T;
-      v_(i) *= damping;
-      toy::move(static_cast<size_t>(i), q_(i), v_(i), force_(i), T);
-    }
+    move();
     ++k_;
   }
   void steps(int n, const Wire& wire = {}, bool awake = true) {
@@ -89,28 +110,73 @@ class Rig {
   bool latched() const { return loop_.counters().latched; }
   const Eigen::VectorXd& force() const { return force_; }
   Loop& loop() { return loop_; }
-  const Supervisor& supervisor() const { return supervisor_; }
+  const Supervisor& supervisor() const { return loop_.supervisor(); }
   std::int64_t k() const { return k_; }
 
   const std::int64_t period_ns;
-  double damping = 1 - 1.8e-3;  ///< of the velocity, a sample: about 2 % at 13.9 Hz
-  double peak = 0;              ///< of sigma, and so of the frame's acceleration
-  double largest_jump = 0;      ///< of the force between two commands
-  bool sent_any = false;        ///< in the last sample
+  Floor floor;
+  Actuators actuators;
+  Eigen::VectorXd sigma, y;  ///< in the last sample, as they were
+  double peak = 0;           ///< of sigma
+  double peak_y = 0;         ///< of the outputs
+  double largest_force = 0;
+  double largest_jump = 0;  ///< of the force between two commands
+  bool sent_any = false;    ///< in the last sample
 
  private:
+  static SampledPlant sampled(const Gains& gains, const FrameOutputs& outputs) {
+    const auto& plant = gains.plant;
+    const bool any = outputs.C_y.rows() > 0;
+    const Eigen::Index m = gains.n_legs(), p = plant.B_w.cols();
+    return sample_and_hold({.A = plant.A,
+                            .B_w = plant.B_w,
+                            .B_u = plant.B,
+                            .C_y = any ? outputs.C_y : plant.C,
+                            .D_yw = any ? outputs.D_yw : Eigen::MatrixXd::Zero(m, p),
+                            .D_yu = any ? outputs.D_yu : Eigen::MatrixXd::Identity(m, m),
+                            .C_sigma = plant.C},
+                           gains.sampling());
+  }
+
+  /// Noise through a low-pass of 10 Hz: a floor has little at high frequencies.
+  void shake(Eigen::VectorXd& w) {
+    const double part = 1 - std::exp(-toy::two_pi * 10 * gains_.sample_time());
+    // So that its power below the corner does not depend on the sample rate.
+    const double size = std::sqrt(gains_.sample_rate_hz / 1000);
+    for (double& value : w) value += part * (size * normal_(random_) - value);
+  }
+
+  void move() {
+    floor(k_, w_);
+    on_its_way_.push_back(force_);
+    on_its_way_.pop_front();
+    Eigen::VectorXd now = on_its_way_.front();
+    if (actuators) actuators(now);
+    y.noalias() = plant_.C_y * x_ + plant_.D_yw * w_ + plant_.D_0 * before_ + plant_.D_yu * now;
+    peak_y = worst_of(peak_y, y.cwiseAbs().maxCoeff());
+    x_ = (plant_.Phi * x_ + plant_.Gamma_w * w_ + plant_.Gamma_0 * before_ + plant_.Gamma_u * now)
+             .eval();
+    before_ = now;
+  }
+
   Gains gains_;
+  SampledPlant plant_;
   InProcessIo io_;
   Supervisor supervisor_;
   Loop loop_;
   Measurement measurement_;
   Command command_;
-  Eigen::VectorXd q_, v_, force_, force_before_ = Eigen::VectorXd::Zero(4);
-  double floor_ = 0;
+  Eigen::VectorXd x_, w_, before_, force_, force_before_;
+  std::deque<Eigen::VectorXd> on_its_way_, reports_;  ///< oldest first
   std::int64_t k_ = 0, unheard_ = 0;
   std::mt19937_64 random_{1};
   std::normal_distribution<double> normal_;
+  std::uniform_real_distribution<double> late_{0, 0.1};
 };
+
+namespace toy {
+
+using controller::Rig;
 
 /// The peak of the same frame left alone for so many samples.
 inline double passive_peak(int n_samples) {
@@ -121,4 +187,5 @@ inline double passive_peak(int n_samples) {
 
 inline bool nothing(Measurement&) { return false; }
 
-}  // namespace stillframe::controller::toy
+}  // namespace toy
+}  // namespace stillframe::controller

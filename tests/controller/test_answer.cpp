@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "controller/answer.hpp"
-#include "controller/safety.hpp"
 #include "tests/controller/toy_plant.hpp"
 #include "tests/support/allocation_count.hpp"
 
@@ -19,30 +18,6 @@ using stillframe_msgs::measurement_t;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-
-TEST(Safety, LimitsBothSignsAndSaysSo) {
-  const Safety safety(2.0);
-  VectorXd force(4);
-  force << 1.5, -2.0, 3.0, -7.0;
-  EXPECT_TRUE(safety.saturate(force));
-  EXPECT_EQ(force, (VectorXd(4) << 1.5, -2.0, 2.0, -2.0).finished());
-  EXPECT_FALSE(safety.saturate(force));  // at the limit is not beyond it
-  force << 1e300, -1e300, 0, 0;
-  EXPECT_FALSE(Safety({}).saturate(force));
-  EXPECT_THROW(Safety{0.0}, std::invalid_argument);
-  EXPECT_THROW(Safety{not_a_number}, std::invalid_argument);
-}
-
-TEST(Safety, SeesEveryKindOfNonFinite) {
-  for (const double bad : {infinity, -infinity, not_a_number}) {
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      VectorXd values = VectorXd::Ones(3);
-      EXPECT_TRUE(Safety::is_finite(values));
-      values(i) = bad;
-      EXPECT_FALSE(Safety::is_finite(values));
-    }
-  }
-}
 
 class AnswerTest : public testing::Test {
  protected:

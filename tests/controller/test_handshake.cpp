@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 
 #include "controller/handshake.hpp"
+#include "msgs/clock.hpp"
 #include "tests/controller/fake_plant.hpp"
 #include "tests/controller/toy_plant.hpp"
 
@@ -46,6 +48,19 @@ TEST(Handshake, WallClockNeedsADelay) {
   const Gains gains = toy::gains(5, 1000, 0);
   EXPECT_EQ(disagreement(gains, toy::run_info(gains, 1, "lock_step", 100)), "");
   EXPECT_NE(disagreement(gains, toy::run_info(gains, 1, "wall_clock", 100)), "");
+}
+
+TEST(Handshake, ARunBeginsWithinSecondsOrHasBegun) {
+  const std::int64_t now = 500 * ns_per_s;
+  for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1}, now, now + ns_per_s / 10}) {
+    EXPECT_EQ(unsound_start(start, now), "") << start;
+  }
+  // Of another time namespace, or from before the machine was started.
+  for (const std::int64_t start :
+       {now + 60 * ns_per_s, std::int64_t{-1}, std::numeric_limits<std::int64_t>::max(),
+        std::numeric_limits<std::int64_t>::min()}) {
+    EXPECT_NE(unsound_start(start, now).find(std::to_string(start)), std::string::npos);
+  }
 }
 
 }  // namespace

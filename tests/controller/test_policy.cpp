@@ -35,8 +35,9 @@ arming: {duration_s: 0.25, require_motion: false, offset_limit_n: 7}
 ramp: {in_s: 2, out_s: 3}
 measurements: {hold_periods: 4, fade_s: 5, missing_part: 0.125, late_periods: 2.5,
   sigma_limit_n: 8, frozen_samples: 9, frozen_force_n: 11}
+watch: {limited_part: 0.0625}
 rejoin: {a_minute: 12}
-limits: {rate_n_per_s: 13, power_w: 14, actuator_stiffness_n_per_m: 15}
+limits: {force_n: 22, rate_n_per_s: 13, power_w: 14, actuator_stiffness_n_per_m: 15}
 realtime: {mode: enforce, priority: 18, cpu: 19}
 flight_record: {duration_s: 21}
 )");
@@ -54,6 +55,8 @@ flight_record: {duration_s: 21}
                       .frozen_samples = 9,
                       .frozen_force_n = 11,
                       .rejoins_a_minute = 12,
+                      .limited_part = 0.0625,
+                      .force_limit_n = 22,
                       .rate_limit_n_per_s = 13,
                       .power_limit_w = 14,
                       .actuator_stiffness_n_per_m = 15,
@@ -75,7 +78,7 @@ TEST(Policy, TheWordsOfTheChoices) {
 TEST(Policy, ErrorsSayWhereWhatAndWhatIsAllowed) {
   EXPECT_EQ(error_of("strat: at_once"),
             "policy.yaml:1:1: strat: unknown key (did you mean 'start'?); allowed: start, arming, "
-            "ramp, measurements, rejoin, limits, realtime, flight_record");
+            "ramp, measurements, watch, rejoin, limits, realtime, flight_record");
   EXPECT_EQ(error_of("ramp:\n  on_s: 1\n"),
             "policy.yaml:2:3: ramp.on_s: unknown key (did you mean 'in_s'?); allowed: in_s, out_s");
   EXPECT_EQ(error_of("start: soon"),
@@ -89,7 +92,8 @@ TEST(Policy, ErrorsSayWhereWhatAndWhatIsAllowed) {
             "policy.yaml:1:30: measurements.missing_part: found '1.5', allowed is a number above 0 "
             "and up to 1");
   EXPECT_EQ(error_of("arming: {offset_limit_n: -1}"),
-            "policy.yaml:1:26: arming.offset_limit_n: found '-1', allowed is a number above 0");
+            "policy.yaml:1:26: arming.offset_limit_n: found '-1', allowed is a number above 0 "
+            "and up to 1e+12");
   EXPECT_EQ(error_of("measurements: {fade_s: 1 s}"),
             "policy.yaml:1:24: measurements.fade_s: found '1 s', allowed is a finite number "
             "without a unit (SI units are understood)");
@@ -115,10 +119,10 @@ TEST(Policy, AFileThatIsNotThereOrNotAPolicyIsRefused) {
 
 TEST(Policy, EveryFaultAndDefectHasAWordOfItsOwn) {
   std::set<std::string_view> words;
-  for (int i = 0; i <= static_cast<int>(Fault::offset); ++i) {
+  for (int i = 0; i <= static_cast<int>(Fault::limited); ++i) {
     words.insert(to_text(static_cast<Fault>(i)));
   }
-  EXPECT_EQ(words.size(), 10u);
+  EXPECT_EQ(words.size(), 11u);
   EXPECT_FALSE(words.contains("unknown"));
   words.clear();
   for (int i = 0; i <= static_cast<int>(Defect::frozen); ++i) {

@@ -18,6 +18,47 @@ TEST_F(ControllerProcess, NaivePiIsRefused) {
   }
 }
 
+struct BadNumber {
+  const char* name;
+  std::string line;  // of the toy gains' YAML, its beginning
+  std::string instead;
+  int exit_code;
+  const char* says;
+};
+
+// Each of these once ran, crashed, or took all memory. A plant without its hash is judged as it is.
+TEST_F(ControllerProcess, AbsurdGainsAreRefusedInOneSentence) {
+  const std::vector<BadNumber> bad{
+      {"leak", "leak_hz:", "leak_hz: 1e308", 2, "leak_hz: found '1e308'"},
+      {"rate", "sample_rate_hz:", "sample_rate_hz: 1e-300", 2, "sample_rate_hz: found '1e-300'"},
+      {"K_I", "  - [339.", "  - [1e308, 0, 0, 0]", 2, "K_I[1][1]: found '1e308'"},
+      {"delay_3e9", "delay_samples:", "delay_samples: 3e9", 2, "delay_samples: found '3e9'"},
+      {"delay_1e4", "delay_samples:", "delay_samples: 1e4", 2, "delay_samples: found '1e4'"},
+      {"delay_100", "delay_samples:", "delay_samples: 100", 2, "delay_samples: found '100'"},
+      {"alias", "legs:", "legs: &a [*a]", 2, "legs: found an anchor or alias"},
+      {"plant", "    - [0, 0, 0, 0, 1, 0, 0, 0]", "    - [1000000, 0, 0, 0, 1, 0, 0, 0]", 2,
+       "plant.hash: found"},
+      {"plant_of_their_own", "    - [0, 0, 0, 0, 1, 0, 0, 0]",
+       "    - [1000000, 0, 0, 0, 1, 0, 0, 0]", 3, "not stable"}};
+  for (const BadNumber& number : bad) {
+    SCOPED_TRACE(number.name);
+    const auto arguments = command_line(toy::gains(5), {"--check-only"});
+    std::string text = to_yaml(toy::gains(5));
+    const auto replace_line = [&](const std::string& line, const std::string& instead) {
+      const std::size_t at = text.find("\n" + line) + 1;
+      ASSERT_NE(at, 0u);
+      text.replace(at, text.find('\n', at) - at, instead);
+    };
+    replace_line(number.line, number.instead);
+    if (number.exit_code == 3) replace_line("  hash:", "");
+    std::ofstream(gains_file) << text;
+    ChildProcess controller(arguments);
+    EXPECT_EQ(controller.wait(), number.exit_code);
+    EXPECT_TRUE(contains(controller.err(), number.says)) << controller.err();
+    EXPECT_EQ(controller.out(), "");
+  }
+}
+
 TEST_F(ControllerProcess, CheckOnlyPrintsTheRadius) {
   ChildProcess controller(command_line(toy::gains(5), {"--check-only"}));
   EXPECT_EQ(controller.wait(), 0) << controller.err();

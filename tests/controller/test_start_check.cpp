@@ -223,6 +223,43 @@ TEST(Ramp, RadiusIsTheLargestOnTheWay) {
   EXPECT_LT(require_stable_ramp(gains), 1);
 }
 
+// Every packet of numbers that once passed with "spectral radius 4.64e-310" or a crash.
+TEST(StartCheck, AbsurdNumbersAreNeverStable) {
+  const auto refused = [](auto change) {
+    Gains gains = toy::gains(5);
+    change(gains);
+    try {
+      return !(closed_loop_radius(gains) < largest_stable_radius) && !refusal(gains).empty();
+    } catch (const Refusal&) {
+      return true;
+    }
+  };
+  EXPECT_TRUE(refused([](Gains& g) { g.plant.A(0, 0) = 1e6; }));
+  EXPECT_TRUE(refused([](Gains& g) { g.plant.A(1, 1) = 1e18; }));
+  EXPECT_TRUE(refused([](Gains& g) { g.leak_hz = 1e308; }));
+  EXPECT_TRUE(refused([](Gains& g) { g.sample_rate_hz = 1e-300; }));
+  EXPECT_TRUE(refused([](Gains& g) { g.K_I(1, 2) = 1e308; }));
+  EXPECT_TRUE(refused([](Gains& g) { g.K_P(0, 0) = std::nan(""); }));
+  EXPECT_THROW(closed_loop_radius([] {
+                 Gains gains = toy::gains(5);
+                 gains.delay_samples = 3e9;
+                 return gains;
+               }()),
+               std::invalid_argument);
+}
+
+// At every fault the loop lets go of the frame: one that grows by itself must not be held at all,
+// however slowly it grows.
+TEST(Ramp, AFrameThatCreepsAwayByItselfIsRefused) {
+  for (const double growth : {0.003, 0.01, 0.1}) {  // 1/s
+    Gains gains = toy::gains(5);
+    const Eigen::Index m = gains.n_legs();
+    gains.plant.A.bottomRightCorner(m, m).diagonal().array() += 2 * growth;
+    EXPECT_LT(ramp_radius(gains), 1) << growth;
+    EXPECT_THROW(require_stable_ramp(gains), Refusal) << growth;
+  }
+}
+
 TEST(Ramp, AFrameThatDoesNotStandByItselfIsRefused) {
   Gains gains = toy::gains(5);
   const Eigen::Index m = gains.n_legs();

@@ -74,7 +74,7 @@ TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
 
   // The supervisor here, given the records one by one, comes to the same commands; and those are
   // what was sent.
-  Supervisor supervisor(law_from_gains(gains), {}, 1000, {}, true);
+  Supervisor supervisor(gains, {}, true);
   ASSERT_EQ(listener.checkpoints.front().period, listener.records.front().period);
   supervisor.restore(listener.checkpoints.front().memory);
   Command command;
@@ -106,7 +106,22 @@ TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
   EXPECT_EQ(plant.timing->n_periods + plant.timing->n_late, listener.records.back().period + 1);
 }
 
-TEST_F(ControllerProcess, WallClockLetsGoSmoothlyBeforeItIsInterrupted) {
+/// What ends a controller while the plant goes on measuring.
+struct End {
+  const char* name;
+  int signal = 0;             ///< to the controller, or
+  std::int32_t state = 0;     ///< what the plant says of itself, with
+  std::int64_t later_ns = 0;  ///< so much added to its start
+  int exit_code = 4;
+};
+
+class WallClockEnds : public ControllerProcess, public testing::WithParamInterface<End> {};
+
+// The last command is no force at all, and those before it are next to none: 1 % of the largest,
+// where the ramp's last is 1e-8 of it. A controller that just ends leaves whatever force there is.
+// That the machine takes the processor away makes a fade out of the ramp, which ends in the same
+// way.
+TEST_P(WallClockEnds, WithARampToNoForce) {
   const Gains gains = toy::gains(5, 1000, 1);
   toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", 100'000));
   Listener listener(plant);
@@ -115,34 +130,50 @@ TEST_F(ControllerProcess, WallClockLetsGoSmoothlyBeforeItIsInterrupted) {
   const std::int64_t start = monotonic_ns() + 20'000'000;
   plant.publish_state(run_state_t::RUNNING, start);
   bool told = false;
-  double largest = 0, steepest = 0;
-  std::vector<double> before(4, 0.0);
-  const auto failed = [&] {
-    return !plant.states.empty() && plant.states.back().state == run_state_t::FAILED;
+  double largest = 0;
+  std::size_t n_commands = 0;
+  std::int64_t heard = 0;
+  const auto size = [](const command_t& command) {
+    double most = 0;
+    for (const double force : command.force) most = std::max(most, std::abs(force));
+    return most;
   };
-  for (std::int64_t k = 0; k < 60'000 && !failed(); ++k) {
+  // Until no command has come for 0.3 s.
+  for (std::int64_t k = 0; !told || k < heard + 300; ++k) {
     publish_at(plant, k, start + k * 1'000'000);
     while (plant.take(0)) {
     }
-    const auto force = plant.commands.empty() ? before : plant.commands.back().force;
-    plant.move(force);
-    if (!told && listener.status.state == stillframe_msgs::controller_status_t::ACTIVE) {
-      controller.signal(SIGINT);
-      told = true;
+    if (plant.commands.size() > n_commands) heard = k;
+    n_commands = plant.commands.size();
+    plant.move(n_commands == 0 ? std::vector<double>(4, 0.0) : plant.commands.back().force);
+    if (n_commands > 0) largest = std::max(largest, size(plant.commands.back()));
+    if (told || listener.status.state != stillframe_msgs::controller_status_t::ACTIVE) continue;
+    told = true;
+    heard = k;
+    if (GetParam().signal != 0) {
+      controller.signal(GetParam().signal);
+    } else {
+      plant.publish_state(GetParam().state, start + GetParam().later_ns, "as it is");
     }
-    for (size_t i = 0; i < 4; ++i) {
-      largest = std::max(largest, std::abs(force[i]));
-      if (told) steepest = std::max(steepest, std::abs(force[i] - before[i]));
-    }
-    before = force;
   }
-  EXPECT_TRUE(told);
-  EXPECT_EQ(controller.wait(), 4);
-  ASSERT_FALSE(plant.commands.empty());
-  EXPECT_EQ(plant.commands.back().force, std::vector<double>(4, 0.0));
+  if (GetParam().later_ns != 0)
+    controller.signal(SIGTERM);  // it waits for the plant that begins anew
+  EXPECT_EQ(controller.wait(), GetParam().exit_code) << controller.err();
+  ASSERT_GT(n_commands, 1u);
   EXPECT_GT(largest, 0);
-  EXPECT_LT(steepest, largest);
+  EXPECT_EQ(size(plant.commands.back()), 0);
+  EXPECT_LT(size(plant.commands[n_commands - 2]), 0.01 * largest);
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Ends, WallClockEnds,
+    testing::Values(
+        End{.name = "SIGINT", .signal = SIGINT}, End{.name = "SIGTERM", .signal = SIGTERM},
+        End{.name = "SIGHUP", .signal = SIGHUP},
+        End{.name = "ENDED", .state = run_state_t::ENDED, .exit_code = 0},
+        End{.name = "FAILED", .state = run_state_t::FAILED},
+        End{.name = "BeganAnew", .state = run_state_t::RUNNING, .later_ns = 1'000'000'000}),
+    [](const auto& end) { return std::string(end.param.name); });
 
 TEST_F(ControllerProcess, WallClockThatWasNeverActiveIsExitCode4) {
   const Gains gains = toy::gains(5, 1000, 1);

@@ -20,7 +20,7 @@ inline const std::vector<double>& frequencies_hz() {
 }
 
 /// Unit masses on one leg each, q'' + K q = -u, sigma = K q + u, z = (q, q'), with the exact gains
-/// X = K M^-1 / w_d^2, K_I = 2 zeta w_d X.
+/// X = K M^-1 / w_d^2, K_I = 2 zeta w_d X; one floor moves all legs.
 inline Gains gains(double design_hz, double rate_hz = 1000, int delay = 1, double leak_hz = 0.05) {
   const auto m = static_cast<Eigen::Index>(frequencies_hz().size());
   const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(m, m);
@@ -45,6 +45,20 @@ inline Gains gains(double design_hz, double rate_hz = 1000, int delay = 1, doubl
   out.plant.B.bottomRows(m) = -I;
   out.plant.C = Eigen::MatrixXd::Zero(m, 2 * m);
   out.plant.C.leftCols(m) = K;
+  out.plant.B_w = Eigen::MatrixXd::Zero(2 * m, 1);
+  out.plant.B_w.bottomRows(m).setConstant(-1);
+  out.force_limit_n = 200;
+  return out;
+}
+
+/// The same frame with a damping of 1 % in its slowest mode, so that its resonance does not make
+/// comparisons with it easy, and the lead that makes up for the delay.
+inline Gains damped_gains(double design_hz = 5, double rate_hz = 1000) {
+  Gains out = gains(design_hz, rate_hz);
+  const auto m = out.n_legs();
+  out.plant.A.bottomRightCorner(m, m).diagonal().setConstant(-2 * 0.01 * two_pi *
+                                                             frequencies_hz().front());
+  out.lead_samples = out.delay_samples + 0.5;
   return out;
 }
 

@@ -4,6 +4,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "msgs/clock.hpp"
+
 namespace stillframe::faults {
 
 namespace {
@@ -27,7 +29,7 @@ Rig::Rig(const Workbench& bench, const RigOptions& options)
     : bench_(bench),
       options_(options),
       relay_(port_url(options.number, 0), port_url(options.number, 1), bench.rate_hz()) {
-  for (const char* what : {"plant.txt", "controller.txt", "another.txt"}) {
+  for (const char* what : {"plant.txt", "controller.txt", "another.txt", "latch.yaml"}) {
     std::filesystem::remove(named(bench_, what, options.number));  // of the rig before
   }
   if (!options_.policy.empty()) {
@@ -57,10 +59,12 @@ void Rig::start_plant() {
 
 std::vector<std::string> Rig::controller_command() const {
   std::vector<std::string> command = options_.controller_prefix;
-  for (const std::string& word : {program("stillframe-controller"), std::string("--gains"),
-                                  bench_.gains().string(), std::string("--lcm-url"), url(1),
-                                  std::string("--run-id"), std::to_string(options_.number + 1),
-                                  std::string("--flight-folder"), bench_.folder().string()}) {
+  for (const std::string& word :
+       {program("stillframe-controller"), std::string("--gains"), bench_.gains().string(),
+        std::string("--lcm-url"), url(1), std::string("--run-id"),
+        std::to_string(options_.number + 1), std::string("--flight-folder"),
+        bench_.folder().string(), std::string("--latch"),
+        named(bench_, "latch.yaml", options_.number).string()}) {
     command.push_back(word);
   }
   if (!options_.policy.empty()) {
@@ -105,12 +109,14 @@ void Rig::ask(std::int32_t request) {
   stillframe_msgs::control_request_t message;
   message.run_id = 0;
   message.nonce = ++nonce_;
+  message.asked_ns = monotonic_ns();
   message.request = request;
   const auto heard = [this](const Trace& trace) {
     return trace.status() != nullptr && trace.status()->nonce == nonce_;
   };
   // Again and again as `stillframe ctl` does; it is obeyed once.
   for (int i = 0; i < 10 * static_cast<int>(limit_s); ++i) {
+    message.sent_ns = monotonic_ns();
     relay_.request(message);
     if (relay_.wait(heard, 0.1)) return;
   }

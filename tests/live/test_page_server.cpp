@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "core/yaml/input_error.hpp"
@@ -225,6 +226,54 @@ TEST(PageServer, NonsenseDoesNoHarm) {
     connection.send(text);
   }
   EXPECT_EQ(status_of(get(server.port(), "/view")), "HTTP/1.1 200 OK");
+}
+
+/// A request that does not end: headers, one header, a body of chunks that nobody asked for.
+TEST(PageServer, ARequestWithoutEndIsGivenUpAndCostsNoMemory) {
+  PageServer server(0);
+  server.publish("{}");
+  const std::string begin = "GET /view HTTP/1.1\r\nHost: localhost\r\n";
+  for (const std::string& text : {std::string("X: y\r\n"), std::string("xxxxxxxx"),
+                                  std::string("Transfer-Encoding: chunked\r\n\r\nfffffff\r\nx")}) {
+    std::string piece;
+    while (piece.size() < 1'000'000) piece += text;
+    const std::int64_t before = resident_bytes();
+    Connection connection(server.port());
+    connection.send(begin);
+    for (int i = 0; i < 64; ++i) connection.send(piece);  // 64 MB, if anybody took them
+    connection.read_all();                                // the other side has closed
+    // A tenth of what was sent; what malloc keeps of the few kilobytes that were read is less.
+    EXPECT_LT(resident_bytes() - before, std::int64_t{6} << 20);
+  }
+  EXPECT_EQ(status_of(get(server.port(), "/view")), "HTTP/1.1 200 OK");
+}
+
+/// One that is asked byte by byte, each in time, and never ends: closed after two seconds in all.
+TEST(PageServer, ASlowRequestIsGivenUp) {
+  PageServer server(0);
+  Connection connection(server.port());
+  connection.send("GET /view HTTP/1.1\r\nHost: ");
+  std::int64_t began = monotonic_ns();
+  std::jthread drip([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      connection.send("x");
+      usleep(100'000);
+    }
+  });
+  connection.read_all();
+  // 2 s and what a busy machine takes to notice; without the limit it would be for ever.
+  EXPECT_LT(monotonic_ns() - began, 60 * ns_per_s);
+}
+
+TEST(PageServer, OnlyAsksAreAnswered) {
+  PageServer server(0);
+  server.publish("{}");
+  for (const char* method : {"POST", "PUT", "DELETE", "PATCH", "OPTIONS"}) {
+    Connection connection(server.port());
+    connection.send(std::string(method) +
+                    " /view HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n");
+    EXPECT_EQ(status_of(connection.read_all()), "HTTP/1.1 405 Method Not Allowed") << method;
+  }
 }
 
 }  // namespace

@@ -195,6 +195,22 @@ TEST_F(WatchVerb, NothingHeardIsExitCode4) {
   EXPECT_NE(said.error.find("nothing heard on udpm://"), std::string::npos) << said.error;
 }
 
+/// Where a process may open few files it says so, whichever of its parts is the first to lack one.
+TEST_F(WatchVerb, FewDescriptorsAreAnErrorAndNoCrash) {
+  bool refused = false, served = false;
+  for (int n = 3; n <= 24; ++n) {
+    const Said said = shell("ulimit -n " + std::to_string(n) +
+                            "; exec $BIN/stillframe watch --serve 0 --duration 0.1");
+    // 4: it was as well as it can be and heard nothing; 127: not even the libraries could be read.
+    EXPECT_TRUE(said.exit_code == 2 || said.exit_code == 4 || said.exit_code == 127)
+        << n << " files: " << said.exit_code << " " << said.error;
+    refused |= said.exit_code == 2;
+    served |= said.exit_code == 4;
+  }
+  EXPECT_TRUE(refused);
+  EXPECT_TRUE(served);
+}
+
 TEST_F(WatchVerb, BadUsageIsExitCode2) {
   expect_refused({"watch", "--lcm-url", "nonsense://"}, 2, "LCM cannot be opened");
   expect_refused({"watch", "--scene", folder_ / "none.yaml"}, 2, "none.yaml: cannot be read");

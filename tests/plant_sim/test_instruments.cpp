@@ -219,8 +219,8 @@ TEST(InstrumentsTolerance, IsWhatRemains) {
 }
 
 TEST(InstrumentsCost, NothingWhereNothingIsNamed) {
-  // Where one step goes over a sample, a lag and a filter of a few hundred hertz cost a twelfth of the
-  // steps at most; a sample in two parts costs two steps instead of one.
+  // Where one step goes over a sample, a lag and a filter of a few hundred hertz cost a twelfth of
+  // the steps at most; a sample in two parts costs two steps instead of one.
   const auto evaluations = [](const Instruments& instruments, double fraction) {
     Scene scene = scene_of(instruments, 1e-2);
     scene.simulation.method = PlantMethod::dormand_prince;

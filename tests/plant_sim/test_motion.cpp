@@ -71,8 +71,8 @@ TEST_P(Tolerance, IsTheErrorOfARunByEveryMethod) {
   for (const PlantMethod method : nonlinear_methods) {
     for (const double tolerance : {1e-5, 1e-8}) {
       const auto found = trajectory(with_method(scene, method, tolerance), forces, floor);
-      const double error = error_in_tolerances(found, references.at(other_formulation(method)),
-                                               n_legs, tolerance);
+      const double error =
+          error_in_tolerances(found, references.at(other_formulation(method)), n_legs, tolerance);
       RecordProperty(method_name(method) + (tolerance < 1e-6 ? "_1e-8" : "_1e-5"),
                      std::to_string(error));
       EXPECT_LT(error, promised) << method_name(method) << " at " << tolerance;
@@ -334,9 +334,8 @@ TEST(PlantMethods, GoOnWhereAForceBeginsToRiseFromRest) {
     Scene scene = frame_scene();
     (slews ? scene.instruments.force_rate_limit : scene.instruments.actuator_lag_hz) =
         slews ? 2000 : 50;
-    for (const PlantMethod method :
-         {PlantMethod::automatic, PlantMethod::dormand_prince, PlantMethod::fehlberg,
-          PlantMethod::nodal}) {
+    for (const PlantMethod method : {PlantMethod::automatic, PlantMethod::dormand_prince,
+                                     PlantMethod::fehlberg, PlantMethod::nodal}) {
       const auto reference =
           trajectory(with_method(scene, other_formulation(method), 1e-12), forces, none);
       for (const double tolerance : {1e-5, 1e-8, 1e-12}) {

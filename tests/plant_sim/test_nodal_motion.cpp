@@ -130,8 +130,8 @@ TEST(NodalMotion, ErrorFallsWithTheTolerance) {
   const Trajectory fine = nodal(model, start, size, 20, 1e-12, 7);
   double last = 1;
   for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
-    const double error = Trajectory::difference(
-        nodal(model, start, size, 20, tolerance, 3).x_ddot, fine.x_ddot);
+    const double error =
+        Trajectory::difference(nodal(model, start, size, 20, tolerance, 3).x_ddot, fine.x_ddot);
     EXPECT_LT(error, tolerance);
     EXPECT_LT(error, 0.2 * last);
     last = error;

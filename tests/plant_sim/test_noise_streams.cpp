@@ -54,7 +54,8 @@ double largest_correlation(const Eigen::MatrixXd& courses) {
   for (Eigen::Index i = 0; i < courses.cols(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
       const double size = courses.col(i).norm() * courses.col(j).norm();
-      if (size > 0) largest = std::max(largest, std::abs(courses.col(i).dot(courses.col(j))) / size);
+      if (size > 0)
+        largest = std::max(largest, std::abs(courses.col(i).dot(courses.col(j))) / size);
     }
   }
   return largest;
@@ -93,8 +94,8 @@ TEST(NoiseStreams, OfAxesAndOfPartsOfASumAreTheirOwn) {
   parts << alone.col(1), sum.col(1) - alone.col(1);
   EXPECT_NEAR(parts.col(1).norm() / parts.col(0).norm(), 1, 0.1);
   EXPECT_LT(largest_correlation(parts), independent);
-  const auto white = floor_courses(
-      "sum: [{white: {rms: 1, duration_s: 20}}, {white: {rms: 1, duration_s: 20}}]");
+  const auto white =
+      floor_courses("sum: [{white: {rms: 1, duration_s: 20}}, {white: {rms: 1, duration_s: 20}}]");
   const auto one = floor_courses("white: {rms: 1, duration_s: 20}");
   parts << one.col(0), white.col(0) - one.col(0);
   EXPECT_LT(largest_correlation(parts), independent);

@@ -60,8 +60,8 @@ TEST_P(OperatingPoint, AsWrittenIsWhereARunBegins) {
   const Scene scene = mass_on_a_table("as_written", "value: 0.02, rate: 0.3, acceleration: 0.5",
                                       "value: 0.01, rate: 0.2", GetParam());
   const Index n = 300;
-  const auto found = trajectory(scene, Eigen::MatrixXd::Zero(1, n),
-                                Eigen::MatrixXd::Constant(1, n, 0.2));
+  const auto found =
+      trajectory(scene, Eigen::MatrixXd::Zero(1, n), Eigen::MatrixXd::Constant(1, n, 0.2));
   const double w = 20, T = 1e-3, a = 0.7, e_0 = -a / (w * w);
   const auto e = [&](double t) {
     return e_0 + (0.01 - e_0) * std::cos(w * t) + 0.2 / w * std::sin(w * t);

@@ -47,8 +47,8 @@ TEST(Plant, ForceLimitIsAppliedAndMeasured) {
 }
 
 TEST(Plant, SaysWhenAndWhyItCannotGoOn) {
-  // A floor node that is gone within a sample: a leg of a kilometre can still be followed, one of so
-  // many has no length that a double could tell from another.
+  // A floor node that is gone within a sample: a leg of a kilometre can still be followed, one of
+  // so many has no length that a double could tell from another.
   const Scene scene = test::frame_scene();
   Eigen::MatrixXd huge = Eigen::MatrixXd::Zero(6, 10);
   huge(0, 3) = 1e20;

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "msgs/channels.hpp"
+#include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "plant_sim/run_plant.hpp"
 #include "tests/plant_sim/frame.hpp"
@@ -19,6 +20,7 @@ using namespace stillframe_msgs;
 
 constexpr double unit = 1e-6;  // N
 constexpr int n_samples = 60;
+constexpr std::int64_t instance = 16;  // of the controller
 
 class CountingController {
  public:
@@ -41,6 +43,9 @@ class CountingController {
   void be_ready(const lcm::ReceiveBuffer*, const std::string&, const run_info_t* info) {
     if (info->run_id != run_id_) return;
     const run_state_t state{.run_id = run_id_,
+                            .plant_instance = info->plant_instance,
+                            .instance = instance,
+                            .sent_ns = monotonic_ns(),
                             .source = "controller",
                             .state = run_state_t::READY,
                             .start_monotonic_ns = 0,
@@ -52,8 +57,11 @@ class CountingController {
     applied_[measurement->seq] = measurement->applied_force.back() / unit;
     const double force = unit * static_cast<double>(measurement->seq + 1);
     const command_t command{.run_id = run_id_,
+                            .plant_instance = measurement->plant_instance,
+                            .instance = instance,
                             .seq = measurement->seq,
                             .time_ns = measurement->time_ns,
+                            .sent_ns = monotonic_ns(),
                             .n_legs = measurement->n_legs,
                             .force = std::vector<double>(measurement->applied_force.size(), force),
                             .saturated = 0};
@@ -76,8 +84,11 @@ void send_stray_commands(std::int64_t run_id, PlantLink& link) {
   const auto lcm = open_lcm(lcm_url(""));
   for (const std::int64_t seq : {5, 30}) {
     const command_t command{.run_id = run_id,
+                            .plant_instance = link.info().plant_instance,
+                            .instance = 17,
                             .seq = seq,
                             .time_ns = 0,
+                            .sent_ns = monotonic_ns(),
                             .n_legs = 6,
                             .force = std::vector<double>(6, 1000 * unit),
                             .saturated = 0};
@@ -96,6 +107,7 @@ std::vector<double> applied_in_run(double delay, const std::string& mode) {
   Plant plant(scene, test::table(Eigen::MatrixXd::Zero(6, n_samples)));
   run_info_t info{};
   info.run_id = ++run_id;
+  info.plant_instance = 1000 + run_id;
   info.mode = mode;
   info.sample_rate_hz = scene.controller->sample_rate_hz;
   info.delay_samples = delay;

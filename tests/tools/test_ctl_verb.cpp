@@ -8,6 +8,7 @@
 #include "controller/policy.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -53,7 +54,7 @@ class FakeController {
       for (std::int64_t next = monotonic_ns(); !stop.stop_requested();) {
         handle_one(*lcm_, 10);
         if (monotonic_ns() < next) continue;
-        lcm_->publish(channels::status, &status_);
+        say();
         next = monotonic_ns() + ns_per_s / 20;
       }
     });
@@ -67,13 +68,17 @@ class FakeController {
   }
 
  private:
+  void say() {
+    status_.sent_ns = monotonic_ns();
+    lcm_->publish(channels::status, &status_);
+  }
   void on_request(const lcm::ReceiveBuffer*, const std::string&, const control_request_t* request) {
     heard_.push_back(*request);
     if (request->run_id != 0 && request->run_id != status_.run_id) return;
     if (static_cast<int>(heard_.size()) <= deaf_to_) return;
     status_.nonce = request->nonce;
     status_.answer = answer_;
-    lcm_->publish(channels::status, &status_);  // as it takes it; what comes of it is said later
+    say();  // as it takes it; what comes of it is said later
     if (answer_.empty()) status_.state = controller_status_t::RAMP_OUT;
   }
 
@@ -142,6 +147,8 @@ TEST_F(Ctl, EachRequestIsSentByItsNumberUntilItIsTaken) {
       EXPECT_EQ(request.request, number);
       EXPECT_EQ(request.run_id, 0);
       EXPECT_EQ(request.nonce, heard.front().nonce);
+      EXPECT_EQ(request.asked_ns, heard.front().asked_ns);
+      EXPECT_GE(request.sent_ns, request.asked_ns);
     }
     EXPECT_NE(heard.front().nonce, 0);
     nonces.insert(heard.front().nonce);
@@ -156,6 +163,28 @@ TEST_F(Ctl, ARefusalIsExitCode3WithTheReason) {
   EXPECT_NE(said.error.find("refused: a fault is latched: out_of_range"), std::string::npos)
       << said.error;
   EXPECT_NE(said.output.find("fading"), std::string::npos) << said.output;
+}
+
+/// What a controller says may be anybody's; on a terminal a control character is a command.
+TEST_F(Ctl, NothingThatATerminalObeysIsPrinted) {
+  controller_status_t status = some_status(7);
+  status.text =
+      "fading\033[2J\xc2\x9b"
+      "1m\x9b\rover";
+  FakeController controller(status, "no\033]0;title\007");
+  const Said said = run({"ctl", "start", "--timeout", "60"});
+  EXPECT_NE(said.output.find("fading?[2J?1m??over"), std::string::npos) << said.output;
+  EXPECT_NE(said.error.find("refused: no?]0;title?"), std::string::npos) << said.error;
+}
+
+/// A recording of a controller says all that a controller says, at other times.
+TEST_F(Ctl, ARecordedControllerIsNone) {
+  const auto lcm = open_lcm(lcm_url(""));
+  const auto ctl = start({"ctl", "status", "--timeout", "1"});
+  controller_status_t status = some_status(7);
+  status.sent_ns = monotonic_ns() - fresh_ns;
+  while (!ctl->wait(0.02)) lcm->publish(channels::status, &status);
+  EXPECT_EQ(ctl->exit_code(), 4);
 }
 
 /// An old refusal is in the status of a controller that is asked for nothing.

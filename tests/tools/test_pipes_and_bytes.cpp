@@ -63,6 +63,32 @@ TEST_F(PipesAndBytes, BytesThatAreNoUtf8AreRefusedWithTheirPlace) {
   }
 }
 
+/// Names come from files and from the bus; on a terminal a control character is a command.
+TEST_F(PipesAndBytes, NothingThatATerminalObeysIsPrinted) {
+  const auto file = folder_ / "evil\033]0;title\007.lcm";
+  {
+    report::LogWriter log(file);
+    auto info = report::sample_info(1, 20);
+    info.scene_name = "scene\033[2J";
+    info.leg_names[1] = "leg\x9b\xc2\x9b\r";
+    log.write(channels::run_info, info);
+    for (std::int64_t seq = 0; seq < 20; ++seq) {
+      log.write(channels::measurement, report::sample_measurement(1, seq));
+    }
+  }
+  const auto is_clean = [](const std::string& text) {
+    return text.find_first_of("\033\007\r\x9b") == std::string::npos;
+  };
+  const Said exported = run({"export", file, "--csv", folder_ / "evil\033[2J.csv"});
+  EXPECT_EQ(exported.exit_code, 0) << exported.error;
+  EXPECT_NE(exported.output.find("evil?[2J.csv"), std::string::npos) << exported.output;
+  EXPECT_TRUE(is_clean(exported.output)) << exported.output;
+  const Said missing = run({"modes", folder_ / "evil\033]0;title\007.yaml"});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_NE(missing.error.find("evil?]0;title?.yaml"), std::string::npos) << missing.error;
+  EXPECT_TRUE(is_clean(missing.error)) << missing.error;
+}
+
 TEST_F(PipesAndBytes, ForeignNamesDoNotEndJson) {
   const auto file = folder_ / "foreign.lcm";
   {

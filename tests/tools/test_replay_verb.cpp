@@ -56,7 +56,7 @@ class Replay : public Verb {
 
 Log wall_clock_log(LoggedRig& rig) {
   Log log;
-  add(log, channels::run_info, info_of(limited_gains(), LoggedRig::run_id, "wall_clock"));
+  add(log, channels::run_info, info_of(wall_clock_gains(), LoggedRig::run_id, "wall_clock"));
   const Log told = rig.log();
   log.insert(log.end(), told.begin(), told.end());
   return log;
@@ -274,7 +274,7 @@ TEST_F(Replay, AFlightRecordIsReplayed) {
   for (int i = 0; i < 3000 && !rig.rig().loop().flight().stands_still(); ++i) rig.steps(1);
   ASSERT_TRUE(rig.rig().loop().flight().stands_still());
   const auto file = folder_ / "flight.lcm";
-  controller::write_flight_file(file, info_of(limited_gains(), LoggedRig::run_id, "wall_clock"),
+  controller::write_flight_file(file, info_of(wall_clock_gains(), LoggedRig::run_id, "wall_clock"),
                                 rig.rig().loop().flight(), "");
   const auto result = json({"replay", file});
   // All but what is older than the first checkpoint in it, less than 0.1 s.

@@ -8,6 +8,7 @@
 #include "core/frequency_response.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
+#include "core/yaml/load.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/response_prediction.hpp"
@@ -18,8 +19,9 @@ namespace {
 
 /// The scene's text with a controller block of its own: the path that may stand there leads nowhere
 /// from a log. What gains do not tell of it is not asked for.
-std::string with_controller(const std::string& scene_text, const controller::Gains& gains) {
-  YAML::Node scene = YAML::Load(scene_text);
+std::string with_controller(const std::string& scene_text, const controller::Gains& gains,
+                            const std::string& source_name) {
+  YAML::Node scene = load_yaml(scene_text, source_name);
   YAML::Node block;
   block["legs"] = gains.legs;
   block["target_hz"] = 1;
@@ -88,7 +90,7 @@ LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains
                           const std::string& source_name) {
   LoopDesign design;
   try {
-    design.scene = parse_scene(with_controller(scene_text, gains), source_name);
+    design.scene = parse_scene(with_controller(scene_text, gains, source_name), source_name);
   } catch (const YAML::Exception& error) {
     throw InputError(source_name + ": the scene is no YAML: " + error.what());
   }

@@ -15,6 +15,7 @@ ClosedLoop::ClosedLoop(const Scene& scene, const controller::Gains& gains,
       queue_(gains.n_legs(), gains.delay_samples),
       answer_(controller::law_from_gains(gains), gains.force_limit_n, active) {
   measurement_.run_id = run_id;
+  measurement_.plant_instance = measurement_.controller_instance = 0;
   answer_.prepare(command_);
 }
 

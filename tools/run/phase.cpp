@@ -98,6 +98,8 @@ class Phase {
     if (options_.mode == "wall_clock") {
       add("--timing", timing_.string());
       add("--flight-folder", timing_.parent_path().string());
+      // Of this run alone: what it simulates is broken nowhere else.
+      add("--latch", (timing_.parent_path() / "latch.yaml").string());
     }
     controller_ = std::make_unique<ChildProcess>("stillframe-controller", command, text_);
   }

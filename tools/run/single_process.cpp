@@ -23,7 +23,9 @@ class RunLogFile {
  public:
   RunLogFile(const std::filesystem::path& file, const run_info_t& info) : file_(file) {
     state_.run_id = timing_.run_id = info.run_id;
+    state_.plant_instance = state_.instance = state_.sent_ns = 0;
     timing_.n_late = timing_.n_lost = timing_.n_duplicate = timing_.n_listened = 0;
+    timing_.n_foreign = 0;
     timing_.worst_wake_up_ns = 0;
     sound_ = file_.write(channels::run_info, info);
     say("controller", run_state_t::READY, "");

@@ -1,6 +1,6 @@
-#include "report/log/message_fit.hpp"
+#include "msgs/message_fit.hpp"
 
-#include "report/log/big_endian.hpp"
+#include "msgs/big_endian.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -11,7 +11,7 @@
 #include "stillframe_msgs/run_state_t.hpp"
 #include "stillframe_msgs/timing_t.hpp"
 
-namespace stillframe::report {
+namespace stillframe {
 
 using namespace stillframe_msgs;
 
@@ -65,19 +65,19 @@ class Walk {
 // and the tests compare these with what lcm-gen writes.
 
 void walk(Walk& w, const measurement_t*) {
-  w.int64s(3);
+  w.int64s(5);
   const std::size_t n_floor = w.count(), n_legs = w.count(), n_frame = w.count();
   w.doubles(n_floor), w.doubles(n_legs), w.doubles(n_legs), w.doubles(n_frame);
 }
 
 void walk(Walk& w, const command_t*) {
-  w.int64s(3);
+  w.int64s(6);
   w.doubles(w.count());
   w.booleans(1);
 }
 
 void walk(Walk& w, const run_info_t*) {
-  w.int64s(1), w.int32s(1);
+  w.int64s(2), w.int32s(1);
   w.texts(8);
   w.doubles(2), w.int64s(1);
   const std::size_t n_floor = w.count(), n_legs = w.count(), n_frame = w.count();
@@ -85,15 +85,15 @@ void walk(Walk& w, const run_info_t*) {
 }
 
 void walk(Walk& w, const run_state_t*) {
-  w.int64s(1), w.texts(1), w.int32s(1), w.int64s(1), w.texts(1);
+  w.int64s(4), w.texts(1), w.int32s(1), w.int64s(1), w.texts(1);
 }
 
-void walk(Walk& w, const timing_t*) { w.int64s(1), w.texts(1), w.int64s(8); }
+void walk(Walk& w, const timing_t*) { w.int64s(1), w.texts(1), w.int64s(9); }
 
-void walk(Walk& w, const control_request_t*) { w.int64s(2), w.int32s(1); }
+void walk(Walk& w, const control_request_t*) { w.int64s(4), w.int32s(1); }
 
 void walk(Walk& w, const controller_status_t*) {
-  w.int64s(3), w.int32s(3), w.booleans(1), w.texts(1);
+  w.int64s(5), w.int32s(3), w.booleans(1), w.texts(1);
   w.int64s(1), w.texts(1), w.int64s(14);
 }
 
@@ -104,6 +104,7 @@ void walk(Walk& w, const loop_records_t*) {
     w.int64s(7), w.int32s(4), w.booleans(2), w.int64s(2);
     const std::size_t n_legs = w.count();
     w.doubles(n_legs), w.doubles(n_legs), w.doubles(n_legs);
+    w.doubles(w.count());
   }
 }
 
@@ -138,4 +139,4 @@ template Fit fit<controller_status_t>(std::string_view) noexcept;
 template Fit fit<loop_records_t>(std::string_view) noexcept;
 template Fit fit<loop_checkpoint_t>(std::string_view) noexcept;
 
-}  // namespace stillframe::report
+}  // namespace stillframe

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace stillframe::report {
+namespace stillframe {
 
 /// A number as LCM writes it, highest byte first. Hot: noexcept, no allocation.
 inline std::uint64_t read_big_endian(const char* bytes, int n) noexcept {
@@ -19,4 +19,4 @@ inline std::int32_t read_int32(const char* bytes) noexcept {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(read_big_endian(bytes, 4)));
 }
 
-}  // namespace stillframe::report
+}  // namespace stillframe

@@ -1,0 +1,51 @@
+#include "controller/command_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace stillframe::controller {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double share_s = 1;
+// Over which forces are smoothed that a fault holds: longer than the swings of a loop that has too
+// much gain at high frequencies, shorter than what the frame needs at its target.
+constexpr double steady_s = 0.006;
+
+}  // namespace
+
+CommandWatch::CommandWatch(Index m, double sample_time, double force_limit, double limited_part)
+    : keep_(std::exp(-sample_time / share_s)),
+      force_limit_(force_limit),
+      limited_part_(limited_part),
+      steady_(VectorXd::Zero(m)) {
+  // Of Hann, whose sum over whole samples is one; no shorter than two swings of two samples.
+  const auto n = std::max<Index>(5, std::llround(steady_s / sample_time));
+  weights_ = VectorXd::NullaryExpr(n, [n](Index j) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(j + 1);
+    return (1 - std::cos(angle / static_cast<double>(n + 1))) / static_cast<double>(n + 1);
+  });
+  commands_ = MatrixXd::Zero(m, n);
+}
+
+void CommandWatch::command(const Eigen::Ref<const VectorXd>& force, bool driving) noexcept {
+  newest_ = (newest_ + 1) % commands_.cols();
+  commands_.col(newest_) = force;
+  const bool at_limit = driving && force.cwiseAbs().maxCoeff() >= force_limit_;
+  share_ += (1 - keep_) * ((at_limit ? 1.0 : 0.0) - share_);
+}
+
+const VectorXd& CommandWatch::steady_force() noexcept {
+  steady_.setZero();
+  for (Index j = 0; j < weights_.size(); ++j) {
+    steady_ += weights_(j) * commands_.col((newest_ + commands_.cols() - j) % commands_.cols());
+  }
+  return steady_;
+}
+
+}  // namespace stillframe::controller

@@ -1,0 +1,42 @@
+#include "core/yaml/ranges.hpp"
+
+#include <charconv>
+
+#include "core/yaml/load.hpp"
+
+namespace stillframe {
+
+namespace {
+
+/// The fewest digits that give the number back, the same under every locale.
+std::string shown(double value) {
+  char buffer[32];
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
+  return {buffer, end};
+}
+
+[[noreturn]] void refuse(const YamlReader& value, const std::string& allowed) {
+  value.fail("found '" + printable(value.text(), 80) + "', allowed is " + allowed);
+}
+
+}  // namespace
+
+double number_within(const YamlReader& value, double lowest, double highest) {
+  const double number = value.number();
+  if (number >= lowest && number <= highest) return number;
+  refuse(value, "a number from " + shown(lowest) + " to " + shown(highest));
+}
+
+double positive_up_to(const YamlReader& value, double highest) {
+  const double number = value.number();
+  if (number > 0 && number <= highest) return number;
+  refuse(value, "a number above 0 and up to " + shown(highest));
+}
+
+std::int64_t integer_within(const YamlReader& value, std::int64_t lowest, std::int64_t highest) {
+  const std::int64_t number = value.integer(lowest);
+  if (number <= highest) return number;
+  refuse(value, "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest));
+}
+
+}  // namespace stillframe

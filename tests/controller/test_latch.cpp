@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "controller/latch.hpp"
+#include "core/yaml/input_error.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LatchTest : public testing::Test {
+ protected:
+  LatchTest() { fs::remove_all(folder_); }
+  ~LatchTest() override { fs::remove_all(folder_); }
+
+  Latch latch(bool clear_at_once = false) {
+    return {file_, disk_, [this](const std::string& text) { warned_ += text; }, clear_at_once};
+  }
+  void written() { ASSERT_TRUE(disk_.finish(600)); }
+
+  fs::path folder_ =
+      fs::path(testing::TempDir()) / ("stillframe_latch_" + std::to_string(getpid()));
+  fs::path file_ = folder_ / "not/there/yet/latch.yaml";
+  std::string warned_;
+  Background disk_{16};
+};
+
+TEST_F(LatchTest, EveryFaultOutlivesTheProcessUntilItIsCleared) {
+  EXPECT_EQ(latch().fault(), Fault::none);
+  int n = 0;
+  for (std::int32_t i = 1; to_text(static_cast<Fault>(i)) != "unknown"; ++i, ++n) {
+    const auto fault = static_cast<Fault>(i);
+    latch().hold(fault, -7);
+    written();
+    Latch later = latch();
+    EXPECT_EQ(later.fault(), fault);
+    later.clear();
+    EXPECT_EQ(later.fault(), Fault::none);
+    written();
+    EXPECT_EQ(latch().fault(), Fault::none);
+    EXPECT_FALSE(fs::exists(file_));
+  }
+  EXPECT_GE(n, 9);
+  EXPECT_EQ(warned_, "");
+}
+
+TEST_F(LatchTest, AFileThatNamesNoFaultIsRefusedAndCanBeCleared) {
+  for (const char* text :
+       {"fault: none\n", "fault: somewhat\n", "", "run_id: 1\n", "[", "fault: frozen\nmore: 1\n"}) {
+    fs::create_directories(file_.parent_path());
+    std::ofstream(file_) << text;
+    EXPECT_THROW(latch(), InputError) << text;
+    EXPECT_EQ(latch(true).fault(), Fault::none);
+    written();
+    EXPECT_EQ(latch().fault(), Fault::none);
+  }
+}
+
+TEST_F(LatchTest, WhereItCannotBeWrittenItHoldsAndSaysSo) {
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "not") << "a file where a folder would be";
+  Latch held = latch();
+  held.hold(Fault::frozen, 1);
+  written();
+  EXPECT_EQ(held.fault(), Fault::frozen);
+  EXPECT_NE(warned_.find("will not outlive this process"), std::string::npos) << warned_;
+}
+
+TEST_F(LatchTest, IsKeptInTheUsersStateFolder) {
+  const char* home = std::getenv("HOME");
+  const std::string before = home == nullptr ? "" : home;
+  setenv("HOME", "/home/someone", 1);
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_EQ(default_latch_file("0a1b"), "/home/someone/.local/state/stillframe/latch-0a1b.yaml");
+  EXPECT_EQ(default_latch_file("../x"), "/home/someone/.local/state/stillframe/latch-___x.yaml");
+  setenv("XDG_STATE_HOME", "/state", 1);
+  EXPECT_EQ(default_latch_file("0a1b"), "/state/stillframe/latch-0a1b.yaml");
+  setenv("XDG_STATE_HOME", "state", 1);
+  unsetenv("HOME");
+  EXPECT_EQ(default_latch_file("0a1b"), "");
+  unsetenv("XDG_STATE_HOME");
+  if (home != nullptr) setenv("HOME", before.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace stillframe::controller
