@@ -100,13 +100,15 @@ TEST(Loop, AMillionPeriodsWithoutAllocationOrPageFault) {
   constexpr std::int64_t warm = 15'000;
   for (std::int64_t k = 0; k < warm; ++k) period(k);
   const auto allocated = test::allocation_count();
+  // What was touched for the first time while it warmed up is counted by the loop as well.
   const auto faulted = faults();
+  const std::int64_t counted = loop->counters().n_page_faults;
   for (std::int64_t k = warm; k < warm + 1'000'000; ++k) period(k);
   EXPECT_EQ(test::allocation_count() - allocated, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   // A sanitizer's own memory grows as it goes.
   EXPECT_EQ(faults() - faulted, 0);
-  EXPECT_EQ(loop->counters().n_page_faults, 0);
+  EXPECT_EQ(loop->counters().n_page_faults - counted, 0);
 #endif
   EXPECT_GT(loop->counters().n_rejoins, 5);
   EXPECT_EQ(loop->counters().n_periods, warm + 1'000'000);
