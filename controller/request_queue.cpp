@@ -1,22 +1,24 @@
 #include "controller/request_queue.hpp"
 
-#include <algorithm>
-
 namespace stillframe::controller {
 
 namespace {
 
 constexpr std::size_t most_waiting = 16;
-// Whoever asks repeats itself for seconds, ten times in each: more than could be asked meanwhile.
-constexpr std::size_t most_settled = 256;
+// A status tells one; those that nobody has read by then are the oldest.
+constexpr std::size_t most_answers = 256;
+constexpr auto no_room = "too many requests wait";
 
 }  // namespace
 
 void RequestQueue::hear(Request request, std::int64_t nonce) {
-  if (is_known(nonce)) return;
+  const Asked heard{request, nonce, 0};
   if (request != Request::stop) {
-    // Where there is no room it is as if it had not been heard; it will be heard again.
-    if (waiting_.size() < most_waiting) waiting_.push_back({request, nonce, 0});
+    if (waiting_.size() < most_waiting) {
+      waiting_.push_back(heard);
+    } else {
+      settle(heard, no_room);
+    }
     return;
   }
   std::deque<Asked> others;
@@ -28,8 +30,11 @@ void RequestQueue::hear(Request request, std::int64_t nonce) {
       others.push_back(asked);
     }
   }
-  others.push_front({request, nonce, 0});
-  if (others.size() > most_waiting) others.pop_back();
+  others.push_front(heard);
+  if (others.size() > most_waiting) {
+    settle(others.back(), no_room);
+    others.pop_back();
+  }
   waiting_ = std::move(others);
 }
 
@@ -58,16 +63,9 @@ std::optional<LastRequest> RequestQueue::answer() {
   return oldest;
 }
 
-bool RequestQueue::is_known(std::int64_t nonce) const {
-  return std::find(settled_.begin(), settled_.end(), nonce) != settled_.end() ||
-         std::any_of(waiting_.begin(), waiting_.end(),
-                     [nonce](const Asked& asked) { return asked.nonce == nonce; });
-}
-
 void RequestQueue::settle(const Asked& asked, const std::string& answer) {
   answers_.push_back({.nonce = asked.nonce, .answer = answer});
-  settled_.push_back(asked.nonce);
-  if (settled_.size() > most_settled) settled_.pop_front();
+  if (answers_.size() > most_answers) answers_.pop_front();
 }
 
 }  // namespace stillframe::controller

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "core/files/printable.hpp"
+#include "core/files/utf8.hpp"
 
 namespace stillframe {
 

@@ -9,15 +9,17 @@
 #include <sstream>
 #include <vector>
 
+#include "core/files/utf8.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
 namespace {
 
-std::string hex(unsigned char byte) {
+std::string hex(char byte) {
   char digits[8];
-  std::snprintf(digits, sizeof digits, "%02x", static_cast<unsigned>(byte));
+  std::snprintf(digits, sizeof digits, "0x%02x",
+                static_cast<unsigned>(static_cast<unsigned char>(byte)));
   return digits;
 }
 
@@ -37,34 +39,6 @@ std::string tab_in_indentation(const std::string& file, const std::string& text)
   return "";
 }
 
-/// How many bytes the UTF-8 sequence at the beginning has, 0 if there is none. Source: RFC 3629,
-/// section 4.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) {
-    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
-  };
-  const unsigned first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
-                             : first >= 0xE0 && first < 0xF0 ? 3
-                             : first >= 0xF0 && first < 0xF5 ? 4
-                                                             : 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if (byte(i) < 0x80 || byte(i) > 0xBF) return 0;
-  }
-  // Longer than it need be, a half of a pair of UTF-16, or beyond U+10FFFF.
-  const bool impossible = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
-                          (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F);
-  return impossible ? 0 : length;
-}
-
-/// Those that a terminal obeys rather than shows: C0, delete, and C1 (two bytes in UTF-8).
-bool is_control(std::string_view text) {
-  const auto first = static_cast<unsigned char>(text[0]);
-  if (first < 0x20 || first == 0x7F) return true;
-  return first == 0xC2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xA0;
-}
-
 /// Names go into JSON, pages, messages and terminals, all of which are UTF-8.
 void refuse_other_bytes(const std::string& file, std::string_view text) {
   int line = 1, column = 1;
@@ -74,8 +48,8 @@ void refuse_other_bytes(const std::string& file, std::string_view text) {
     const bool allowed = first == '\n' || first == '\r' || first == '\t' || !is_control(text);
     if (length == 0 || !allowed) {
       throw InputError(file + ":" + std::to_string(line) + ":" + std::to_string(column) +
-                       ": found the byte 0x" + hex(static_cast<unsigned char>(first)) +
-                       ", allowed is " + (length == 0 ? "text in UTF-8" : "printable text"));
+                       ": found the byte " + hex(first) + ", allowed is " +
+                       (length == 0 ? "text in UTF-8" : "printable text"));
     }
     column = first == '\n' ? 1 : column + 1;
     line += first == '\n';
@@ -206,23 +180,6 @@ YAML::Node load_yaml(const std::string& text, const std::string& source_name) {
     throw InputError(place_of(source_name, error.mark) +
                      ": not YAML: " + printable(error.msg, 200));
   }
-}
-
-std::string printable(std::string_view text, std::size_t longest) {
-  std::string out;
-  while (!text.empty()) {
-    const std::size_t length = std::max<std::size_t>(utf8_length(text), 1);
-    if (out.size() + length > longest) return out + "...";
-    if (utf8_length(text) == 0 || is_control(text)) {
-      for (std::size_t i = 0; i < length; ++i) {
-        out += "\\x" + hex(static_cast<unsigned char>(text[i]));
-      }
-    } else {
-      out += text.substr(0, length);
-    }
-    text.remove_prefix(length);
-  }
-  return out;
 }
 
 }  // namespace stillframe

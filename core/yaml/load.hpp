@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 namespace YAML {
 class Node;
@@ -26,9 +25,5 @@ YAML::Node load_yaml(const std::string& text, const std::string& source_name);
 
 /// "file:line:column", or the file alone for a mark that is nowhere.
 std::string place_of(const std::string& file, const YAML::Mark& mark);
-
-/// The text on one line of a terminal: control characters as \xNN, and cut, with "..." in its
-/// place, where it is longer than `longest` bytes.
-std::string printable(std::string_view text, std::size_t longest);
 
 }  // namespace stillframe

@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "core/yaml/load.hpp"
+#include "core/files/utf8.hpp"
 
 namespace stillframe {
 

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "core/files/utf8.hpp"
 #include "core/yaml/load.hpp"
 
 namespace stillframe {

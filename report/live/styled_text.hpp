@@ -11,7 +11,7 @@ enum class Style { plain, title, faint, good, warning, bad };
 /// Lines of styled pieces. Set-up.
 class StyledText {
  public:
-  /// Adds a piece to the last line; control characters and bytes that are no UTF-8 become '?'.
+  /// Adds a piece to the last line; printable() (core/files/utf8.hpp).
   StyledText& add(std::string_view text, Style style = Style::plain);
   void end_line();
   std::size_t n_lines() const { return lines_.size(); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/files/utf8.hpp"
 #include "core/yaml/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/event_file.hpp"

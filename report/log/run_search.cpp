@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "core/files/utf8.hpp"
 #include "core/yaml/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/event_file.hpp"
@@ -231,36 +232,7 @@ class Search {
   bool has_any_ = false;
 };
 
-/// The length of the UTF-8 character at the beginning of a text, 0 if there is none.
-std::size_t character_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const auto follows = [&](std::size_t i) { return i < text.size() && (byte(i) & 0xC0) == 0x80; };
-  if (byte(0) < 0x80) return 1;
-  if (byte(0) >= 0xC2 && byte(0) < 0xE0) return follows(1) ? 2 : 0;
-  if (byte(0) >= 0xE0 && byte(0) < 0xF0) {
-    if (!follows(1) || !follows(2)) return 0;
-    const bool is_overlong = byte(0) == 0xE0 && byte(1) < 0xA0;
-    const bool is_surrogate = byte(0) == 0xED && byte(1) >= 0xA0;
-    return is_overlong || is_surrogate ? 0 : 3;
-  }
-  if (byte(0) < 0xF0 || byte(0) > 0xF4 || !follows(1) || !follows(2) || !follows(3)) return 0;
-  const bool is_overlong = byte(0) == 0xF0 && byte(1) < 0x90;
-  const bool is_too_large = byte(0) == 0xF4 && byte(1) >= 0x90;
-  return is_overlong || is_too_large ? 0 : 4;
-}
-
 }  // namespace
-
-std::string as_utf8(const std::string& text) {
-  std::string result;
-  std::string_view rest = text;
-  while (!rest.empty()) {
-    const std::size_t length = character_length(rest);
-    result += length > 0 ? rest.substr(0, length) : std::string_view("\xEF\xBF\xBD");
-    rest.remove_prefix(std::max<std::size_t>(length, 1));
-  }
-  return result;
-}
 
 run_info_t find_run_info(const std::filesystem::path& path, std::optional<std::int64_t> run_id,
                          const std::function<void(double)>& progress) {

@@ -18,7 +18,4 @@ stillframe_msgs::run_info_t find_run_info(const std::filesystem::path& path,
                                           std::optional<std::int64_t> run_id,
                                           const std::function<void(double)>& progress);
 
-/// Replaces every byte that belongs to no UTF-8 character by U+FFFD.
-std::string as_utf8(const std::string& text);
-
 }  // namespace stillframe::report

@@ -4,28 +4,13 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "core/files/utf8.hpp"
+
 namespace stillframe::page {
 
 namespace {
 
 constexpr std::string_view replacement = "\xEF\xBF\xBD";
-
-/// Length of the UTF-8 character at the front, 0 if there is none. Source: RFC 3629, section 4.
-std::size_t character_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned lead = byte(0);
-  if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC2 || lead > 0xF4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) return 0;
-  }
-  const unsigned second = byte(1);
-  const bool overlong = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
-  const bool surrogate = lead == 0xED && second > 0x9F;
-  const bool beyond = lead == 0xF4 && second > 0x8F;
-  return overlong || surrogate || beyond ? 0 : length;
-}
 
 std::string_view escaped_ascii(char character) {
   switch (character) {
@@ -66,7 +51,7 @@ std::string superscript(int exponent) {
   return text;
 }
 
-bool is_control(char character) {
+bool is_no_text(char character) {
   const auto code = static_cast<unsigned char>(character);
   return (code < 0x20 && character != '\n' && character != '\t') || code == 0x7F;
 }
@@ -77,8 +62,8 @@ std::string escape(std::string_view text) {
   std::string result;
   result.reserve(text.size());
   while (!text.empty()) {
-    const std::size_t length = character_length(text);
-    if (length == 0 || is_control(text.front())) {
+    const std::size_t length = utf8_length(text);
+    if (length == 0 || is_no_text(text.front())) {
       result += replacement;
     } else if (const std::string_view safe = escaped_ascii(text.front()); !safe.empty()) {
       result += safe;

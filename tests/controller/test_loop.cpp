@@ -16,8 +16,14 @@ namespace {
 struct Trouble {
   const char* name;
   std::function<Rig::Wire(std::mt19937_64&)> wire;
-  int sleeps = 0;  ///< samples that the loop sleeps through, each time
+  int sleeps = 0;   ///< samples that the loop sleeps through, each time
+  double most = 1;  ///< peak over that of the passive frame
 };
+
+// A frame that is let go at full force starts from another state than one that swung with the floor
+// all along, and then swings freely: seen 1.06 and 1.09 where forces end within 20 samples and come
+// back soon.
+constexpr double let_go_at_once = 1.1;
 
 class NeverHarderThanPassive : public testing::TestWithParam<Trouble> {};
 
@@ -40,9 +46,7 @@ TEST_P(NeverHarderThanPassive, InTenSeeds) {
       rig.steps(n_rest);
       EXPECT_EQ(rig.state(), State::active) << "seed " << seed;
     }
-    // A frame that is let go starts from another state than one that swung with the floor all
-    // along.
-    EXPECT_LT(rig.peak, 1.1 * passive) << "seed " << seed;
+    EXPECT_LT(rig.peak, GetParam().most * passive) << "seed " << seed;
     RecordProperty("active_over_passive", std::to_string(rig.peak / passive));
   }
 }
@@ -64,9 +68,10 @@ INSTANTIATE_TEST_SUITE_P(
                                 if (left > 0) --left;
                                 return left == 0;
                               };
-                            }},
+                            },
+                            0, let_go_at_once},
                     Trouble{"Silence", [](std::mt19937_64&) -> Rig::Wire { return toy::nothing; }},
-                    Trouble{"Sleep15", {}, 15}, Trouble{"Sleep300", {}, 300}),
+                    Trouble{"Sleep15", {}, 15, let_go_at_once}, Trouble{"Sleep300", {}, 300}),
     [](const auto& trouble) { return trouble.param.name; });
 
 // 1e6 periods of the whole loop, in every state, with nothing of the heap and no page fault. One in

@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "core/files/utf8.hpp"
 #include "core/yaml/input_error.hpp"
 #include "core/yaml/load.hpp"
 #include "core/yaml/reader.hpp"
