@@ -40,7 +40,8 @@ function(stillframe_library name)
   target_include_directories(stillframe_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/stillframe>)
   target_compile_features(stillframe_${name} PUBLIC cxx_std_20)
-  target_link_libraries(stillframe_${name} PUBLIC ${ARG_PUBLIC}
+  target_link_libraries(stillframe_${name} PUBLIC ${ARG_PUBLIC} stillframe::eigen
     PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:stillframe_settings>)
+  stillframe_precompile(stillframe_${name})
   set_target_properties(stillframe_${name} PROPERTIES EXPORT_NAME ${name})
 endfunction()

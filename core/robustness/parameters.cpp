@@ -158,7 +158,9 @@ std::string direction_text(const Vector3d& direction) {
   const auto part = [&](int axis) {  // without the sign of a zero
     return text("%.3g", std::abs(direction(axis)) < 1e-12 ? 0.0 : direction(axis));
   };
-  return "(" + part(0) + ", " + part(1) + ", " + part(2) + ")";
+  std::string out = "(";
+  for (int axis = 0; axis < 3; ++axis) out += part(axis) + (axis < 2 ? ", " : ")");
+  return out;
 }
 
 }  // namespace

@@ -1,0 +1,2 @@
+#define STILLFRAME_EIGEN_ONCE
+#include "core/eigen/once.hpp"

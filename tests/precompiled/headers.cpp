@@ -1,0 +1,1 @@
+// Empty: cmake/StillframeHeaders.cmake.
