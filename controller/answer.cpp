@@ -43,7 +43,7 @@ void Answer::answer(const stillframe_msgs::measurement_t& measurement,
     ++n_fallback_;
     return;
   }
-  if (limits_.pass(force)) {
+  if (limits_.pass(force).limited) {
     command.saturated = 1;
     ++n_saturated_;
   }

@@ -37,7 +37,7 @@ void Arming::add(const Ref<const VectorXd>& sigma) noexcept {
   ++n_;
 }
 
-Fault Arming::judge(Ref<VectorXd> offset) const noexcept {
+Fault Arming::judge(Ref<VectorXd> offset, Ref<VectorXd> doubt) const noexcept {
   const double batch = static_cast<double>(n_needed_) / n_batches;
   for (Index i = 0; i < offset.size(); ++i) {
     offset(i) = 0;
@@ -45,7 +45,8 @@ Fault Arming::judge(Ref<VectorXd> offset) const noexcept {
     const double mean = sums_.row(i).mean() / batch;
     const double scatter = (sums_.row(i).array() / batch - mean).square().sum();
     const double standard_error = std::sqrt(scatter / (n_batches * (n_batches - 1)));
-    if (std::abs(mean) <= sure * standard_error) continue;
+    doubt(i) = sure * standard_error;
+    if (std::abs(mean) <= doubt(i)) continue;
     if (std::abs(mean) > offset_limit_) return Fault::offset;
     offset(i) = mean;
   }

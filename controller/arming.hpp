@@ -26,7 +26,7 @@ class Arming {
   bool complete() const noexcept { return n_ >= n_needed_; }
 
   /// Once complete: none, not_alive or offset; writes the offsets (m, N).
-  Fault judge(Eigen::Ref<Eigen::VectorXd> offset) const noexcept;
+  Fault judge(Eigen::Ref<Eigen::VectorXd> offset, Eigen::Ref<Eigen::VectorXd> doubt) const noexcept;
 
   template <class Archive>
   void visit(Archive& archive) {

@@ -13,6 +13,9 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double share_s = 1;
+// No floor makes a sound loop hurry, so it is soon believed: six samples in a row are a quarter.
+constexpr double hurried_samples = 20;
+constexpr std::int64_t most_catching_up = 50;
 // Over which forces are smoothed that a fault holds: longer than the swings of a loop that has too
 // much gain at high frequencies, shorter than what the frame needs at its target.
 constexpr double steady_s = 0.006;
@@ -21,6 +24,7 @@ constexpr double steady_s = 0.006;
 
 CommandWatch::CommandWatch(Index m, double sample_time, double force_limit, double limited_part)
     : keep_(std::exp(-sample_time / share_s)),
+      keep_hurried_(std::exp(-1 / hurried_samples)),
       force_limit_(force_limit),
       limited_part_(limited_part),
       steady_(VectorXd::Zero(m)) {
@@ -33,11 +37,16 @@ CommandWatch::CommandWatch(Index m, double sample_time, double force_limit, doub
   commands_ = MatrixXd::Zero(m, n);
 }
 
-void CommandWatch::command(const Eigen::Ref<const VectorXd>& force, bool driving) noexcept {
+void CommandWatch::command(const Eigen::Ref<const VectorXd>& force, bool driving,
+                           bool hurried) noexcept {
   newest_ = (newest_ + 1) % commands_.cols();
   commands_.col(newest_) = force;
   const bool at_limit = driving && force.cwiseAbs().maxCoeff() >= force_limit_;
   share_ += (1 - keep_) * ((at_limit ? 1.0 : 0.0) - share_);
+  // A sound loop that leaves its limit catches up with what it could not do.
+  since_limit_ = at_limit ? 0 : since_limit_ + 1;
+  const bool counts = driving && hurried && since_limit_ > most_catching_up;
+  hurried_ += (1 - keep_hurried_) * ((counts ? 1.0 : 0.0) - hurried_);
 }
 
 const VectorXd& CommandWatch::steady_force() noexcept {

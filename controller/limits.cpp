@@ -34,23 +34,25 @@ Limits::Limits(std::optional<double> force_limit_n, const Policy& policy, Index 
               sample_time),
       last_(VectorXd::Zero(m)) {}
 
-bool Limits::pass(Ref<VectorXd> force) noexcept {
-  bool limited = false;
+Limits::Passed Limits::pass(Ref<VectorXd> force, const Ref<const VectorXd>& pace) noexcept {
+  Passed passed;
   for (Index i = 0; i < force.size(); ++i) {
     const double before = last_(i), wanted = force(i);
     double allowed = before;
     if (std::isfinite(wanted)) {
-      allowed = std::clamp(wanted, before - rate_, before + rate_);
+      const double rate = pace.size() > 0 ? std::min(rate_, pace(i)) : rate_;
+      allowed = std::clamp(wanted, before - rate, before + rate);
+      passed.hurried |= pace.size() > 0 && std::abs(wanted - before) > pace(i);
       // Through zero the energy starts from nothing.
       const double held = before * allowed > 0 ? before * before : 0;
       const double largest = std::max(std::sqrt(held + energy_), held > 0 ? std::abs(before) : 0.0);
       allowed = std::clamp(allowed, -largest, largest);
     }
     allowed = std::clamp(allowed, -force_, force_);
-    limited |= allowed != wanted;
+    passed.limited |= allowed != wanted;
     force(i) = last_(i) = allowed;
   }
-  return limited;
+  return passed;
 }
 
 void Limits::meet(const Ref<const VectorXd>& applied) noexcept {

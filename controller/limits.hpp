@@ -21,8 +21,14 @@ class Limits {
   Limits(std::optional<double> force_limit_n, const Policy& policy, Eigen::Index m,
          double sample_time);
 
-  /// Limits the force (m, N) that is about to be commanded. Answers whether any was limited.
-  bool pass(Eigen::Ref<Eigen::VectorXd> force) noexcept;
+  /// Whether any force was limited, and whether one by the pace that it may go at.
+  struct Passed {
+    bool limited = false, hurried = false;
+  };
+  /// Limits the force (m, N) that is about to be commanded; pace: m, N, the largest change, beside
+  /// the rate limit of the policy; empty: none.
+  Passed pass(Eigen::Ref<Eigen::VectorXd> force,
+              const Eigen::Ref<const Eigen::VectorXd>& pace = Eigen::VectorXd()) noexcept;
 
   /// The forces that act are these (m, N): what another has left, or an amplifier by itself.
   void meet(const Eigen::Ref<const Eigen::VectorXd>& applied) noexcept;

@@ -63,7 +63,7 @@ std::int64_t page_faults() noexcept {
 Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const LoopSetting& setting)
     : io_(io),
       supervisor_(supervisor),
-      screen_(policy, setting.sample_rate_hz, supervisor.n_legs(), setting.start_ns),
+      screen_(policy, setting.sample_rate_hz, setting.start_ns),
       deadlines_(setting.start_ns, setting.sample_rate_hz, setting.phase),
       start_ns_(setting.start_ns),
       checkpoint_every_(samples(checkpoint_s, setting.sample_rate_hz)),

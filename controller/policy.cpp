@@ -14,8 +14,6 @@ std::string_view to_text(Defect defect) noexcept {
       return "not_finite";
     case Defect::out_of_range:
       return "out_of_range";
-    case Defect::frozen:
-      return "frozen";
   }
   return "unknown";
 }
@@ -34,8 +32,8 @@ std::string_view to_text(Fault fault) noexcept {
       return "not_finite";
     case Fault::out_of_range:
       return "out_of_range";
-    case Fault::frozen:
-      return "frozen";
+    case Fault::restless:
+      return "restless";
     case Fault::law_not_finite:
       return "law_not_finite";
     case Fault::not_alive:

@@ -9,7 +9,7 @@
 namespace stillframe::controller {
 
 /// Why a period had no measurement to answer.
-enum class Defect : std::int32_t { none, missing, late, not_finite, out_of_range, frozen };
+enum class Defect : std::int32_t { none, missing, late, not_finite, out_of_range };
 
 /// Why the loop let go of the frame.
 enum class Fault : std::int32_t {
@@ -19,7 +19,7 @@ enum class Fault : std::int32_t {
   suspended,       ///< the loop itself slept through more than hold_periods
   not_finite,      ///< measurements that are not finite, for as long as silence
   out_of_range,    ///< measurements beyond sigma_limit_n, for as long as silence
-  frozen,          ///< a sensor that does not answer to its actuator
+  restless,        ///< too many of about twenty commands were to change too fast
   law_not_finite,  ///< the law's force or state is not finite
   not_alive,       ///< arming: a sensor does not move
   offset,          ///< arming: a sensor's offset beyond offset_limit_n
@@ -50,13 +50,13 @@ struct Policy {
   double missing_part = 0.75;          ///< of the periods of about the last second
   double late_periods = 1;             ///< a measurement older than this is late
   double sigma_limit_n = 1e5;          ///< N, beyond it a measurement is out of range
-  std::int64_t frozen_samples = 50;    ///< so many without a sound one between are a fault, of:
-  double frozen_force_n = 0.01;        ///< N: a sensor that stays while its actuator moves by more
   std::int64_t rejoins_a_minute = 20;  ///< of passing faults; one more stays
 
   double limited_part = 0.25;           ///< of the commands of about a second, at the force limit
   std::optional<double> force_limit_n;  ///< N, of every leg; the lower of it and gains
-  std::optional<double> rate_limit_n_per_s;          ///< N/s, of every leg
+  std::optional<double> rate_limit_n_per_s;  ///< N/s, of every leg
+  /// N/s, of every leg, beside what the floor asks for; none: the force limit in a second
+  std::optional<double> free_rate_n_per_s;
   std::optional<double> power_limit_w;               ///< W, of every leg
   std::optional<double> actuator_stiffness_n_per_m;  ///< N/m, with a power limit
 

@@ -65,15 +65,12 @@ void read_ramp(const YamlReader& block, Policy& policy) {
 }
 
 void read_measurements(const YamlReader& block, Policy& policy) {
-  block.allow_only({"hold_periods", "fade_s", "missing_part", "late_periods", "sigma_limit_n",
-                    "frozen_samples", "frozen_force_n"});
+  block.allow_only({"hold_periods", "fade_s", "missing_part", "late_periods", "sigma_limit_n"});
   read(block, "hold_periods", WholeRange{0, most_held_periods}, policy.hold_periods);
   read(block, "fade_s", Range{shortest_fade_s, longest_ramp_s}, policy.fade_s);
   read_positive(block, "missing_part", 1, policy.missing_part);
   read_positive(block, "late_periods", 100, policy.late_periods);
   read_positive(block, "sigma_limit_n", policy.sigma_limit_n);
-  read(block, "frozen_samples", WholeRange{2, 100000}, policy.frozen_samples);
-  read_positive(block, "frozen_force_n", policy.frozen_force_n);
 }
 
 void read_watch(const YamlReader& block, Policy& policy) {
@@ -82,9 +79,11 @@ void read_watch(const YamlReader& block, Policy& policy) {
 }
 
 void read_limits(const YamlReader& block, Policy& policy) {
-  block.allow_only({"force_n", "rate_n_per_s", "power_w", "actuator_stiffness_n_per_m"});
+  block.allow_only(
+      {"force_n", "rate_n_per_s", "free_rate_n_per_s", "power_w", "actuator_stiffness_n_per_m"});
   read_positive(block, "force_n", policy.force_limit_n);
   read_positive(block, "rate_n_per_s", policy.rate_limit_n_per_s);
+  read_positive(block, "free_rate_n_per_s", policy.free_rate_n_per_s);
   read_positive(block, "power_w", policy.power_limit_w);
   read_positive(block, "actuator_stiffness_n_per_m", policy.actuator_stiffness_n_per_m);
   if (policy.power_limit_w.has_value() != policy.actuator_stiffness_n_per_m.has_value()) {

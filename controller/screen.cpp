@@ -2,21 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace stillframe::controller {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-Screen::Screen(const Policy& policy, double sample_rate_hz, Index m, std::int64_t start_ns)
+Screen::Screen(const Policy& policy, double sample_rate_hz, std::int64_t start_ns)
     : sample_time_(1 / sample_rate_hz),
       late_after_(policy.late_periods / sample_rate_hz),
       sigma_limit_(policy.sigma_limit_n),
-      frozen_force_(policy.frozen_force_n),
-      start_ns_(start_ns),
-      value_(VectorXd::Constant(m, std::numeric_limits<double>::quiet_NaN())),
-      force_(VectorXd::Zero(m)) {}
+      start_ns_(start_ns) {}
 
 bool Screen::is_new(const Measurement& measurement, std::int64_t now_ns) noexcept {
   if (measurement.seq <= last_seq_) return false;
@@ -31,7 +27,6 @@ bool Screen::is_new(const Measurement& measurement, std::int64_t now_ns) noexcep
 }
 
 Defect Screen::judge(const Measurement& measurement, std::int64_t now_ns) noexcept {
-  const bool frozen = is_frozen(measurement);
   if (age(measurement, now_ns) > late_after_) return Defect::late;
   if (!measurement.sigma.allFinite() || !measurement.applied.allFinite() ||
       !measurement.floor.allFinite()) {
@@ -41,23 +36,7 @@ Defect Screen::judge(const Measurement& measurement, std::int64_t now_ns) noexce
       (measurement.applied.array().abs() > sigma_limit_).any()) {
     return Defect::out_of_range;
   }
-  return frozen ? Defect::frozen : Defect::none;
-}
-
-// The actuator pushes on its own force sensor: one that stays while the other moves tells nothing,
-// and to the law, which takes the applied force out of it, it would be positive feedback. So not a
-// single such value may be answered.
-bool Screen::is_frozen(const Measurement& measurement) noexcept {
-  bool frozen = false;
-  for (Index i = 0; i < value_.size(); ++i) {
-    if (measurement.sigma(i) != value_(i)) {
-      value_(i) = measurement.sigma(i);
-      force_(i) = measurement.applied(i);
-      continue;
-    }
-    frozen |= std::abs(measurement.applied(i) - force_(i)) > frozen_force_;
-  }
-  return frozen;
+  return Defect::none;
 }
 
 }  // namespace stillframe::controller

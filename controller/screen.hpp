@@ -12,8 +12,8 @@ namespace stillframe::controller {
 /// allocation.
 class Screen {
  public:
-  /// m legs; start_ns: t_0 on CLOCK_MONOTONIC, from which time_ns of a measurement counts.
-  Screen(const Policy& policy, double sample_rate_hz, Eigen::Index m, std::int64_t start_ns);
+  /// start_ns: t_0 on CLOCK_MONOTONIC, from which time_ns of a measurement counts.
+  Screen(const Policy& policy, double sample_rate_hz, std::int64_t start_ns);
 
   /// True if a measurement is newer than all before, not from the future of now_ns
   /// (CLOCK_MONOTONIC), and its number belongs to its time: not a duplicate, one that was
@@ -29,11 +29,8 @@ class Screen {
   }
 
  private:
-  bool is_frozen(const Measurement& measurement) noexcept;
-
-  double sample_time_, late_after_, sigma_limit_, frozen_force_;
+  double sample_time_, late_after_, sigma_limit_;
   std::int64_t start_ns_, last_seq_ = -1;
-  Eigen::VectorXd value_, force_;  ///< m, N
 };
 
 }  // namespace stillframe::controller

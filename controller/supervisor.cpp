@@ -18,6 +18,8 @@ namespace {
 // At first, and after a sleep of its own, the loop listens so long before it commands: another
 // controller may serve the run.
 constexpr double quiet_s = 0.35;
+// Of a fade from other than the last command: what is left of the step after a sample.
+constexpr double step_kept = 0.7;
 
 template <class T>
 concept Scalar = std::is_arithmetic_v<T> || std::is_enum_v<T>;
@@ -81,8 +83,6 @@ Fault fault_of(Defect defect) noexcept {
       return Fault::not_finite;
     case Defect::out_of_range:
       return Fault::out_of_range;
-    case Defect::frozen:
-      return Fault::frozen;
     default:
       return Fault::silence;
   }
@@ -116,11 +116,13 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       limits_(force_limit(gains, policy), policy, gains.n_legs(), gains.sample_time()),
       arming_(gains.n_legs(), policy, gains.sample_rate_hz),
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
+      pace_(gains,
+            policy.free_rate_n_per_s.value_or(force_limit(gains, policy)) * gains.sample_time()),
       sample_time_(gains.sample_time()),
       active_(active),
       wanted_(active && policy.start_at_once),
       quiet_(std::llround(quiet_s / sample_time_)) {
-  base_ = force_ = u_ = offset_ = sigma_ = VectorXd::Zero(law_.n_legs());
+  base_ = step_ = force_ = u_ = offset_ = sigma_ = VectorXd::Zero(law_.n_legs());
   Counter counter;
   visit(counter);
   memory_size_ = counter.n;
@@ -129,16 +131,17 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
 template <class Archive>
 void Supervisor::visit(Archive& archive) {
   archive(state_), archive(fault_), archive(latched_), archive(wanted_), archive(met_);
-  archive(law_ran_), archive(missing_), archive(n_frozen_), archive(missing_part_);
+  archive(law_ran_), archive(missing_), archive(missing_part_);
   archive(last_defect_);
   archive(quiet_), archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
-  archive(base_), archive(force_), archive(offset_);
+  archive(base_), archive(step_), archive(force_), archive(offset_);
   archive(seq_), archive(law_seq_), archive(time_ns_);
   archive(n_faults_), archive(n_rejoins_), archive(n_saturated_);
   law_.visit(archive);
   limits_.visit(archive);
   arming_.visit(archive);
   watch_.visit(archive);
+  pace_.visit(archive);
 }
 
 void Supervisor::save(std::span<double> memory) const noexcept {
@@ -159,6 +162,7 @@ bool Supervisor::engaged() const noexcept {
 bool Supervisor::step(const Event& event, Command& command) noexcept {
   if (event.measurement != nullptr) {
     seq_ = event.measurement->seq;
+    pace_.floor(event.measurement->floor, event.n_elapsed);
     time_ns_ = static_cast<double>(event.measurement->time_ns);
     if (!met_) fade_from(event.measurement->applied);  // what another controller has left there
     met_ = true;
@@ -180,13 +184,15 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
     if (event.measurement != nullptr && gap_ > policy_.hold_periods) meet(*event.measurement);
     const double before = q_;
     q_ = std::max(0.0, q_ - static_cast<double>(event.n_elapsed) * sample_time_ / policy_.fade_s);
-    force_ = base_ * smooth_step(q_);
+    step_ *= step_kept;
+    force_ = (base_ + step_) * smooth_step(q_);
     send |= before > 0 && met_;
     if (state_ == State::fading && q_ == 0) let_go(fault_of(last_defect_), event);
     if (state_ == State::fault) come_back(event);
     if (state_ == State::idle && wanted_ && q_ == 0 && event.measurement) {
       state_ = State::arming;
       arming_.restart();
+      pace_.restart();
     } else if (state_ == State::arming) {
       arm(event);
     }
@@ -199,12 +205,14 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   }
   command.seq = seq_;
   command.time_ns = static_cast<std::int64_t>(time_ns_);
-  command.saturated = send && limits_.pass(force_);
-  command.force = force_;
+  Limits::Passed passed;
   if (send) {
-    n_saturated_ += command.saturated ? 1 : 0;
-    watch_.command(force_, engaged());
+    passed = engaged() ? limits_.pass(force_, pace_.most()) : limits_.pass(force_);
+    n_saturated_ += passed.limited ? 1 : 0;
+    watch_.command(force_, engaged(), passed.hurried);
   }
+  command.saturated = passed.limited;
+  command.force = force_;
   return send;
 }
 
@@ -240,21 +248,20 @@ void Supervisor::count_missing(const Event& event) noexcept {
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
   gap_ = have ? missing_ : 0;
   if (have) {
-    missing_ = n_frozen_ = 0;
+    missing_ = 0;
     last_defect_ = Defect::none;
     return;
   }
   missing_ += event.n_elapsed;
-  if (event.defect == Defect::frozen) ++n_frozen_;
   // What is broken is not mended by what comes late or not at all: only by a sound measurement.
   if (is_passing(fault_of(last_defect_))) last_defect_ = event.defect;
 }
 
 void Supervisor::watch(const Event& event) noexcept {
   if (engaged() && watch_.limited()) return let_go(Fault::limited, event);
+  if (engaged() && watch_.restless()) return let_go(Fault::restless, event);
   if (engaged() || state_ == State::fading) {
     if (event.n_elapsed - 1 > policy_.hold_periods) return let_go(Fault::suspended, event);
-    if (n_frozen_ >= policy_.frozen_samples) return let_go(Fault::frozen, event);
     if (missing_part_ > policy_.missing_part) return let_go(Fault::losses, event);
   }
   if (engaged() && missing_ > policy_.hold_periods) {
@@ -270,6 +277,7 @@ void Supervisor::watch(const Event& event) noexcept {
 void Supervisor::fade_from(const VectorXd& force) noexcept {
   limits_.meet(force);
   base_ = limits_.last();
+  step_.setZero();
   q_ = base_.isZero(0) ? 0 : 1;
 }
 
@@ -293,7 +301,14 @@ void Supervisor::let_go(Fault fault, const Event& event) noexcept {
   if (fault == Fault::suspended) {
     if (event.measurement != nullptr) fade_from(event.measurement->applied);
   } else if (!fades) {
-    fade_from(fault == Fault::limited ? watch_.steady_force() : force_);
+    // What a loop that has run away commanded last is nothing to hold.
+    const bool ran_away = fault == Fault::limited || fault == Fault::restless;
+    fade_from(force_);
+    if (ran_away) {
+      const VectorXd& steady = watch_.steady_force();
+      step_ = base_ - steady;
+      base_ = steady;
+    }
   }
   if (is_passing(fault)) {
     passing_fault_ = true;
@@ -338,9 +353,11 @@ void Supervisor::arm(const Event& event) noexcept {
   }
   if (event.measurement == nullptr) return;
   arming_.add(event.measurement->sigma);
+  pace_.listen(event.measurement->seq, event.measurement->sigma);
   if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0 || quiet_ > 0) return;
-  const Fault found = arming_.judge(offset_);
+  const Fault found = arming_.judge(offset_, u_);
   if (found != Fault::none) return latch(found);
+  pace_.begin(u_);
   law_.reset();
   watch_.restart();
   law_ran_ = false;

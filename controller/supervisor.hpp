@@ -10,6 +10,7 @@
 #include "controller/io.hpp"
 #include "controller/law.hpp"
 #include "controller/limits.hpp"
+#include "controller/pace.hpp"
 #include "controller/policy.hpp"
 
 namespace stillframe::controller {
@@ -35,7 +36,8 @@ struct Event {
 /// the limits of the actuators. With w = s(p) of smooth_step.hpp, F the command, u the law's force:
 ///   ramps and active:   F = w u, p by T/ramp a period;
 ///   no measurement:     F held, for at most hold_periods;
-///   then, and in faults: F = F_0 s(q), F_0 the force at its beginning, q from 1 to 0 in fade_s.
+///   then, and in faults: F = F_0 s(q), F_0 the force at its beginning, q from 1 to 0 in fade_s;
+///   of a loop that has run away F_0 is smoothed, and the step to it decays within samples.
 /// Source: docs/safety.md. Construction is set-up; the rest is hot: noexcept, no allocation.
 class Supervisor {
  public:
@@ -85,22 +87,22 @@ class Supervisor {
   Limits limits_;
   Arming arming_;
   CommandWatch watch_;
+  Pace pace_;
   double sample_time_;
   bool active_;
 
   State state_ = State::idle;
   Fault fault_ = Fault::none;
   bool latched_ = false, wanted_ = false, met_ = false, law_ran_ = false;
-  std::int64_t missing_ = 0;   ///< periods since the last measurement
-  std::int64_t n_frozen_ = 0;  ///< frozen measurements since the last sound one
-  std::int64_t gap_ = 0;       ///< of them before the measurement of this very period
-  double missing_part_ = 0;    ///< mean over about a second
+  std::int64_t missing_ = 0;  ///< periods since the last measurement
+  std::int64_t gap_ = 0;      ///< of them before the measurement of this very period
+  double missing_part_ = 0;   ///< mean over about a second
   Defect last_defect_ = Defect::none;
   std::int64_t quiet_;          ///< periods in which nothing is sent
   double rejoins_ = 0;          ///< of the last minute
   bool passing_fault_ = false;  ///< since the last arming
   double p_ = 0, q_ = 0;
-  Eigen::VectorXd base_, force_, u_, offset_, sigma_;  ///< m, N
+  Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_;  ///< m, N
   std::int64_t seq_ = -1, law_seq_ = -1;
   double time_ns_ = 0;
   std::int64_t n_faults_ = 0, n_rejoins_ = 0, n_saturated_ = 0;

@@ -33,7 +33,7 @@ struct RunSummary {
   std::int64_t n_clock_steps = 0;    ///< of the logger's clock
   double real_time_factor = 0;       ///< plant time over wall time; 0 if neither clock tells
   /// Periods of a wall-clock controller in the log, and those of them whose measurement it rejected
-  /// as late, not finite, out of range or frozen.
+  /// as late, not finite or out of range.
   std::int64_t n_periods = 0, n_discarded = 0;
   std::string unreadable = {};  ///< why scene, gains or floor cannot be read; empty: they can
 };

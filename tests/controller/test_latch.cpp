@@ -49,8 +49,8 @@ TEST_F(LatchTest, EveryFaultOutlivesTheProcessUntilItIsCleared) {
 }
 
 TEST_F(LatchTest, AFileThatNamesNoFaultIsRefusedAndCanBeCleared) {
-  for (const char* text :
-       {"fault: none\n", "fault: somewhat\n", "", "run_id: 1\n", "[", "fault: frozen\nmore: 1\n"}) {
+  for (const char* text : {"fault: none\n", "fault: somewhat\n", "", "run_id: 1\n", "[",
+                           "fault: limited\nmore: 1\n"}) {
     fs::create_directories(file_.parent_path());
     std::ofstream(file_) << text;
     EXPECT_THROW(latch(), InputError) << text;
@@ -64,9 +64,9 @@ TEST_F(LatchTest, WhereItCannotBeWrittenItHoldsAndSaysSo) {
   fs::create_directories(folder_);
   std::ofstream(folder_ / "not") << "a file where a folder would be";
   Latch held = latch();
-  held.hold(Fault::frozen, 1);
+  held.hold(Fault::limited, 1);
   written();
-  EXPECT_EQ(held.fault(), Fault::frozen);
+  EXPECT_EQ(held.fault(), Fault::limited);
   EXPECT_NE(warned_.find("will not outlive this process"), std::string::npos) << warned_;
 }
 

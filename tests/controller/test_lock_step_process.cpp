@@ -128,8 +128,8 @@ TEST_F(ControllerProcess, NothingThatATerminalObeysIsPrinted) {
   plant.publish_state(run_state_t::RUNNING);
   plant.publish_state(run_state_t::FAILED, 0, "a\033[2Jb");
   EXPECT_EQ(controller.wait(), 4);
-  EXPECT_TRUE(contains(controller.err(), "evil?]0;title??")) << controller.err();
-  EXPECT_TRUE(contains(controller.err(), "the plant failed: a?[2Jb")) << controller.err();
+  EXPECT_TRUE(contains(controller.err(), "evil\\x1b]0;title\\x07\\x9b")) << controller.err();
+  EXPECT_TRUE(contains(controller.err(), "the plant failed: a\\x1b[2Jb")) << controller.err();
 }
 
 TEST_F(ControllerProcess, PassiveLoopCommandsZero) {

@@ -34,10 +34,10 @@ start: on_request
 arming: {duration_s: 0.25, require_motion: false, offset_limit_n: 7}
 ramp: {in_s: 2, out_s: 3}
 measurements: {hold_periods: 4, fade_s: 5, missing_part: 0.125, late_periods: 2.5,
-  sigma_limit_n: 8, frozen_samples: 9, frozen_force_n: 11}
+  sigma_limit_n: 8}
 watch: {limited_part: 0.0625}
 rejoin: {a_minute: 12}
-limits: {force_n: 22, rate_n_per_s: 13, power_w: 14, actuator_stiffness_n_per_m: 15}
+limits: {force_n: 22, rate_n_per_s: 13, free_rate_n_per_s: 16, power_w: 14, actuator_stiffness_n_per_m: 15}
 realtime: {mode: enforce, priority: 18, cpu: 19}
 flight_record: {duration_s: 21}
 )");
@@ -52,12 +52,11 @@ flight_record: {duration_s: 21}
                       .missing_part = 0.125,
                       .late_periods = 2.5,
                       .sigma_limit_n = 8,
-                      .frozen_samples = 9,
-                      .frozen_force_n = 11,
                       .rejoins_a_minute = 12,
                       .limited_part = 0.0625,
                       .force_limit_n = 22,
                       .rate_limit_n_per_s = 13,
+                      .free_rate_n_per_s = 16,
                       .power_limit_w = 14,
                       .actuator_stiffness_n_per_m = 15,
                       .realtime = Policy::Realtime::enforce,
@@ -125,10 +124,10 @@ TEST(Policy, EveryFaultAndDefectHasAWordOfItsOwn) {
   EXPECT_EQ(words.size(), 11u);
   EXPECT_FALSE(words.contains("unknown"));
   words.clear();
-  for (int i = 0; i <= static_cast<int>(Defect::frozen); ++i) {
+  for (int i = 0; i <= static_cast<int>(Defect::out_of_range); ++i) {
     words.insert(to_text(static_cast<Defect>(i)));
   }
-  EXPECT_EQ(words.size(), 6u);
+  EXPECT_EQ(words.size(), 5u);
   EXPECT_FALSE(words.contains("unknown"));
   EXPECT_EQ(to_text(static_cast<Fault>(99)), "unknown");
 }

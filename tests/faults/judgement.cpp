@@ -155,7 +155,7 @@ Machine machine(Workbench& bench, const Trace& trace, const std::vector<StatusAt
 }
 
 std::string in_words(const Machine& machine, const Trace& trace, const Marks& marks) {
-  std::array<int, 6> defects{};
+  std::array<int, 5> defects{};
   for (std::size_t i = marks.before.n_periods; i < marks.end.n_periods; ++i) {
     ++defects.at(static_cast<std::size_t>(trace.periods[i].defect));
   }
@@ -163,9 +163,9 @@ std::string in_words(const Machine& machine, const Trace& trace, const Marks& ma
   std::snprintf(text, sizeof text,
                 "late by periods: bystander %.1f, samples %.1f, loop %.1f, way to it %.1f; of its "
                 "periods %d had a measurement, %d none, %d a late one, %d not finite, %d out of "
-                "range, %d frozen",
+                "range",
                 machine.bystander, machine.samples, machine.wake_up, machine.transit, defects[0],
-                defects[1], defects[2], defects[3], defects[4], defects[5]);
+                defects[1], defects[2], defects[3], defects[4]);
   return text;
 }
 

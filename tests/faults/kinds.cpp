@@ -180,7 +180,7 @@ std::vector<Kind> corruption_kinds() {
   kinds.push_back({"out of range 0.4 s", silent, corrupted(out_of_range)});
   kinds.push_back(
       {"out of range 1.3 s", {"out_of_range, latched"}, corrupted(out_of_range, n_samples_long)});
-  kinds.push_back({"one sensor frozen", {"frozen, latched"}, corrupted(frozen)});
+  kinds.push_back({"one sensor frozen", {"restless, latched"}, corrupted(frozen)});
   return kinds;
 }
 

@@ -149,7 +149,7 @@ TEST_F(LiveViewTest, SaysWhatAPersonShouldKnow) {
   hear(channels::status, sample::status(7, 2));
   EXPECT_TRUE(says(view(), "2 controllers serve this run"));
   hear(channels::status, status);
-  EXPECT_TRUE(says(view(), "latched fault (frozen); `stillframe ctl reset`"));
+  EXPECT_TRUE(says(view(), "latched fault (restless); `stillframe ctl reset`"));
   hear_samples(7, 111, 111);
   EXPECT_TRUE(says(view(), "10 measurements never came here"));
   hear(channels::run_state, sample::state(7, "controller", run_state_t::FAILED, "no real time"));

@@ -1,0 +1,78 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+#include "core/worst.hpp"
+#include "tests/broken_channels/episodes.hpp"
+
+// The table of docs/safety.md: what breaks, how hard the frame is driven, when it is found.
+namespace {
+
+using namespace stillframe;
+using namespace stillframe::controller;
+
+struct Cell {
+  double before = 0, peak = 0, found_s = -1;
+};
+
+Cell cell(const Gains& gains, const std::vector<Broken>& broken, int n_seeds) {
+  Policy free;
+  free.free_rate_n_per_s = 1e12;
+  Cell out;
+  for (int seed = 1; seed <= n_seeds; ++seed) {
+    const auto number = static_cast<std::uint64_t>(seed);
+    const Episode now = run_episode(gains, {}, broken, number);
+    out.before = worst_of(out.before, run_episode(gains, free, broken, number).peak);
+    out.peak = worst_of(out.peak, now.peak);
+    out.found_s = std::max(out.found_s, now.found_s);
+  }
+  return out;
+}
+
+int run(const std::string& controller, int n_seeds) {
+  const Gains gains = shipped_gains(controller);
+  const Cell sound = cell(gains, {}, n_seeds);
+  std::printf(
+      "Undisturbed %.2f.\n\n| what breaks | sensor | read-back | actuator |\n|---|---|---|---|\n",
+      sound.peak);
+  for (const Broken& broken : all_broken()) {
+    if (broken.part != Part::sensor) continue;
+    std::printf("| %s |", broken.damage_name().c_str());
+    for (const Part part : {Part::sensor, Part::read_back, Part::actuator}) {
+      const Cell one = cell(gains, {{part, broken.damage, broken.size}}, n_seeds);
+      std::printf(" %.3g -> **%.2f**", one.before, one.peak);
+      if (one.found_s >= 0) std::printf(", %.3g s", one.found_s);
+      std::printf(" |");
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Breaks every sensor, read-back and actuator of the shipped frame on the bench of the tests: "
+      "the "
+      "largest leg force over that of the passive frame without and with the pace, and the longest "
+      "time to the fault.\nExit codes: 0 done, 2 bad usage.",
+      "broken_channels");
+  std::string controller = "force_feedback_5hz";
+  int n_seeds = 10;
+  app.add_option("--controller", controller, "One of config/controllers")->capture_default_str();
+  app.add_option("--seeds", n_seeds, "Episodes of each")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    return run(controller, n_seeds);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    std::cerr << "broken_channels: " << error.what() << "\n";
+    return 2;
+  }
+}

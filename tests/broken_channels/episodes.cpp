@@ -1,0 +1,106 @@
+#include "tests/broken_channels/episodes.hpp"
+
+#include <filesystem>
+
+#include "tests/controller/rig.hpp"
+#include "tools/loop_design.hpp"
+
+namespace stillframe::controller {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double noise = 1e-3, floor_size = 5e-3;
+
+/// Noise between 1 and 10 Hz, which a floor has most of and which comes back to where it was.
+class Floor {
+ public:
+  Floor(double rate_hz, std::uint64_t seed)
+      : low_(1 - std::exp(-toy::two_pi * 10 / rate_hz)),
+        high_(1 - std::exp(-toy::two_pi / rate_hz)),
+        size_(floor_size * std::sqrt(rate_hz / 1000)),
+        random_(seed) {}
+  void operator()(std::int64_t, VectorXd& w) {
+    if (x_.cols() != w.size()) x_ = Eigen::Matrix3Xd::Zero(3, w.size());
+    for (Index j = 0; j < w.size(); ++j) {
+      auto x = x_.col(j);
+      x(0) += low_ * (size_ * normal_(random_) - x(0));
+      x(1) += high_ * (x(0) - x(1));
+      x(2) += high_ * (x(0) - x(1) - x(2));
+      w(j) = x(0) - x(1) - x(2);
+    }
+  }
+
+ private:
+  double low_, high_, size_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  Eigen::Matrix3Xd x_;
+};
+
+}  // namespace
+
+Gains shipped_gains(const std::string& controller) {
+  const auto config = std::filesystem::path(STILLFRAME_SOURCE_DIR) / "config";
+  Gains gains =
+      tools::make_loop_design(config / "scenes/metrology_frame.yaml",
+                              config / "controllers" / (controller + ".yaml"), std::nullopt)
+          .gains;
+  // sigma = K q + u with q the elongations: the last states are their rates.
+  const Index m = gains.n_legs();
+  const double damping_over_stiffness = 1000 / 3.95e6;
+  gains.plant.A.bottomRightCorner(m, m) +=
+      damping_over_stiffness * gains.plant.A.bottomLeftCorner(m, m);
+  return gains;
+}
+
+Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
+                    std::uint64_t seed) {
+  const auto samples = [&](double seconds) {
+    return static_cast<int>(seconds * gains.sample_rate_hz);
+  };
+  std::mt19937_64 random(seed);
+  Rig rig(policy, true, gains), alone(policy, false, gains);
+  rig.floor = Floor(gains.sample_rate_hz, seed);
+  alone.floor = Floor(gains.sample_rate_hz, seed);
+  std::normal_distribution<double> normal;
+  bool is_broken = false;
+  std::vector<Breaker> breakers;
+  for (const Broken& each : broken) {
+    const auto leg = static_cast<Index>(random() % static_cast<std::uint64_t>(gains.n_legs()));
+    breakers.emplace_back(each, leg, gains.sample_time(), noise, random());
+  }
+  const auto damage = [&](Part part, VectorXd& values) {
+    for (std::size_t i = 0; is_broken && i < broken.size(); ++i) {
+      if (broken[i].part == part) breakers[i](values);
+    }
+  };
+  rig.actuators = [&](VectorXd& force) { damage(Part::actuator, force); };
+  const auto wire = [&](Measurement& m) {
+    for (double& value : m.sigma) value += noise * normal(random);
+    damage(Part::sensor, m.sigma);
+    damage(Part::read_back, m.applied);
+    return true;
+  };
+  Episode episode;
+  if (!rig.reaches(State::active, samples(3), wire)) return {.fault = rig.fault()};
+  rig.steps(samples(1) + static_cast<int>(random() % static_cast<std::uint64_t>(samples(2))), wire);
+  is_broken = true;
+  rig.peak = 0;
+  const std::int64_t since = rig.k();
+  for (int k = 0; k < samples(4); ++k) {
+    rig.step(wire);
+    if (episode.found_s < 0 && rig.state() == State::fault) {
+      episode.found_s = static_cast<double>(rig.k() - since) * gains.sample_time();
+    }
+  }
+  alone.steps(static_cast<int>(rig.k()));
+  episode.peak = rig.peak / alone.peak;
+  episode.fault = rig.fault();
+  episode.latched = rig.latched();
+  return episode;
+}
+
+}  // namespace stillframe::controller

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "controller/gains.hpp"
+#include "controller/policy.hpp"
+#include "tests/broken_channels/broken_channels.hpp"
+
+namespace stillframe::controller {
+
+/// The gains of config/scenes/metrology_frame.yaml with another of the shipped controllers, its
+/// legs damped (1000 N s/m, 1 % in the fastest mode), so that the passive frame is no easy
+/// comparison.
+Gains shipped_gains(const std::string& controller);
+
+/// What came of one or two things that broke in an active loop.
+struct Episode {
+  double peak = 0;      ///< of the leg forces, over those of the passive frame on the same floor
+  double found_s = -1;  ///< from the damage to the fault; -1: none
+  Fault fault = Fault::none;
+  bool latched = false;
+};
+
+/// Lets a loop become active on a floor of millimetres per second squared with 1 mN of sensor
+/// noise, breaks what is to break (nothing: how it goes without) and looks on for four seconds.
+/// Legs, moment and noise by seed. Source: docs/safety.md.
+Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
+                    std::uint64_t seed);
+
+}  // namespace stillframe::controller

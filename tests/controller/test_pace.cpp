@@ -1,0 +1,204 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "controller/pace.hpp"
+#include "controller/start_check.hpp"
+#include "tests/controller/rig.hpp"
+
+// What a loop may hurry, and that a sound one never does.
+namespace stillframe::controller {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Quick to the active state; nothing but the pace in the way of a linear loop.
+Policy quick() {
+  Policy policy;
+  policy.ramp_in_s = 0.05;
+  policy.arming_s = 0.2;
+  policy.require_motion = false;
+  policy.force_limit_n = policy.sigma_limit_n = 1e9;
+  policy.free_rate_n_per_s = 1e12;
+  return policy;
+}
+
+/// Of any legal design: delays, leads, roll-offs, rates and targets.
+Gains random_gains(std::mt19937_64& random) {
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Gains gains = toy::damped_gains(uniform(4, 8), std::pow(10, uniform(2.9, 3.7)));
+  gains.delay_samples = uniform(0, 1) < 0.5 ? 1 : uniform(0.3, 1.2);
+  gains.lead_samples = gains.delay_samples + 0.5;
+  if (uniform(0, 1) < 0.5) {
+    gains.roll_off_hz = gains.sample_rate_hz / uniform(6, 12);
+    gains.lead_samples += gains.sample_rate_hz / (toy::two_pi * *gains.roll_off_hz);
+  }
+  gains.force_limit_n = 1e9;
+  return gains;
+}
+
+bool is_stable(const Gains& gains) { return closed_loop_radius(gains) < 1 - 1e-6; }
+
+// The two ways to L and N: the design's matrices, and the loop itself on the bench, kicked once.
+TEST(Pace, IsWhatOneKickDoesToTheCommands) {
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 8; ++trial) {
+    Gains gains = random_gains(random);
+    if (!is_stable(gains)) continue;
+    const Pace pace(gains, 0);
+    const auto n = static_cast<int>(std::ceil(0.5 * gains.sample_rate_hz));
+    const auto changes = [&](Index sensor) {
+      Rig rig(quick(), true, gains);
+      rig.floor = [](std::int64_t, VectorXd& w) { w.setZero(); };
+      EXPECT_TRUE(rig.reaches(State::active, 4 * n));
+      const std::int64_t kick = rig.k();
+      rig.floor = [&](std::int64_t k, VectorXd& w) { w.setConstant(sensor < 0 && k == kick); };
+      VectorXd sums = VectorXd::Zero(4), last = rig.force();
+      const auto wire = [&](Measurement& m) {
+        if (sensor >= 0 && m.seq == kick) m.sigma(sensor) += 1;
+        return true;
+      };
+      for (int k = 0; k < n; ++k) {
+        rig.step(wire);
+        const VectorXd change = rig.force() - last;
+        last = rig.force();
+        sums += sensor < 0 ? VectorXd(change.cwiseAbs()) : VectorXd(change.cwiseAbs2());
+      }
+      return sums;
+    };
+    const VectorXd by_floor = changes(-1);
+    EXPECT_LT((by_floor - pace.per_floor().col(0)).norm(), 1e-6 * by_floor.norm()) << trial;
+    for (Index sensor = 0; sensor < 4; ++sensor) {
+      const VectorXd by_noise = changes(sensor);
+      EXPECT_LT((by_noise - pace.per_noise().col(sensor)).norm(), 1e-6 * by_noise.norm()) << trial;
+    }
+  }
+}
+
+// The worst floor there is, turned so that all changes of one leg add up, reaches the pace and does
+// not exceed it; nor does anything else that a floor may do.
+TEST(Pace, NoFloorMakesASoundLoopHurry) {
+  std::mt19937_64 random(5);
+  double nearest = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    const Gains gains = random_gains(random);
+    if (!is_stable(gains)) continue;
+    const Pace pace(gains, 0);
+    Policy policy = quick();
+    policy.free_rate_n_per_s = 1e-9;
+    policy.ramp_in_s = 1;
+    const auto n = static_cast<int>(0.5 * gains.sample_rate_hz);
+    // Response of the changes to one kick, leg by leg.
+    Eigen::MatrixXd response(4, n);
+    {
+      Rig rig(quick(), true, gains);
+      rig.floor = [](std::int64_t, VectorXd& w) { w.setZero(); };
+      EXPECT_TRUE(rig.reaches(State::active, 4 * n));
+      const std::int64_t kick = rig.k();
+      rig.floor = [&](std::int64_t k, VectorXd& w) { w.setConstant(k == kick); };
+      VectorXd last = rig.force();
+      for (int k = 0; k < n; ++k) {
+        rig.step();
+        response.col(k) = rig.force() - last;
+        last = rig.force();
+      }
+    }
+    const Index leg = trial % 4;
+    const double size = std::pow(10.0, trial % 5 - 3);
+    Rig rig(policy, true, gains);
+    const auto worst = [&](std::int64_t k) {
+      // Half a second in three, and back again: a floor comes to rest where it was.
+      if (k % (6 * n) >= n) return 0.0;
+      const double way = k / (6 * n) % 2 == 0 ? size : -size;
+      return response(leg, n - 1 - static_cast<Index>(k % (6 * n))) > 0 ? way : -way;
+    };
+    // While arming a floor that is accelerated for ever is an offset of the sensors.
+    rig.floor = [](std::int64_t, VectorXd& w) { w.setZero(); };
+    ASSERT_TRUE(rig.reaches(State::active, 8 * n)) << to_text(rig.fault());
+    rig.floor = [&](std::int64_t k, VectorXd& w) { w.setConstant(worst(k)); };
+    double last = 0;
+    for (int k = 0; k < 18 * n; ++k) {
+      rig.step();
+      const double change = std::abs(rig.force()(leg) - std::exchange(last, rig.force()(leg)));
+      nearest = std::max(nearest, change / (size * pace.per_floor()(leg, 0)));
+    }
+    // From a quiet floor to one a thousand times as loud within a sample, and back.
+    std::normal_distribution<double> normal;
+    rig.floor = [&](std::int64_t k, VectorXd& w) {
+      w.setConstant((k / n % 2 == 0 ? 1 : 1000) * size * normal(random));
+    };
+    rig.steps(20 * n);
+    EXPECT_EQ(rig.supervisor().n_saturated(), 0) << trial;
+    EXPECT_EQ(rig.supervisor().n_faults(), 0) << trial;
+  }
+  // A floor that is made for it takes all that is allowed.
+  EXPECT_GT(nearest, 0.99);
+  EXPECT_LE(nearest, 1.01);
+}
+
+// Hours of floors as they are, with sensors as they are: a fault is a false alarm, and a command
+// that hurries or a measurement that is not answered is one that was not needed.
+struct Sound {
+  const char* name;
+  double noise = 1e-3, step = 0, calibration = 0.02, loud = 1, quiet = 1, rate_hz = 1000;
+};
+
+class NoFalseAlarm : public testing::TestWithParam<Sound> {};
+
+TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
+  const Sound& sound = GetParam();
+  // scripts/false_alarms asks for a day in all.
+  const char* asked = std::getenv("STILLFRAME_SIMULATED_HOURS");
+  const double hours = asked != nullptr ? std::stod(asked) : 0.02;
+  const Gains gains = toy::damped_gains(5, sound.rate_hz);
+  const auto n = static_cast<std::int64_t>(hours * 3600 * sound.rate_hz);
+  std::mt19937_64 random(17);
+  std::normal_distribution<double> normal;
+  VectorXd scale = VectorXd::Ones(4);
+  for (double& value : scale) value += random() % 2 == 0 ? sound.calibration : -sound.calibration;
+  Rig rig({}, true, gains);
+  const double low = 1 - std::exp(-toy::two_pi * 10 / sound.rate_hz),
+               high = 1 - std::exp(-toy::two_pi / sound.rate_hz);
+  Eigen::Vector3d filter = Eigen::Vector3d::Zero();
+  // Three loud seconds in every twenty.
+  rig.floor = [&](std::int64_t k, VectorXd& w) {
+    const auto phase = k % std::llround(20 * sound.rate_hz);
+    const double size = static_cast<double>(phase) > 17 * sound.rate_hz ? sound.loud : sound.quiet;
+    filter(0) += low * (size * std::sqrt(sound.rate_hz / 1000) * normal(random) - filter(0));
+    filter(1) += high * (filter(0) - filter(1));
+    filter(2) += high * (filter(0) - filter(1) - filter(2));
+    w.setConstant(filter(0) - filter(1) - filter(2));
+  };
+  const auto wire = [&](Measurement& m) {
+    for (Index i = 0; i < 4; ++i) {
+      m.sigma(i) = scale(i) * m.sigma(i) + sound.noise * normal(random);
+      if (sound.step > 0) m.sigma(i) = sound.step * std::round(m.sigma(i) / sound.step);
+    }
+    return true;
+  };
+  ASSERT_TRUE(rig.reaches(State::active, static_cast<int>(4 * sound.rate_hz), wire))
+      << to_text(rig.fault());
+  for (std::int64_t k = 0; k < n; ++k) rig.step(wire);
+  EXPECT_EQ(rig.state(), State::active);
+  EXPECT_EQ(rig.supervisor().n_faults(), 0) << to_text(rig.fault());
+  EXPECT_EQ(rig.supervisor().n_saturated(), 0);
+  EXPECT_EQ(rig.loop().counters().n_missing, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sounds, NoFalseAlarm,
+                         testing::Values(Sound{"AsItIs"}, Sound{"NoNoise", 0},
+                                         Sound{"LoudNoise", 0.02},
+                                         Sound{"SixteenBits", 1e-3, 0.015},
+                                         Sound{"TwelveBits", 1e-3, 0.24},
+                                         Sound{"Earthquakes", 1e-3, 0.015, 0.02, 1, 0.1},
+                                         Sound{"Quiet", 1e-3, 0, 0.02, 0.01, 0.01},
+                                         Sound{"FiveKilohertz", 1e-3, 0.015, 0.02, 1, 1, 5000}),
+                         [](const auto& sound) { return sound.param.name; });
+
+}  // namespace
+}  // namespace stillframe::controller
