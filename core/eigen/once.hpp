@@ -8,14 +8,11 @@
 #include <Eigen/SVD>
 #include <complex>
 
-// Eigen's decompositions and the inner loops of its products, compiled once (once.cpp) instead of
-// in every file that touches them, which halves the time of a build. Nothing of it is inlined
-// anyway, so programs are as fast. Precompiled into every target (cmake/StillframeHeaders.cmake);
-// no file includes it by name, and any file may be compiled without it.
-
-#ifndef STILLFRAME_EIGEN_ONCE
-#define STILLFRAME_EIGEN_ONCE extern
-#endif
+// Eigen's decompositions and the inner loops of its products, compiled once (decompositions.cpp,
+// eigenvalues.cpp, singular_values.cpp, products.cpp) instead of in every file that touches them,
+// which halves the time of a build. Nothing of it is inlined anyway, so programs are as fast.
+// Precompiled into every target (cmake/StillframeHeaders.cmake); no file includes it by name, and
+// any file may be compiled without it.
 
 // Kernels are no part of Eigen's interface: of another version only the decompositions are shared.
 #if EIGEN_WORLD_VERSION == 3 && EIGEN_MAJOR_VERSION == 4
@@ -24,29 +21,26 @@
 
 namespace Eigen {
 
-STILLFRAME_EIGEN_ONCE template class PartialPivLU<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class PartialPivLU<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class FullPivLU<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class LLT<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class LDLT<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class HouseholderQR<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class HouseholderQR<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class ColPivHouseholderQR<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class ColPivHouseholderQR<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class CompleteOrthogonalDecomposition<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class HessenbergDecomposition<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class HessenbergDecomposition<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class RealSchur<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class ComplexSchur<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class EigenSolver<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class ComplexEigenSolver<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class Tridiagonalization<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class SelfAdjointEigenSolver<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class SelfAdjointEigenSolver<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class JacobiSVD<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class JacobiSVD<MatrixXcd>;
-STILLFRAME_EIGEN_ONCE template class BDCSVD<MatrixXd>;
-STILLFRAME_EIGEN_ONCE template class BDCSVD<MatrixXcd>;
+extern template class PartialPivLU<MatrixXd>;
+extern template class PartialPivLU<MatrixXcd>;
+extern template class LLT<MatrixXd>;
+extern template class HouseholderQR<MatrixXd>;
+extern template class HouseholderQR<MatrixXcd>;
+extern template class ColPivHouseholderQR<MatrixXd>;
+extern template class ColPivHouseholderQR<MatrixXcd>;
+extern template class HessenbergDecomposition<MatrixXd>;
+extern template class HessenbergDecomposition<MatrixXcd>;
+extern template class RealSchur<MatrixXd>;
+extern template class ComplexSchur<MatrixXcd>;
+extern template class EigenSolver<MatrixXd>;
+extern template class ComplexEigenSolver<MatrixXcd>;
+extern template class Tridiagonalization<MatrixXd>;
+extern template class SelfAdjointEigenSolver<MatrixXd>;
+extern template class SelfAdjointEigenSolver<MatrixXcd>;
+extern template class JacobiSVD<MatrixXd>;
+extern template class JacobiSVD<MatrixXcd>;
+extern template class BDCSVD<MatrixXd>;
+extern template class BDCSVD<MatrixXcd>;
 
 #ifdef STILLFRAME_EIGEN_KERNELS
 namespace internal {
@@ -54,27 +48,27 @@ namespace internal {
 template <class Scalar, int order>
 using OnceMapper = const_blas_data_mapper<Scalar, Index, order>;
 
-STILLFRAME_EIGEN_ONCE template struct general_matrix_vector_product<
-    Index, double, OnceMapper<double, 0>, 0, false, double, OnceMapper<double, 0>, false, 0>;
-STILLFRAME_EIGEN_ONCE template struct general_matrix_vector_product<
-    Index, double, OnceMapper<double, 0>, 0, false, double, OnceMapper<double, 1>, false, 0>;
-STILLFRAME_EIGEN_ONCE template struct general_matrix_vector_product<
-    Index, double, OnceMapper<double, 1>, 1, false, double, OnceMapper<double, 0>, false, 0>;
-STILLFRAME_EIGEN_ONCE template struct general_matrix_vector_product<
-    Index, double, OnceMapper<double, 1>, 1, false, double, OnceMapper<double, 1>, false, 0>;
-STILLFRAME_EIGEN_ONCE template struct general_matrix_vector_product<
+extern template struct general_matrix_vector_product<Index, double, OnceMapper<double, 0>, 0, false,
+                                                     double, OnceMapper<double, 0>, false, 0>;
+extern template struct general_matrix_vector_product<Index, double, OnceMapper<double, 0>, 0, false,
+                                                     double, OnceMapper<double, 1>, false, 0>;
+extern template struct general_matrix_vector_product<Index, double, OnceMapper<double, 1>, 1, false,
+                                                     double, OnceMapper<double, 0>, false, 0>;
+extern template struct general_matrix_vector_product<Index, double, OnceMapper<double, 1>, 1, false,
+                                                     double, OnceMapper<double, 1>, false, 0>;
+extern template struct general_matrix_vector_product<
     Index, std::complex<double>, OnceMapper<std::complex<double>, 0>, 0, false,
     std::complex<double>, OnceMapper<std::complex<double>, 0>, false, 0>;
-STILLFRAME_EIGEN_ONCE template struct general_matrix_vector_product<
+extern template struct general_matrix_vector_product<
     Index, std::complex<double>, OnceMapper<std::complex<double>, 1>, 1, false,
     std::complex<double>, OnceMapper<std::complex<double>, 0>, false, 0>;
 
 template <class Scalar>
 using OnceTraits = gebp_traits<Scalar, Scalar>;
-STILLFRAME_EIGEN_ONCE template struct gebp_kernel<
-    double, double, Index, blas_data_mapper<double, Index, ColMajor, Unaligned, 1>,
-    OnceTraits<double>::mr, OnceTraits<double>::nr, false, false>;
-STILLFRAME_EIGEN_ONCE template struct gebp_kernel<
+extern template struct gebp_kernel<double, double, Index,
+                                   blas_data_mapper<double, Index, ColMajor, Unaligned, 1>,
+                                   OnceTraits<double>::mr, OnceTraits<double>::nr, false, false>;
+extern template struct gebp_kernel<
     std::complex<double>, std::complex<double>, Index,
     blas_data_mapper<std::complex<double>, Index, ColMajor, Unaligned, 1>,
     OnceTraits<std::complex<double>>::mr, OnceTraits<std::complex<double>>::nr, false, false>;

@@ -1,2 +1,0 @@
-#define STILLFRAME_EIGEN_ONCE
-#include "core/eigen/once.hpp"
