@@ -22,7 +22,7 @@ class CommandWatch {
   /// True if too many were at the limit.
   bool limited() const noexcept { return share_ > limited_part_; }
   /// True if too many were to change faster.
-  bool restless() const noexcept { return hurried_ > limited_part_; }
+  bool restless() const noexcept { return hurried_ > restless_part; }
   /// The last commands smoothed over some milliseconds (m, N): what to hold of forces that swing
   /// from sample to sample.
   const Eigen::VectorXd& steady_force() noexcept;
@@ -35,6 +35,8 @@ class CommandWatch {
   }
 
  private:
+  static constexpr double restless_part = 0.25;  ///< six of twenty in a row
+
   double keep_, keep_hurried_, force_limit_, limited_part_;
   Eigen::VectorXd weights_, steady_;
   Eigen::MatrixXd commands_;  ///< m x as many as are smoothed over

@@ -40,9 +40,11 @@ Limits::Passed Limits::pass(Ref<VectorXd> force, const Ref<const VectorXd>& pace
     const double before = last_(i), wanted = force(i);
     double allowed = before;
     if (std::isfinite(wanted)) {
-      const double rate = pace.size() > 0 ? std::min(rate_, pace(i)) : rate_;
+      // Not a number is no pace to go at.
+      const double most = pace.size() == 0 ? rate_ : pace(i) >= 0 ? pace(i) : 0;
+      const double rate = std::min(rate_, most);
       allowed = std::clamp(wanted, before - rate, before + rate);
-      passed.hurried |= pace.size() > 0 && std::abs(wanted - before) > pace(i);
+      passed.hurried |= pace.size() > 0 && !(std::abs(wanted - before) <= most);
       // Through zero the energy starts from nothing.
       const double held = before * allowed > 0 ? before * before : 0;
       const double largest = std::max(std::sqrt(held + energy_), held > 0 ? std::abs(before) : 0.0);

@@ -22,10 +22,13 @@ namespace {
 // ask for needs no such margin: real floors ask for a quarter of it.
 constexpr double sure = 9;
 constexpr double forgotten_s = 3;
-// Of responses. Floors do not go on being accelerated one way for longer; what the leak would make
-// of that takes another half.
-constexpr double response_s = 0.5;
-constexpr int most_samples = 20'000;
+// Responses are followed in pieces, of a quarter of a second or a quarter of the slowest target's
+// period, two at least, until what swings in a piece is so small a part of all. A drift, which the
+// leak makes, counts no further: floors do not go on being accelerated one way.
+constexpr double piece_s = 0.25, piece_periods = 0.25, still = 0.01;
+// Fewer fourth differences tell no noise.
+constexpr std::int64_t fewest_differences = 50;
+constexpr int most_samples = 50'000;
 // The sum of squares of 1, -4, 6, -4, 1.
 constexpr double squares_of_a_difference = 70;
 
@@ -75,28 +78,41 @@ class DesignedLoop {
 Pace::Pace(const Gains& gains, double free)
     : free_(free), keep_(std::exp(-gains.sample_time() / forgotten_s)) {
   const Index m = gains.n_legs(), p = gains.plant.B_w.cols();
-  const auto n = static_cast<int>(
-      std::min<double>(most_samples, std::ceil(response_s * gains.sample_rate_hz)));
   per_floor_ = MatrixXd::Zero(m, p);
   per_noise_ = per_offset_ = MatrixXd::Zero(m, m);
+  const double slowest_hz = gains.target_hz.empty()
+                                ? std::numeric_limits<double>::infinity()
+                                : *std::min_element(gains.target_hz.begin(), gains.target_hz.end());
+  const int piece = std::max(
+      1,
+      static_cast<int>(std::min<double>(
+          most_samples / 2, std::max(piece_s, piece_periods / slowest_hz) * gains.sample_rate_hz)));
   for (Index j = 0; j < p + m; ++j) {
     DesignedLoop loop(gains);
     const VectorXd rest_w = VectorXd::Zero(p), rest_v = VectorXd::Zero(m);
-    VectorXd after_a_step = rest_v;
-    for (int k = 0; k < n; ++k) {
+    VectorXd after = rest_v, before = rest_v, all = rest_v, of_piece = rest_v;
+    for (int k = 0; k < most_samples; ++k) {
       VectorXd w = rest_w, v = rest_v;
       if (k == 0) (j < p ? w(j) : v(j - p)) = 1;
       const VectorXd change = loop.step(w, v);
+      after += change;
+      of_piece += change.cwiseAbs();
       if (j < p) {
         per_floor_.col(j) += change.cwiseAbs();
       } else {
         per_noise_.col(j - p) += change.cwiseAbs2();
-        after_a_step += change;
-        per_offset_.col(j - p) = per_offset_.col(j - p).cwiseMax(after_a_step.cwiseAbs());
+        per_offset_.col(j - p) = per_offset_.col(j - p).cwiseMax(after.cwiseAbs());
       }
+      if ((k + 1) % piece != 0) continue;
+      all += of_piece;
+      // What goes one way is as much as it gets anywhere.
+      const VectorXd swings = of_piece - (after - before).cwiseAbs();
+      if (k >= piece && (swings.array() <= still * all.array()).all()) break;
+      before = after;
+      of_piece.setZero();
     }
   }
-  largest_ = VectorXd::Zero(p);
+  largest_ = before_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
   squares_ = swing_ = doubt_ = most_ = VectorXd::Zero(m);
   restart();
@@ -130,17 +146,25 @@ void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
   doubt_.noalias() = per_offset_ * doubt;
 }
 
-void Pace::floor(const Ref<const VectorXd>& w, std::int64_t n_elapsed) noexcept {
+void Pace::forget(std::int64_t n_elapsed) noexcept {
   const double kept = n_elapsed == 1 ? keep_ : std::pow(keep_, static_cast<double>(n_elapsed));
+  largest_ *= kept;
+  doubt_ *= kept;
+  if (floor_known_) swing_ *= kept;
+}
+
+void Pace::floor(const Ref<const VectorXd>& w) noexcept {
   floor_known_ = largest_.size() > 0 && w.size() == largest_.size();
-  if (floor_known_) {
-    largest_ = (kept * largest_).cwiseMax(w.cwiseAbs());
-    swing_ *= kept;
-    doubt_ *= kept;
-  }
+  if (!floor_known_) return;
+  largest_ = largest_.cwiseMax(w.cwiseAbs().cwiseMin(before_));
+  before_ = w.cwiseAbs();
 }
 
 const VectorXd& Pace::most() noexcept {
+  if (n_squares_ < fewest_differences) {
+    most_.setConstant(std::numeric_limits<double>::infinity());
+    return most_;
+  }
   for (Index i = 0; i < most_.size(); ++i) {
     double square = 0;
     for (Index k = 0; k < most_.size(); ++k) {

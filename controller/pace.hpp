@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <optional>
 
 #include "controller/gains.hpp"
 
@@ -13,14 +12,15 @@ namespace stillframe::controller {
 /// before. A loop that wants more has a broken sensor, actuator or cable, whatever else it looks
 /// like. Of leg i and a sample:
 ///   most_i = sum_j L_ij W_j + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i + sum_k B_ik d_k + free,
-/// L_ij: the sum over half a second of |change of command i| after one sample of unit acceleration
-/// of the floor, so that no floor with |w_j| <= W_j that lasts no longer makes the designed loop
-/// meet it; W_j the largest |w_j|, forgotten within seconds; N_ik: the root of the sum of squares
-/// after a unit reading of sensor k; v_k its noise, from the fourth differences of what it reads
-/// while arming; S_i the largest change of its reading then; B_ik: the largest change after a step
-/// of sensor k, d_k the doubt about its offset; both forgotten within seconds. Where the floor is
-/// not measured, or what it does is not known by its acceleration alone, S_i counts four times and
-/// is kept. Construction is set-up; the rest is hot: noexcept, no allocation.
+/// L_ij: the sum of |change of command i| after one sample of unit acceleration of the floor, until
+/// it no longer swings, so that no floor with |w_j| <= W_j makes the designed loop meet it, but one
+/// that is accelerated one way for as long as the leak remembers; W_j the largest |w_j|, forgotten
+/// within seconds; N_ik: the root of the sum of squares after a unit reading of sensor k; v_k its
+/// noise, from the fourth differences of what it reads while arming; S_i the largest change of its
+/// reading then; B_ik: the largest change after a step of sensor k, d_k the doubt about its offset;
+/// both forgotten within seconds. Where the floor is not measured, or what it does is not known by
+/// its acceleration alone, S_i counts four times and is kept. Construction is set-up; the rest is
+/// hot: noexcept, no allocation.
 class Pace {
  public:
   /// free: N a sample, that is always allowed. Errors: as law_from_gains and sample_and_hold.
@@ -32,9 +32,13 @@ class Pace {
   void listen(std::int64_t seq, const Eigen::Ref<const Eigen::VectorXd>& sigma) noexcept;
   /// The loop is closed; doubt: m, N, by which the offsets that were taken out may be wrong.
   void begin(const Eigen::Ref<const Eigen::VectorXd>& doubt) noexcept;
-  /// The floor (p, m/s^2; empty: not measured) after n_elapsed periods.
-  void floor(const Eigen::Ref<const Eigen::VectorXd>& w, std::int64_t n_elapsed) noexcept;
-  /// The largest change of each force from one command to the next now (m, N).
+  /// So many periods have passed.
+  void forget(std::int64_t n_elapsed) noexcept;
+  /// The floor (p, m/s^2; empty: not measured) as a measurement has it. One sample alone is not
+  /// believed.
+  void floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
+  /// The largest change of each force from one command to the next now (m, N); infinite where too
+  /// few samples came one after the other while arming.
   const Eigen::VectorXd& most() noexcept;
 
   /// L (m x p, N per m/s^2) and N (m x m, N per N) above.
@@ -43,15 +47,15 @@ class Pace {
 
   template <class Archive>
   void visit(Archive& archive) {
-    archive(largest_), archive(last_), archive(squares_), archive(smallest_), archive(swing_),
-        archive(doubt_);
+    archive(largest_), archive(before_), archive(last_), archive(squares_), archive(smallest_),
+        archive(swing_), archive(doubt_);
     archive(seq_), archive(n_in_row_), archive(n_squares_), archive(floor_known_);
   }
 
  private:
   Eigen::MatrixXd per_floor_, per_noise_, per_offset_;
   double free_, keep_;
-  Eigen::VectorXd largest_;             ///< p, m/s^2, W
+  Eigen::VectorXd largest_, before_;    ///< p, m/s^2, W and the last |w|
   Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring by seq
   Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
   Eigen::VectorXd swing_;               ///< m, N, S

@@ -19,7 +19,7 @@ struct LastRequest {
 /// Requests on their way from the bus to the loop, one after the other: a reset must have been
 /// obeyed before a start can be judged. A stop goes before all that waits, and ends every start
 /// that came before it. Every request that is heard gets one answer, also where there is no room
-/// for it. Bounded. Set-up.
+/// for it; the last 256 are kept until they are told. Bounded. Set-up.
 class RequestQueue {
  public:
   /// Why a request is refused; empty if it is not.

@@ -5,8 +5,12 @@
 
 namespace stillframe::controller {
 
-using Eigen::Index;
-using Eigen::VectorXd;
+namespace {
+
+// m/s^2 or rad/s^2: no floor that a frame stands on.
+constexpr double most_floor = 1e3;
+
+}  // namespace
 
 Screen::Screen(const Policy& policy, double sample_rate_hz, std::int64_t start_ns)
     : sample_time_(1 / sample_rate_hz),
@@ -33,7 +37,8 @@ Defect Screen::judge(const Measurement& measurement, std::int64_t now_ns) noexce
     return Defect::not_finite;
   }
   if ((measurement.sigma.array().abs() > sigma_limit_).any() ||
-      (measurement.applied.array().abs() > sigma_limit_).any()) {
+      (measurement.applied.array().abs() > sigma_limit_).any() ||
+      (measurement.floor.array().abs() > most_floor).any()) {
     return Defect::out_of_range;
   }
   return Defect::none;

@@ -160,9 +160,10 @@ bool Supervisor::engaged() const noexcept {
 }
 
 bool Supervisor::step(const Event& event, Command& command) noexcept {
+  pace_.forget(event.n_elapsed);
   if (event.measurement != nullptr) {
     seq_ = event.measurement->seq;
-    pace_.floor(event.measurement->floor, event.n_elapsed);
+    pace_.floor(event.measurement->floor);
     time_ns_ = static_cast<double>(event.measurement->time_ns);
     if (!met_) fade_from(event.measurement->applied);  // what another controller has left there
     met_ = true;
@@ -345,6 +346,7 @@ void Supervisor::come_back(const Event& event) noexcept {
 void Supervisor::arm(const Event& event) noexcept {
   if (event.n_elapsed - 1 > policy_.hold_periods || missing_ > policy_.hold_periods) {
     arming_.restart();
+    pace_.restart();
   }
   const Fault broken = fault_of(last_defect_);
   if (!is_passing(broken) &&
@@ -392,8 +394,11 @@ void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {
     p_ = std::max(0.0, p_ - passed / policy_.ramp_out_s);
     if (p_ > 0) return;
     state_ = State::idle;
-    force_.setZero();
-    fade_from(force_);
+    // The last gate may have held it back by more than a step.
+    const bool held = (limits_.last().array().abs() > pace_.most().array()).any();
+    if (!held) force_.setZero();
+    fade_from(held ? limits_.last() : force_);
+    force_ = base_;
   }
 }
 

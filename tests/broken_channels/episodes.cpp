@@ -1,6 +1,7 @@
 #include "tests/broken_channels/episodes.hpp"
 
 #include <filesystem>
+#include <stdexcept>
 
 #include "tests/controller/rig.hpp"
 #include "tools/loop_design.hpp"
@@ -85,8 +86,12 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
     return true;
   };
   Episode episode;
-  if (!rig.reaches(State::active, samples(3), wire)) return {.fault = rig.fault()};
+  if (!rig.reaches(State::active, samples(3), wire)) {
+    throw std::runtime_error("a sound loop does not become active: " +
+                             std::string(to_text(rig.fault())));
+  }
   rig.steps(samples(1) + static_cast<int>(random() % static_cast<std::uint64_t>(samples(2))), wire);
+  if (rig.state() != State::active) throw std::runtime_error("a sound loop does not stay active");
   is_broken = true;
   rig.peak = 0;
   const std::int64_t since = rig.k();
