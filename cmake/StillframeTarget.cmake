@@ -22,7 +22,8 @@ endif()
 
 add_library(stillframe_settings INTERFACE)
 target_compile_options(stillframe_settings INTERFACE -Wall -Wextra -Wpedantic -Wshadow
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # GCC 12 warns of std::string concatenation where there is nothing (its bug 105329)
+  # GCC 12 warns of std::string concatenation where there is nothing (its bug 105329).
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict$<SEMICOLON>-Wno-stringop-overflow$<SEMICOLON>-Wno-array-bounds>
   $<$<AND:$<BOOL:${CCACHE_PROGRAM}>,$<CXX_COMPILER_ID:GNU>>:-fpch-preprocess>
   $<$<BOOL:${STILLFRAME_WARNINGS_AS_ERRORS}>:-Werror>)
 if(STILLFRAME_SANITIZE)
