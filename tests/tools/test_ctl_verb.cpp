@@ -173,8 +173,9 @@ TEST_F(Ctl, NothingThatATerminalObeysIsPrinted) {
       "1m\x9b\rover";
   FakeController controller(status, "no\033]0;title\007");
   const Said said = run({"ctl", "start", "--timeout", "60"});
-  EXPECT_NE(said.output.find("fading?[2J?1m??over"), std::string::npos) << said.output;
-  EXPECT_NE(said.error.find("refused: no?]0;title?"), std::string::npos) << said.error;
+  EXPECT_NE(said.output.find("fading\\x1b[2J\\xc2\\x9b1m\\x9b\\x0dover"), std::string::npos)
+      << said.output;
+  EXPECT_NE(said.error.find("refused: no\\x1b]0;title\\x07"), std::string::npos) << said.error;
 }
 
 /// A recording of a controller says all that a controller says, at other times.

@@ -81,11 +81,11 @@ TEST_F(PipesAndBytes, NothingThatATerminalObeysIsPrinted) {
   };
   const Said exported = run({"export", file, "--csv", folder_ / "evil\033[2J.csv"});
   EXPECT_EQ(exported.exit_code, 0) << exported.error;
-  EXPECT_NE(exported.output.find("evil?[2J.csv"), std::string::npos) << exported.output;
+  EXPECT_NE(exported.output.find("evil\\x1b[2J.csv"), std::string::npos) << exported.output;
   EXPECT_TRUE(is_clean(exported.output)) << exported.output;
   const Said missing = run({"modes", folder_ / "evil\033]0;title\007.yaml"});
   EXPECT_EQ(missing.exit_code, 2);
-  EXPECT_NE(missing.error.find("evil?]0;title?.yaml"), std::string::npos) << missing.error;
+  EXPECT_NE(missing.error.find("evil\\x1b]0;title\\x07.yaml"), std::string::npos) << missing.error;
   EXPECT_TRUE(is_clean(missing.error)) << missing.error;
 }
 
