@@ -23,7 +23,7 @@ endif()
 add_library(stillframe_settings INTERFACE)
 target_compile_options(stillframe_settings INTERFACE -Wall -Wextra -Wpedantic -Wshadow
   # GCC 12 warns of std::string concatenation where there is nothing (its bug 105329).
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict$<SEMICOLON>-Wno-stringop-overflow$<SEMICOLON>-Wno-array-bounds>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict$<SEMICOLON>-Wno-stringop-overflow$<SEMICOLON>-Wno-stringop-overread$<SEMICOLON>-Wno-array-bounds>
   $<$<AND:$<BOOL:${CCACHE_PROGRAM}>,$<CXX_COMPILER_ID:GNU>>:-fpch-preprocess>
   $<$<BOOL:${STILLFRAME_WARNINGS_AS_ERRORS}>:-Werror>)
 if(STILLFRAME_SANITIZE)

@@ -67,7 +67,12 @@ PassivePlant read_plant(const YamlReader& reader, Index n_legs) {
   if (const auto floor = reader.find("B_w")) {
     const auto rows = floor->items();
     if (rows.empty()) floor->fail("found no rows, allowed is one for each state");
-    plant.B_w = read_matrix(*floor, n, static_cast<Index>(rows.front().items().size()));
+    const auto p = static_cast<Index>(rows.front().items().size());
+    if (p > most_floor_channels) {
+      floor->fail("found " + std::to_string(p) + " columns, allowed are up to " +
+                  std::to_string(most_floor_channels));
+    }
+    plant.B_w = read_matrix(*floor, n, p);
   }
   return plant;
 }

@@ -201,6 +201,16 @@ TEST(Gains, EntriesOfMatricesHaveABound) {
   }
 }
 
+TEST(Gains, AFloorHasABoundedNumberOfChannels) {
+  Gains gains = toy::gains(5);
+  gains.plant.B_w = Eigen::MatrixXd::Zero(8, 64);
+  EXPECT_EQ(error_of(to_yaml(gains)), "");
+  gains.plant.B_w = Eigen::MatrixXd::Zero(8, 65);
+  const std::string message = error_of(to_yaml(gains));
+  EXPECT_NE(message.find("plant.B_w: found 65 columns, allowed are up to 64"), std::string::npos)
+      << message;
+}
+
 // What is under way is states of the loop, and a judgement takes the cube of these.
 TEST(Gains, ALoopHasABoundedNumberOfStates) {
   Gains gains = toy::gains(5);
