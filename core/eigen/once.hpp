@@ -10,8 +10,7 @@
 
 // Eigen's decompositions and the inner loops of its products, compiled once (decompositions.cpp,
 // eigenvalues.cpp, singular_values.cpp, products.cpp) instead of in every file that touches them,
-// which then compile 1.4 to 3 times as fast. Nothing of it is inlined anyway, so that
-// programs are as fast as before.
+// which then compile 1.4 to 3 times as fast. None of it is short enough to be inlined.
 // Precompiled into every target (cmake/StillframeHeaders.cmake); no file includes it by name, and
 // any file may be compiled without it.
 
