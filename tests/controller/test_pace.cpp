@@ -178,6 +178,26 @@ TEST(Pace, ASteadyFloorMakesNoSoundLoopHurry) {
   }
 }
 
+// A loop that rings for seconds, on a floor that makes it: its response is followed until it is
+// over.
+TEST(Pace, ALoopThatRingsIsFollowedToTheEnd) {
+  Gains gains = toy::damped_gains();
+  gains.K_I *= 0.03 / toy::damping_ratio;
+  ASSERT_TRUE(is_stable(gains));
+  Policy policy = quick();
+  policy.free_rate_n_per_s = 1e-9;
+  policy.ramp_in_s = 1;
+  Rig rig(policy, true, gains);
+  rig.floor = [&](std::int64_t k, VectorXd& w) {
+    const double t = 1e-3 * static_cast<double>(k);
+    w.setConstant(std::min(0.001 * t, 0.02) * std::sin(toy::two_pi * 5 * t));
+  };
+  ASSERT_TRUE(rig.reaches(State::active, 4000)) << to_text(rig.fault());
+  rig.steps(30'000);
+  EXPECT_EQ(rig.supervisor().n_faults(), 0) << to_text(rig.fault());
+  EXPECT_EQ(rig.supervisor().n_saturated(), 0);
+}
+
 // Where every other sample is lost no noise is known, and none is taken for zero.
 TEST(Pace, RegularLossesAreNoFault) {
   for (const int every : {2, 3, 5}) {
