@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
 #include "tools/loop_design.hpp"
 
@@ -14,32 +15,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double noise = 1e-3, floor_size = 5e-3;
-
-/// Noise between 1 and 10 Hz, which a floor has most of and which comes back to where it was.
-class Floor {
- public:
-  Floor(double rate_hz, std::uint64_t seed)
-      : low_(1 - std::exp(-toy::two_pi * 10 / rate_hz)),
-        high_(1 - std::exp(-toy::two_pi / rate_hz)),
-        size_(floor_size * std::sqrt(rate_hz / 1000)),
-        random_(seed) {}
-  void operator()(std::int64_t, VectorXd& w) {
-    if (x_.cols() != w.size()) x_ = Eigen::Matrix3Xd::Zero(3, w.size());
-    for (Index j = 0; j < w.size(); ++j) {
-      auto x = x_.col(j);
-      x(0) += low_ * (size_ * normal_(random_) - x(0));
-      x(1) += high_ * (x(0) - x(1));
-      x(2) += high_ * (x(0) - x(1) - x(2));
-      w(j) = x(0) - x(1) - x(2);
-    }
-  }
-
- private:
-  double low_, high_, size_;
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-  Eigen::Matrix3Xd x_;
-};
 
 }  // namespace
 
@@ -64,8 +39,10 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
   };
   std::mt19937_64 random(seed);
   Rig rig(policy, true, gains), alone(policy, false, gains);
-  rig.floor = Floor(gains.sample_rate_hz, seed);
-  alone.floor = Floor(gains.sample_rate_hz, seed);
+  for (Rig* each : {&rig, &alone}) {
+    each->floor = [floor = MadeUpFloor(gains.sample_rate_hz, seed)](
+                      std::int64_t, VectorXd& w) mutable { floor(floor_size, w); };
+  }
   std::normal_distribution<double> normal;
   bool is_broken = false;
   std::vector<Breaker> breakers;

@@ -13,11 +13,6 @@
 
 namespace stillframe::controller {
 
-/// What counts of a frame beside the forces in its legs, y = C_y z + D_yw w + D_yu u.
-struct FrameOutputs {
-  Eigen::MatrixXd C_y, D_yw, D_yu;
-};
-
 /// Any designed loop and its frame in one thread, on a clock of its own: the exactly sampled plant
 /// of a gains file with its instruments and its delay, shaken by a floor; sample k is taken at k T,
 /// the loop wakes in it, and what it commands takes effect delay_samples later, until the
@@ -32,15 +27,14 @@ class Rig {
   using Floor = std::function<void(std::int64_t, Eigen::VectorXd&)>;
 
   explicit Rig(const Policy& policy = {}, bool active = true,
-               const Gains& gains = toy::damped_gains(), const FrameOutputs& outputs = {})
-      : Rig(policy, active, gains, gains, outputs) {}
+               const Gains& gains = toy::damped_gains())
+      : Rig(policy, active, gains, gains) {}
 
   /// The frame is that of other gains than the loop's: what a model does not know.
-  Rig(const Policy& policy, bool active, const Gains& gains, const Gains& frame,
-      const FrameOutputs& outputs)
+  Rig(const Policy& policy, bool active, const Gains& gains, const Gains& frame)
       : period_ns(std::llround(1e9 / gains.sample_rate_hz)),
         gains_(gains),
-        plant_(sampled(frame, outputs)),
+        plant_(sampled(frame)),
         io_(gains.n_legs(), 64, plant_.Gamma_w.cols()),
         supervisor_(gains, policy, active),
         loop_(io_, supervisor_, policy,
@@ -118,22 +112,20 @@ class Rig {
   Actuators actuators;
   Eigen::VectorXd sigma, y;  ///< in the last sample, as they were
   double peak = 0;           ///< of sigma
-  double peak_y = 0;         ///< of the outputs
   double largest_force = 0;
   double largest_jump = 0;  ///< of the force between two commands
   bool sent_any = false;    ///< in the last sample
 
  private:
-  static SampledPlant sampled(const Gains& gains, const FrameOutputs& outputs) {
+  static SampledPlant sampled(const Gains& gains) {
     const auto& plant = gains.plant;
-    const bool any = outputs.C_y.rows() > 0;
     const Eigen::Index m = gains.n_legs(), p = plant.B_w.cols();
     return sample_and_hold({.A = plant.A,
                             .B_w = plant.B_w,
                             .B_u = plant.B,
-                            .C_y = any ? outputs.C_y : plant.C,
-                            .D_yw = any ? outputs.D_yw : Eigen::MatrixXd::Zero(m, p),
-                            .D_yu = any ? outputs.D_yu : Eigen::MatrixXd::Identity(m, m),
+                            .C_y = plant.C,
+                            .D_yw = Eigen::MatrixXd::Zero(m, p),
+                            .D_yu = Eigen::MatrixXd::Identity(m, m),
                             .C_sigma = plant.C},
                            gains.sampling());
   }
@@ -153,7 +145,6 @@ class Rig {
     Eigen::VectorXd now = on_its_way_.front();
     if (actuators) actuators(now);
     y.noalias() = plant_.C_y * x_ + plant_.D_yw * w_ + plant_.D_0 * before_ + plant_.D_yu * now;
-    peak_y = worst_of(peak_y, y.cwiseAbs().maxCoeff());
     x_ = (plant_.Phi * x_ + plant_.Gamma_w * w_ + plant_.Gamma_0 * before_ + plant_.Gamma_u * now)
              .eval();
     before_ = now;

@@ -6,6 +6,7 @@
 
 #include "controller/pace.hpp"
 #include "controller/start_check.hpp"
+#include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
 
 // What a loop may hurry, and that a sound one never does.
@@ -245,7 +246,7 @@ TEST(Pace, OneBadSampleOfTheFloorIsNotBelieved) {
 TEST(Pace, WithoutAFloorItIsThatOfTheFrame) {
   Gains blind = toy::damped_gains();
   blind.plant.B_w.resize(8, 0);
-  Rig rig({}, true, blind, toy::damped_gains(), {});
+  Rig rig({}, true, blind, toy::damped_gains());
   ASSERT_TRUE(rig.reaches(State::active, 3000)) << to_text(rig.fault());
   rig.steps(5000);
   EXPECT_EQ(rig.supervisor().n_faults(), 0) << to_text(rig.fault());
@@ -277,17 +278,12 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
   VectorXd scale = VectorXd::Ones(4);
   for (double& value : scale) value += random() % 2 == 0 ? sound.calibration : -sound.calibration;
   Rig rig({}, true, gains);
-  const double low = 1 - std::exp(-toy::two_pi * 10 / sound.rate_hz),
-               high = 1 - std::exp(-toy::two_pi / sound.rate_hz);
-  Eigen::Vector3d filter = Eigen::Vector3d::Zero();
+  MadeUpFloor floor(sound.rate_hz, 18);
   // Three loud seconds in every twenty.
   rig.floor = [&](std::int64_t k, VectorXd& w) {
     const auto phase = k % std::llround(20 * sound.rate_hz);
     const double size = static_cast<double>(phase) > 17 * sound.rate_hz ? sound.loud : sound.quiet;
-    filter(0) += low * (size * std::sqrt(sound.rate_hz / 1000) * normal(random) - filter(0));
-    filter(1) += high * (filter(0) - filter(1));
-    filter(2) += high * (filter(0) - filter(1) - filter(2));
-    w.setConstant(filter(0) - filter(1) - filter(2));
+    floor(size, w);
   };
   const auto wire = [&](Measurement& m) {
     for (Index i = 0; i < 4; ++i) {
