@@ -160,7 +160,8 @@ class Period {
   std::int64_t n_answered() const { return loop_.counters().n_answered; }
 
  private:
-  Policy policy_;
+  // The forces are made up, and no loop's: without room they would be a fault.
+  Policy policy_{.limited_part = 1, .free_rate_n_per_s = 1e12};
   std::int64_t T_ns_;
   Forces sigma_;
   InProcessIo io_;
