@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "core/control_loop.hpp"
 
@@ -20,12 +21,15 @@ std::vector<Index> rows_of(const std::vector<std::string>& legs, const Model& mo
   return rows;
 }
 
+double force_limit(const Scene& scene) {
+  return scene.controller->force_limit_n.value_or(std::numeric_limits<double>::infinity());
+}
+
 Drive make_drive(const Scene& scene, const Model& model,
                  std::unique_ptr<floor::FloorSource> floor) {
   const auto n_legs = static_cast<Index>(scene.controller->legs.size());
-  constexpr double unlimited = std::numeric_limits<double>::infinity();
   return {FloorMotion(std::move(floor), scene, model),
-          Actuators(n_legs, scene.controller->force_limit_n.value_or(unlimited), scene.instruments),
+          Actuators(n_legs, force_limit(scene), scene.instruments),
           Disturbances(scene, model, 1 / scene.controller->sample_rate_hz),
           rows_of(scene.controller->legs, model)};
 }
@@ -47,7 +51,8 @@ Plant::Plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor)
       drive_(make_drive(merged_.scene, model_, std::move(floor))),
       sensors_(n_legs(), scene.instruments.sensor_filter_hz),
       choice_(choose_method(merged_.scene, model_, drive_)),
-      motion_(make_motion(merged_, model_, choice_.method, drive_, durations(*scene.controller))) {
+      motion_(make_motion(merged_, model_, choice_.method, drive_, durations(*scene.controller))),
+      force_limit_(force_limit(scene)) {
   if (scene.instruments.force_sensors) {
     force_noise_.emplace(n_legs(), *scene.instruments.force_sensors, sample_time_,
                          scene.instruments.sensor_filter_hz);
@@ -56,7 +61,10 @@ Plant::Plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor)
     floor_noise_.emplace(static_cast<Index>(scene.inputs.size()), *scene.instruments.floor_sensors,
                          sample_time_);
   }
-  const auto n_frame = static_cast<Index>(scene.outputs.size() + scene.monitors.size());
+  for (const auto* signals : {&scene.outputs, &scene.monitors}) {
+    for (const SceneSignal& signal : *signals) frame_points_.push_back(signal.name);
+  }
+  const auto n_frame = static_cast<Index>(frame_points_.size());
   velocity_before_ = velocity_ = Eigen::VectorXd::Zero(n_frame);
   motion_->velocities(velocity_);
   velocity_before_ = velocity_;
@@ -110,6 +118,7 @@ std::string Plant::advance(const Eigen::Ref<const Eigen::VectorXd>& before,
                            const Eigen::Ref<const Eigen::VectorXd>& after, double fraction) {
   velocity_before_ = velocity_;
   drive_.take(k_);
+  if ((after.array().abs() >= force_limit_).any()) ++n_at_limit_;
   auto status = Motion::Status::ok;
   if (fraction > 0) status = hold(before, fraction * sample_time_);
   if (status == Motion::Status::ok) status = hold(after, (1 - fraction) * sample_time_);
@@ -122,20 +131,50 @@ std::string Plant::advance(const Eigen::Ref<const Eigen::VectorXd>& before,
 }
 
 std::string Plant::reason_of(Motion::Status status) const {
-  std::string reason = "plant at t = " + std::to_string(time()) + " s, " + motion_->where() + ": ";
+  const std::string reason = "plant at t = " + std::to_string(time()) + " s: ";
   switch (status) {
     case Motion::Status::ok:
       return "";
     case Motion::Status::equations_failed:
       return reason +
-             "the equations of motion cannot be evaluated there (a position that the elements "
-             "cannot reach, or a mass matrix that became singular)";
+             "the equations of motion cannot be evaluated from there on (a position that the "
+             "elements cannot reach, or a mass matrix that became singular)" +
+             circumstances();
     case Motion::Status::too_many_steps:
-      return reason + "the integrator needs more than 100000 steps within one sample";
+      return reason + "the integrator needs more than 100000 steps within one sample" +
+             circumstances();
     case Motion::Status::failed:
-      return reason + "the integrator cannot go on";
+      return reason + "the integrator cannot go on" + circumstances();
   }
   return reason;
+}
+
+std::string Plant::circumstances() const {
+  std::ostringstream text;
+  text.precision(3);
+  text << ". By then";
+  const Eigen::VectorXd q = motion_->displacements();
+  for (const char* unit : {"m", "rad"}) {
+    Index farthest = -1;
+    for (Index i = 0; i < q.size(); ++i) {
+      if (model_.dofs[static_cast<size_t>(i)].unit != unit) continue;
+      if (farthest < 0 || !(std::abs(q(i)) <= std::abs(q(farthest)))) farthest = i;
+    }
+    if (farthest < 0) continue;
+    text << ' ' << model_.dofs[static_cast<size_t>(farthest)].name << " was " << q(farthest) << ' '
+         << unit << " from the operating point,";
+  }
+  if (velocity_.size() > 0) {
+    Index fastest = 0;
+    velocity_.cwiseAbs().maxCoeff(&fastest);
+    text << ' ' << frame_points_[static_cast<size_t>(fastest)] << " moved at " << velocity_(fastest)
+         << " m/s,";
+  }
+  text << " and " << n_at_limit_ << " of " << k_ + 1 << " samples had a command at the force limit";
+  if (n_out_of_range_ > 0) {
+    text << "; " << n_out_of_range_ << " readings of force sensors were cut off at their range";
+  }
+  return text.str();
 }
 
 }  // namespace stillframe

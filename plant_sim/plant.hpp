@@ -57,6 +57,8 @@ class Plant {
   /// Goes on for a duration (s) under a command.
   Motion::Status hold(const Eigen::Ref<const Eigen::VectorXd>& command, double duration) noexcept;
   std::string reason_of(Motion::Status status) const;
+  /// Where the frame was, and what had come to its limits before.
+  std::string circumstances() const;
 
   double sample_time_;
   MergedScene merged_;
@@ -67,10 +69,12 @@ class Plant {
   std::optional<FloorSensorNoise> floor_noise_;
   MotionChoice choice_;
   std::unique_ptr<Motion> motion_;
-  Eigen::VectorXd velocity_before_, velocity_;  ///< of the frame's points, one sample apart
+  std::vector<std::string> frame_points_;       ///< names of outputs and monitors
+  Eigen::VectorXd velocity_before_, velocity_;  ///< of them, one sample apart
   Eigen::VectorXd stress_;
   Reading reading_;
-  std::int64_t k_ = 0, n_out_of_range_ = 0;
+  double force_limit_;  ///< N, may be infinite
+  std::int64_t k_ = 0, n_at_limit_ = 0, n_out_of_range_ = 0;
 };
 
 }  // namespace stillframe

@@ -7,11 +7,11 @@
 namespace stillframe {
 
 /// Of two methods the one that is cheaper at present, counted in evaluations of the equations: a
-/// scene does not say beforehand how far it will swing, and when it will be quiet again. The one for
-/// small motion goes on while it is as cheap as it can be. Where it is not, and now and then while
-/// the other one goes on, the method that rests is given a few parts of the motion to show what it
-/// costs there; each time that it costs more, it rests twice as long. Set-up: construction; the rest
-/// is hot as Motion, but the change from one method to the other allocates.
+/// scene does not say beforehand how far it will swing, and when it will be quiet again. The one
+/// for small motion goes on while it is as cheap as it can be. Where it is not, and now and then
+/// while the other one goes on, the method that rests is given a few parts of the motion to show
+/// what it costs there; each time that it costs more, it rests twice as long. Set-up: construction;
+/// the rest is hot as Motion, but the change from one method to the other allocates.
 class AdaptiveMotion final : public Motion {
  public:
   /// Both at the same operating point, on the same model, at the same tolerance. large_weight: time
@@ -30,7 +30,7 @@ class AdaptiveMotion final : public Motion {
   long evaluations() const noexcept override {
     return small_->evaluations() + large_->evaluations();
   }
-  std::string where() const override { return current_->where(); }
+  Eigen::VectorXd displacements() const override { return current_->displacements(); }
   /// Whether the method for large motion goes on.
   bool is_large() const noexcept { return current_ == large_.get(); }
 
@@ -45,9 +45,9 @@ class AdaptiveMotion final : public Motion {
   NonlinearMotion* current_;
   MotionSnapshot snapshot_;
   bool change_next_ = false, on_trial_ = false;
-  int parts_ = 0;          ///< since the last change, or since a cost was last looked at
-  int wait_;               ///< parts until the other method has its next trial
-  double cost_ = 0;        ///< of the present method, mean of late, in evaluations of `small` a part
+  int parts_ = 0;    ///< since the last change, or since a cost was last looked at
+  int wait_;         ///< parts until the other method has its next trial
+  double cost_ = 0;  ///< of the present method, mean of late, in evaluations of `small` a part
   double cost_before_ = 0;  ///< of the other method when it was left
 };
 

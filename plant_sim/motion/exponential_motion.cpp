@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/linear/phi_functions.hpp"
-#include "plant_sim/motion/state_in_words.hpp"
 
 namespace stillframe {
 
@@ -164,12 +163,12 @@ double ExponentialMotion::size_of(const VectorXd& dy) const noexcept {
   const double velocity = acceleration_ * whole_ + 1e-290;
   const double position = velocity * whole_ + 1e-290;
   const auto part = [&](Index begin, Index count, double scale) {
-    return count == 0 ? 0.0
-                      : dy.segment(begin, count).lpNorm<Eigen::Infinity>() /
-                            (relative_tolerance_ * scale);
+    return count == 0
+               ? 0.0
+               : dy.segment(begin, count).lpNorm<Eigen::Infinity>() / (relative_tolerance_ * scale);
   };
-  return std::max({part(0, n, position), part(n, n, velocity),
-                   part(2 * n, equations_.n_filtered(), position)});
+  return std::max(
+      {part(0, n, position), part(n, n, velocity), part(2 * n, equations_.n_filtered(), position)});
 }
 
 double ExponentialMotion::collocation_error(const Part& part) noexcept {
@@ -328,6 +327,6 @@ void ExponentialMotion::filtered_stresses(VectorXd& sigma) const noexcept {
   sigma = equations_.stress_scale() * y_.tail(equations_.n_filtered());
 }
 
-std::string ExponentialMotion::where() const { return state_in_words(y_, equations_.n_d()); }
+Eigen::VectorXd ExponentialMotion::displacements() const { return y_.head(equations_.n_d()); }
 
 }  // namespace stillframe

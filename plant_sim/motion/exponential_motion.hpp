@@ -13,13 +13,13 @@ namespace stillframe {
 /// with g collocated at the three Radau points of a part and found by fixed-point sweeps. Stiffness
 /// costs nothing where it is linear, and the nearer the motion is to linear the fewer evaluations
 /// are needed: three a part in small motion, where one sweep changes less than the tolerance. A
-/// part in which the sweeps converge slowly or the collocation is too coarse is halved. Source: Hochbruck and Ostermann, Acta Numerica 19
-/// (2010) 209-286 (exponential collocation).
+/// part in which the sweeps converge slowly or the collocation is too coarse is halved. Source:
+/// Hochbruck and Ostermann, Acta Numerica 19 (2010) 209-286 (exponential collocation).
 class ExponentialMotion final : public NonlinearMotion {
  public:
   /// relative_tolerance: of what a part, halved or not, may err by against what the largest
-  /// acceleration does in the whole part. durations: of the parts that there will be, s. Others, and
-  /// halves of them, are made when they come first, and then allocate.
+  /// acceleration does in the whole part. durations: of the parts that there will be, s. Others,
+  /// and halves of them, are made when they come first, and then allocate.
   ExponentialMotion(MinimalEquations equations, LinearEquations linear, FramePoints points,
                     double relative_tolerance, const Drive& drive,
                     const std::vector<double>& durations);
@@ -30,7 +30,7 @@ class ExponentialMotion final : public NonlinearMotion {
   void elastic_stresses(Eigen::VectorXd& sigma) const noexcept override;
   void filtered_stresses(Eigen::VectorXd& sigma) const noexcept override;
   long evaluations() const noexcept override { return equations_.evaluations(); }
-  std::string where() const override;
+  Eigen::VectorXd displacements() const override;
   bool hand_over(const Drive& drive, MotionSnapshot& to) noexcept override;
   void take_over(const MotionSnapshot& from) noexcept override;
   /// y as MinimalEquations has it.
@@ -78,7 +78,7 @@ class ExponentialMotion final : public NonlinearMotion {
   double rate_ago_ = 1;        ///< of the convergence of the sweeps, as last seen, aged since
   double size_ago_ = 0;        ///< of the first sweep when it was seen
   bool easy_ = false;          ///< the last part would have met the tolerance at twice its length
-  bool settled_ = false;  ///< the sweeps of the last attempt came to an end
+  bool settled_ = false;       ///< the sweeps of the last attempt came to an end
   int halvings_ = 0;
 };
 

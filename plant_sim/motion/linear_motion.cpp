@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "plant_sim/motion/state_in_words.hpp"
-
 namespace stillframe {
 
 LinearMotion::LinearMotion(LinearEquations equations, double stress_scale, Index n_filtered,
@@ -50,8 +48,8 @@ void LinearMotion::filtered_stresses(Eigen::VectorXd& sigma) const noexcept {
   sigma = stress_scale_ * y_.tail(n_filtered_);
 }
 
-std::string LinearMotion::where() const {
-  return state_in_words(y_, (y_.size() - n_filtered_) / 2);
+Eigen::VectorXd LinearMotion::displacements() const {
+  return y_.head((y_.size() - n_filtered_) / 2);
 }
 
 }  // namespace stillframe

@@ -19,7 +19,7 @@ class LinearMotion final : public Motion {
   void elastic_stresses(Eigen::VectorXd& sigma) const noexcept override;
   void filtered_stresses(Eigen::VectorXd& sigma) const noexcept override;
   long evaluations() const noexcept override { return 0; }
-  std::string where() const override;
+  Eigen::VectorXd displacements() const override;
 
  private:
   const LinearStep& step(const Drive& drive, double duration);

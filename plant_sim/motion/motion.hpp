@@ -32,8 +32,8 @@ class Motion {
 
   /// Evaluations of the nonlinear equations since construction.
   virtual long evaluations() const noexcept = 0;
-  /// The present state in words, for whom the motion could not go on.
-  virtual std::string where() const = 0;
+  /// How far the dofs are from the operating point (n_d), also where the motion could not go on.
+  virtual Eigen::VectorXd displacements() const = 0;
 };
 
 /// Where a nonlinear motion stands, whatever its formulation.

@@ -4,7 +4,6 @@
 
 #include "core/dynamics.hpp"
 #include "plant_sim/motion/minimal_equations.hpp"
-#include "plant_sim/motion/state_in_words.hpp"
 
 namespace stillframe {
 
@@ -25,10 +24,10 @@ Data data_at(const Model& model, const NominalMotion& nominal) {
 double rate_of(const Model& model, Index row, const Data& data, const VectorXd& x_dot) {
   const auto [element, mode] = model.owner_of_row(row);
   double rate = 0;
-  for_each_column(model.elements[element].parts, model.n_x, [&, k = element, i = mode](
-                                                                Index j, Index column) {
-    rate += data.D[k](i, j) * x_dot(column);
-  });
+  for_each_column(model.elements[element].parts, model.n_x,
+                  [&, k = element, i = mode](Index j, Index column) {
+                    rate += data.D[k](i, j) * x_dot(column);
+                  });
   return rate;
 }
 
@@ -79,18 +78,13 @@ bool NodalPlantMotion::hand_over(const Drive&, MotionSnapshot& to) noexcept {
   data_.x = to.x;
   assemble(model_, data_);
   to.e = data_.e;
-  for (const ModelElement& item : model_.elements) {  // the angles of hinges go on from the last
-    const double period = item.element->period();
-    if (period == 0) continue;
-    const double turned = motion_.turns()(item.row[0]);
-    to.e(item.row[0]) = turned + std::remainder(to.e(item.row[0]) - turned, period);
-  }
+  count_turns(to.e);
   const Index n = model_.n_d;
   for (Index i = 0; i < n; ++i) {
     const Model::Dof& dof = model_.dofs[static_cast<size_t>(i)];
-    const Index at = dof.index;
-    to.y(i) = (dof.is_deformation ? to.e(at) : to.x(at)) - q_0_(i);
-    to.y(n + i) = dof.is_deformation ? rate_of(model_, at, data_, to.x_dot) : to.x_dot(at);
+    to.y(i) = displacement(i, to.x, to.e);
+    to.y(n + i) =
+        dof.is_deformation ? rate_of(model_, dof.index, data_, to.x_dot) : to.x_dot(dof.index);
   }
   if (to.y.size() > 2 * n) {
     to.y.tail(to.y.size() - 2 * n) = (motion_.filtered() - sigma_0_) / stress_scale_;
@@ -120,10 +114,28 @@ void NodalPlantMotion::filtered_stresses(VectorXd& sigma) const noexcept {
   sigma = motion_.filtered() - sigma_0_;
 }
 
-std::string NodalPlantMotion::where() const {
-  VectorXd y(data_.x.size() + data_.x_dot.size());
-  y << data_.x, data_.x_dot;
-  return state_in_words(y, data_.x.size());
+VectorXd NodalPlantMotion::displacements() const {
+  Data data = data_;
+  assemble(model_, data);
+  count_turns(data.e);
+  VectorXd q(model_.n_d);
+  for (Index i = 0; i < q.size(); ++i) q(i) = displacement(i, data.x, data.e);
+  return q;
+}
+
+void NodalPlantMotion::count_turns(VectorXd& e) const noexcept {
+  for (const ModelElement& item : model_.elements) {  // the angles of hinges go on from the last
+    const double period = item.element->period();
+    if (period == 0) continue;
+    const double turned = motion_.turns()(item.row[0]);
+    e(item.row[0]) = turned + std::remainder(e(item.row[0]) - turned, period);
+  }
+}
+
+double NodalPlantMotion::displacement(Index i, const VectorXd& x,
+                                      const VectorXd& e) const noexcept {
+  const Model::Dof& dof = model_.dofs[static_cast<size_t>(i)];
+  return (dof.is_deformation ? e(dof.index) : x(dof.index)) - q_0_(i);
 }
 
 }  // namespace stillframe

@@ -20,11 +20,16 @@ class NodalPlantMotion final : public NonlinearMotion {
   void elastic_stresses(Eigen::VectorXd& sigma) const noexcept override;
   void filtered_stresses(Eigen::VectorXd& sigma) const noexcept override;
   long evaluations() const noexcept override { return motion_.evaluations(); }
-  std::string where() const override;
+  Eigen::VectorXd displacements() const override;
   bool hand_over(const Drive& drive, MotionSnapshot& to) noexcept override;
   void take_over(const MotionSnapshot& from) noexcept override;
 
  private:
+  /// Makes the angles of hinges in e (n_e) go on from those that the motion has counted.
+  void count_turns(Eigen::VectorXd& e) const noexcept;
+  /// Of one dof from the operating point.
+  double displacement(Index dof, const Eigen::VectorXd& x, const Eigen::VectorXd& e) const noexcept;
+
   const Model& model_;
   Data data_;            ///< positions and rates alone, for the points
   Eigen::VectorXd q_0_;  ///< n_d, of the operating point

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "plant_sim/motion/state_in_words.hpp"
-
 namespace stillframe {
 
 using Eigen::VectorXd;
@@ -74,6 +72,6 @@ void OdeMotion::filtered_stresses(VectorXd& sigma) const noexcept {
   sigma = equations_.stress_scale() * y_.tail(equations_.n_filtered());
 }
 
-std::string OdeMotion::where() const { return state_in_words(y_, equations_.n_d()); }
+Eigen::VectorXd OdeMotion::displacements() const { return y_.head(equations_.n_d()); }
 
 }  // namespace stillframe

@@ -19,7 +19,7 @@ class OdeMotion final : public NonlinearMotion {
   void elastic_stresses(Eigen::VectorXd& sigma) const noexcept override;
   void filtered_stresses(Eigen::VectorXd& sigma) const noexcept override;
   long evaluations() const noexcept override { return integrator_.evaluations() + n_looks_; }
-  std::string where() const override;
+  Eigen::VectorXd displacements() const override;
   bool hand_over(const Drive& drive, MotionSnapshot& to) noexcept override;
   void take_over(const MotionSnapshot& from) noexcept override;
   /// y as MinimalEquations has it.

@@ -18,11 +18,11 @@ double error_in_tolerances(const Eigen::MatrixXd& found, const Eigen::MatrixXd& 
                            Index n_legs, double tolerance) {
   const auto of = [&](Index begin, Index count) {
     const auto exact = reference.middleCols(begin, count);
-    if (exact.isZero(0)) return 0.0;
-    return (found.middleCols(begin, count) - exact).norm() / exact.norm() / tolerance;
+    const double error = (found.middleCols(begin, count) - exact).norm();
+    return error == 0 ? 0.0 : error / exact.norm() / tolerance;  // of zero nothing else is right
   };
   const Index n = reference.cols();
-  return std::max(of(0, n - n_legs), of(n - n_legs, n_legs));
+  return worst_of(of(0, n - n_legs), of(n - n_legs, n_legs));
 }
 /// What docs/scene.md promises, in tolerances.
 constexpr double promised = 30;
@@ -373,7 +373,7 @@ TEST_P(BadRuns, StopWithTimeStateAndReason) {
   int k = 0;
   for (; k < 10 && reason.empty(); ++k) reason = plant.advance(Eigen::VectorXd::Zero(6));
   EXPECT_NE(reason.find("plant at t = 0.00"), std::string::npos) << reason;
-  EXPECT_NE(reason.find("largest displacement"), std::string::npos) << reason;
+  EXPECT_NE(reason.find(" m from the operating point"), std::string::npos) << reason;
   EXPECT_GE(k, 4);
 }
 
