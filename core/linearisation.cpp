@@ -2,6 +2,7 @@
 
 #include "core/dynamics.hpp"
 #include "core/linearisation/columns.hpp"
+#include "core/linearisation/mass_rounding.hpp"
 #include "core/linearisation/projection.hpp"
 #include "core/linearisation/signal_rows.hpp"
 #include "core/model/prescribed.hpp"
@@ -86,6 +87,7 @@ struct Lineariser::Work {
   void project();
   void project_element(size_t k);
   void project_inertia(const ModelInertia& item);
+  void drop_rounding();
   void split();
   void split_into(const MatrixXd& block, MatrixXd& dofs, MatrixXd& motions) const;
   void force_inputs();
@@ -166,6 +168,7 @@ void Lineariser::Work::project() {
   for (MatrixXd* matrix : {&M, &C, &D, &K, &N, &G}) matrix->setZero(n_T, n_Q);
   for (size_t k = 0; k < model.elements.size(); ++k) project_element(k);
   for (const ModelInertia& item : model.inertias) project_inertia(item);
+  if (blocks.mass) drop_rounding();
   if (blocks.stiffness) G = geometric_stiffness(model, data, columns);
 }
 
@@ -212,6 +215,16 @@ void Lineariser::Work::project_inertia(const ModelInertia& item) {
     local.add(in_u, 0, 1.0, N);
     local.add(in_v, 1, 1.0, N);
     local.add(L, 2, 1.0, N);
+  }
+}
+
+/// A dof that moves nothing but rounding has no mass, and whoever asks for its motion is told so.
+void Lineariser::Work::drop_rounding() {
+  const VectorXd rounding = mass_rounding(model, data.x, columns.X.leftCols(model.n_d));
+  for (Index i = 0; i < model.n_d; ++i) {
+    if (M(i, i) > rounding(i)) continue;
+    M.row(i).setZero();
+    M.col(i).setZero();
   }
 }
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include "core/equilibrium.hpp"
@@ -46,6 +48,55 @@ TEST(MasslessDof, IsRefusedByNameWhereMotionIsAskedFor) {
     } catch (const Refusal& refusal) {
       EXPECT_NE(std::string(refusal.what()).find("x(joint)"), std::string::npos) << refusal.what();
     }
+  }
+}
+
+const std::string blade_on_an_arm = R"(title: A blade in no axis of space, at the end of an arm
+nodes:
+  ground: {position: [0, 0, 0]}
+  elbow: {position: [0.3, 0.2, 0.1]}
+  tip: {position: [0.9, 0.5, 0.25]}
+masses:
+  - {node: tip, mass: 1}
+elements:
+  arm: {type: rigid_beam, nodes: [ground, elbow]}
+  blade: {type: beam, nodes: [elbow, tip], EA: 1e7, orientation: [0, 0, 1], GJ: 15, EI_y: 19, EI_z: 20, mass_per_length: 0.01INERTIA}
+supports:
+  - {nodes: [ground], fix: [x, y, z, rotation]}
+dofs:
+  - {deformations: blade}
+)";
+
+Scene blade(const std::string& inertia) {
+  std::string text = blade_on_an_arm;
+  text.replace(text.find("INERTIA"), 7, inertia);
+  return parse_scene(text, "blade");
+}
+
+// Its twist has no inertia, but a difference of large numbers is left: not a mass of 1e-22 kg and a
+// mode of 1e11 Hz.
+TEST(MasslessDof, IsNoMassThatRoundingHasLeft) {
+  const Model model = make_model(blade(""));
+  try {
+    modes(linearise(model, solve_equilibrium(model).motion, {}, {}));
+    FAIL() << "no Refusal";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("e_2(blade) moves no mass"), std::string::npos)
+        << refusal.what();
+  }
+}
+
+// The least inertia that a beam can have is no rounding: hydrogen, a beam's mass in a thread of a
+// tenth of a nanometre. Twist alone is a bar with one end free: omega^2 = 3 G J / (j l^2).
+TEST(MasslessDof, IsNoneThatHasAnyMass) {
+  const double l = std::sqrt(0.6 * 0.6 + 0.3 * 0.3 + 0.15 * 0.15);
+  for (const double inertia : {1e-6, 1e-9, 1e-12}) {
+    const Model model = make_model(blade(", inertia_per_length: " + std::to_string(inertia * 1e15) + "e-15"));
+    const Modes found = modes(linearise(model, solve_equilibrium(model).motion, {}, {}));
+    const double omega = 2 * std::numbers::pi * found.natural_frequencies_hz.maxCoeff();
+    // Rounding of the beam's other inertia, m l^3 / 105 and eps, beside the one about its axis.
+    const double rounding = 100 * 2.2e-16 * 0.01 * l * l / 105 / inertia;
+    if (inertia < 1e-8) EXPECT_NEAR(omega * omega / (3 * 15 / (inertia * l * l)), 1, 1e-6 + rounding) << inertia;
   }
 }
 
