@@ -75,23 +75,49 @@ struct Parts {
   }
 };
 
-/// The longest motion of a node per motion of unit kinetic energy, translations and rotations: a
-/// force or a signal that has no lever has the rounding of the longest.
+/// Motions of unit kinetic energy. The longest of a node, translations and rotations: a force or a
+/// signal that has no lever has the rounding of the longest.
 struct Levers {
   double translation = 0, rotation = 0;
+  double mass = 0;  ///< rounding of M, of unit kinetic energy, for one eps
 
   Levers(const Model& model, const VectorXd& x, const MatrixXd& L) {
     Data data(model);
     data.x = x;
     geometric_transfer_functions(model, data);
+    // n_x x n_d
+    const MatrixXd moves = L.triangularView<Eigen::Lower>().solve(data.DF.transpose()).transpose();
     for (const ModelNode& node : model.nodes) {
       for (const PartMap* map : {&node.translation, &node.rotation}) {
         double& longest = map == &node.translation ? translation : rotation;
         for_each_column({*map}, model.n_x, [&](Index, Index column) {
-          const VectorXd row =
-              L.triangularView<Eigen::Lower>().solve(data.DF.row(column).transpose());
-          longest = std::max(longest, (map->size == 4 ? 2 : 1) * row.norm());
+          longest = std::max(longest, (map->size == 4 ? 2 : 1) * moves.row(column).norm());
         });
+      }
+    }
+    // Every entry of an inertia's mass carries eps of the largest that its two parts have: about
+    // the axis of a slim body a small inertia is a difference of large ones.
+    LocalVector u;
+    LocalHessian M;
+    for (const ModelInertia& item : model.inertias) {
+      M.resize(item.inertia->n_local(), item.inertia->n_local());
+      gather(item.parts, data.x, u);
+      item.inertia->mass(u, M);
+      std::vector<double> moved;
+      for (const PartMap& map : item.parts) {
+        double squares = 0;
+        for_each_column({map}, model.n_x,
+                        [&](Index, Index column) { squares += moves.row(column).squaredNorm(); });
+        moved.push_back(std::sqrt(squares));
+      }
+      Index row = 0;
+      for (size_t p = 0; p < item.parts.size(); row += item.parts[p++].size) {
+        Index column = 0;
+        for (size_t q = 0; q < item.parts.size(); column += item.parts[q++].size) {
+          mass +=
+              moved[p] * moved[q] *
+              M.block(row, column, item.parts[p].size, item.parts[q].size).cwiseAbs().maxCoeff();
+        }
       }
     }
   }
@@ -117,9 +143,9 @@ struct Levers {
   }
 };
 
-/// Backward errors of eps of Z, B and Y in the dofs, whose condition is that of M, and of eps of
+/// Backward errors of eps of Z, B and Y in the dofs, whose rounding is that of M, and of eps of
 /// the largest term that D stands beside, go through Z^-1 to G.
-MatrixXd rounding_of(const LinearModel& l, const Levers& levers, Complex s, double mass_condition) {
+MatrixXd rounding_of(const LinearModel& l, const Levers& levers, Complex s, double mass_rounding) {
   const Parts parts(l, s);
   const MatrixXd L = Eigen::LLT<MatrixXd>(l.M).matrixL();
   const auto solve_left = [&](const MatrixXcd& A) -> MatrixXcd {
@@ -136,7 +162,23 @@ MatrixXd rounding_of(const LinearModel& l, const Levers& levers, Complex s, doub
   for (Index j = 0; j < b.size(); ++j) {
     b(j) = std::max(b(j), levers.of(l.inputs[static_cast<size_t>(j)].quantity, s));
   }
-  return mass_condition * kappa * (y * b.transpose() / smallest + parts.D.cwiseAbs());
+  return mass_rounding * kappa * (y * b.transpose() / smallest + parts.D.cwiseAbs());
+}
+
+/// Of the squares of the natural frequencies, for one eps: |d omega^2| <= v^T (|dK| + omega^2 |dM|)
+/// v for shapes v of unit mass. Sums over elements and Cholesky's factors are off by eps of the
+/// diagonal entries, sqrt(K_ii K_jj); directions of elements and singular values, which are omega,
+/// by eps of the highest; and none by more than eps of the highest square.
+VectorXd squares_rounding(const LinearModel& l, const Modes& found, const VectorXd& squares,
+                          double mass_rounding) {
+  const auto of = [&found](const MatrixXd& A) -> VectorXd {
+    const VectorXd sizes = A.diagonal().cwiseAbs().cwiseSqrt();
+    return (found.shapes.cwiseAbs().transpose() * sizes).cwiseAbs2();
+  };
+  const VectorXd omega = squares.cwiseAbs().cwiseSqrt();
+  const VectorXd each = of(l.stiffness()) + of(l.M).cwiseProduct(squares.cwiseAbs()) +
+                        mass_rounding * (squares.cwiseAbs() + 2 * omega.maxCoeff() * omega);
+  return each.cwiseMin(mass_rounding * squares.maxCoeff());
 }
 
 /// How far what is out of balance at the operating point moves a node, over the shortest element.
@@ -146,8 +188,8 @@ double misplaced(const Scene& scene, const Model& model, const NominalMotion& no
   nominal.place(data);
   VectorXd f;
   if (!out_of_balance(model, data, nominal, f)) return 1;
-  return largest_move(model, data.DF * motion_against(linear.stiffness(), f)) *
-         scene_size(model) / shortest_element(scene);
+  return largest_move(model, data.DF * motion_against(linear.stiffness(), f)) * scene_size(model) /
+         shortest_element(scene);
 }
 
 }  // namespace
@@ -185,21 +227,23 @@ Answers answers(const Scene& scene, const std::vector<Complex>& at) {
   Answers out;
   out.misplaced = misplaced(scene, model, nominal, linear);
   const Modes found = modes(linear);
-  const double mass_condition = scaled_condition(linear.M);
-  out.squares = (2 * std::numbers::pi * found.natural_frequencies_hz).cwiseAbs2();
-  // |d omega^2| <= (|dK| + omega^2 |dM|) |v|^2 for backward errors of eps in dofs of unit mass.
-  if (out.squares.size() > 0) out.squares_rounding = mass_condition * out.squares.maxCoeff();
   const Levers levers(model, linear.x_0, Eigen::LLT<MatrixXd>(linear.M).matrixL());
+  // Of forming M, and of solving with it.
+  const double mass_rounding = levers.mass + scaled_condition(linear.M);
+  out.squares = (2 * std::numbers::pi * found.natural_frequencies_hz).cwiseAbs2();
+  if (out.squares.size() > 0) {
+    out.squares_rounding = squares_rounding(linear, found, out.squares, mass_rounding);
+  }
   for (const Complex s : at) {
     out.responses.push_back(
-        {transfer_function(linear, s), rounding_of(linear, levers, s, mass_condition)});
+        {transfer_function(linear, s), rounding_of(linear, levers, s, mass_rounding)});
   }
   if (!scene.controller) return out;
   const tools::LoopDesign design = tools::make_loop_design(scene);
   out.K_P = design.gains.K_P;
   out.K_I = design.gains.K_I;
   const LegMatrices& legs = design.loop.design.legs;
-  out.gains_rounding = condition(legs.M) * condition(legs.K) * mass_condition;
+  out.gains_rounding = condition(legs.M) * condition(legs.K) * mass_rounding;
   // Fewer legs than dofs: the motion that stands for them comes of K^-1, or of modes.
   if (legs.M.rows() < model.n_d) {
     const MatrixXd inverse =
@@ -266,10 +310,10 @@ Finding compare(const Scene& scene, const Answers& a, const Answers& b, double e
     return finding;
   }
   for (Index i = 0; i < a.squares.size(); ++i) {
-    const double scale = eps * (a.squares_rounding + b.squares_rounding * per_square) +
+    const double scale = eps * (a.squares_rounding(i) + b.squares_rounding(i) * per_square) +
                          misplaced * a.squares.maxCoeff();
     finding.take(std::abs(a.squares(i) - b.squares(i) * per_square), scale,
-                 "natural frequency " + std::to_string(i + 1));
+                 "natural frequency " + std::to_string(i + 1), a.squares(i));
   }
   for (size_t k = 0; k < a.responses.size(); ++k) {
     const Response &p = a.responses[k], &q = b.responses[k];
@@ -278,21 +322,21 @@ Finding compare(const Scene& scene, const Answers& a, const Answers& b, double e
         const SceneSignal &input = scene.inputs[static_cast<size_t>(j)],
                           &output = scene.outputs[static_cast<size_t>(i)];
         const double factor = units.of(input, scene) / units.of(output, scene);
-        finding.take(std::abs(p.G(i, j) - q.G(i, j) * factor),
-                     eps * (p.rounding(i, j) + q.rounding(i, j) * factor) +
-                         misplaced * std::abs(p.G(i, j)),
-                     "transfer function from " + input.name + " to " + output.name);
+        finding.take(
+            std::abs(p.G(i, j) - q.G(i, j) * factor),
+            eps * (p.rounding(i, j) + q.rounding(i, j) * factor) + misplaced * std::abs(p.G(i, j)),
+            "transfer function from " + input.name + " to " + output.name, std::abs(p.G(i, j)));
       }
     }
   }
   if (a.K_P.size() == 0) return finding;
   const double gains = eps * (a.gains_rounding + b.gains_rounding) + misplaced;
-  finding.take((a.K_P - b.K_P).cwiseAbs().maxCoeff(), gains * (1 + a.K_P.cwiseAbs().maxCoeff()),
-               "K_P");
-  finding.take((a.K_I - b.K_I * units.time).cwiseAbs().maxCoeff(),
-               gains * a.K_I.cwiseAbs().maxCoeff(), "K_I");
+  const double K_P = a.K_P.cwiseAbs().maxCoeff(), K_I = a.K_I.cwiseAbs().maxCoeff();
+  finding.take((a.K_P - b.K_P).cwiseAbs().maxCoeff(), gains * (1 + K_P), "K_P", K_P);
+  finding.take((a.K_I - b.K_I * units.time).cwiseAbs().maxCoeff(), gains * K_I, "K_I", K_I);
   // A double pole moves by the root of what its matrix does.
-  finding.take(std::abs(a.radius - b.radius), std::sqrt(gains) * a.radius, "spectral radius");
+  finding.take(std::abs(a.radius - b.radius), std::sqrt(gains) * a.radius, "spectral radius",
+               a.radius);
   return finding;
 }
 

@@ -17,13 +17,13 @@ struct Response {
 
 /// What a scene is asked that no choice of axes, order, units or coordinates may change.
 struct Answers {
-  Eigen::VectorXd squares;      ///< of the natural frequencies, 1/s^2; empty where there are none
-  double squares_rounding = 0;  ///< 1/s^2, for one eps
+  Eigen::VectorXd squares;  ///< of the natural frequencies, 1/s^2; empty where there are none
+  Eigen::VectorXd squares_rounding;  ///< 1/s^2, for one eps
   std::vector<Response> responses;
   Eigen::MatrixXd K_P, K_I;   ///< of the design, m x m, 1 and 1/s; empty without a loop
   double gains_rounding = 0;  ///< relative to the largest of them, for one eps
   double radius = 0;          ///< spectral radius of the sampled loop
-  double misplaced = 0;  ///< error of the operating point, over the shortest element
+  double misplaced = 0;       ///< error of the operating point, over the shortest element
 };
 
 /// Length of the shortest element that has one, m.

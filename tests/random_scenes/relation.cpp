@@ -24,8 +24,11 @@ double Finding::share() const {
   return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
 }
 
-void Finding::take(double other_value, double other_bound, const std::string& other_what) {
-  const Finding other{other_value, other_bound, other_what};
+void Finding::take(double other_value, double other_bound, const std::string& other_what,
+                   double size) {
+  ++compared;
+  if (!(other_bound <= 0.1 * size)) ++unknown;
+  const Finding other{other_value, other_bound, other_what, compared, unknown};
   if (what.empty() || other.share() > share()) *this = other;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,12 +14,16 @@ namespace stillframe::random_scenes {
 struct Finding {
   double value = 0, bound = 1;
   std::string what;  ///< which of the numbers it was
+  int compared = 0;  ///< how many numbers it is the worst of
+  int unknown = 0;   ///< those of them that the bound says little of: it is above a tenth of them
 
   /// Part of the bound that is used up; NaN counts as infinitely much.
   double share() const;
   bool holds() const { return share() <= 1; }
-  /// Keeps the worse of the two.
-  void take(double other_value, double other_bound, const std::string& other_what);
+  /// Keeps the worse of the two. size: of the number whose difference the value is; infinite where
+  /// it is no difference, or relative.
+  void take(double other_value, double other_bound, const std::string& other_what,
+            double size = std::numeric_limits<double>::infinity());
 };
 
 /// Something that must hold on every scene of its domain.

@@ -116,22 +116,22 @@ std::optional<Finding> check_frequencies(Case& scene, std::uint64_t) {
   const MatrixXd M = projected(nodal.M);
   // Backward errors of eps in every entry of either matrix, and as many as there are additions.
   const double eps = 10 * static_cast<double>(n) * std::numeric_limits<double>::epsilon();
-  const double minimal_rounding = own_answers(scene).squares_rounding;
+  const VectorXd& minimal_rounding = own_answers(scene).squares_rounding;
   const MatrixXd V = (Z * solver.eigenvectors()).cwiseAbs(), K_sizes = nodal.K.cwiseAbs();
   const double nodal_rounding = (V.transpose() * K_sizes * V).diagonal().maxCoeff();
   for (Index i = 0; i < n_d; ++i) {
     finding.take(std::abs(solver.eigenvalues()(i) - minimal(i)),
-                 eps * (minimal_rounding + nodal_rounding),
-                 "natural frequency " + std::to_string(i + 1));
+                 eps * (minimal_rounding(i) + nodal_rounding),
+                 "natural frequency " + std::to_string(i + 1), minimal(i));
   }
   // The sum of all decay rates.
   const double decay = M.ldlt().solve(projected(nodal.C)).trace();
   const double expected = scene.linear().M.ldlt().solve(scene.linear().damping()).trace();
   const double sizes = (V.transpose() * nodal.C.cwiseAbs() * V).trace();
   finding.take(std::abs(decay - expected),
-               eps * (sizes + minimal_rounding / minimal.maxCoeff() * expected +
-                      std::sqrt(minimal_rounding)),
-               "sum of decay rates");
+               eps * (sizes + minimal_rounding.maxCoeff() / minimal.maxCoeff() * expected +
+                      std::sqrt(minimal_rounding.maxCoeff())),
+               "sum of decay rates", expected);
   return finding;
 }
 

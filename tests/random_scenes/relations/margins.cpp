@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "tests/random_scenes/generator/draws.hpp"
 #include "tests/random_scenes/relation.hpp"
@@ -29,7 +30,8 @@ bool stable(const LoopSettings& settings, const VectorXd& gains, const VectorXd&
 }
 
 /// Gains are found to a part of 1e-6, delays to 1e-6 of a sample, so that some ten or a hundred of
-/// these are on the right side. A delay may have a limit 1e-3 before a whole sample and none behind.
+/// these are on the right side. A delay may have a limit 1e-3 before a whole sample and none
+/// behind.
 constexpr double beside_gain = 1e-4, beside_delay = 1e-5;
 
 /// Checks a limit on the way from `from` to it: stable at random places before it and just inside,
@@ -44,26 +46,72 @@ void check_limit(Draws& draws, const Stable& at, double beside, const std::strin
   finding.take(at(1 + beside) ? 1 : 0, 0.5, what + ": stable just outside");
 }
 
-/// 1 / max |S_ii - 1/2| of one leg over the angles of all poles, and about them as far as they are
-/// from the unit circle: where a peak is, a pole is near.
-double disk_margin(const LoopSettings& settings, Index leg, const Eigen::VectorXcd& poles) {
-  const SampledPlant plant = sample_and_hold(feedback_part(settings.plant), settings.sampling);
-  const DiscreteLaw law = law_of(settings);
-  const auto value = [&](double angle) {
-    const MatrixXcd L = return_ratio(plant, law, angle / plant.sample_time);
-    const MatrixXcd I = MatrixXcd::Identity(L.rows(), L.rows());
-    return std::abs((I + L).partialPivLu().inverse()(leg, leg) - 0.5);
-  };
-  double largest = value(std::numbers::pi);
-  for (const auto& pole : poles) {
-    const double distance = std::abs(1 - std::abs(pole));
-    for (const double offset : {0.0, 0.3, -0.3, 1.0, -1.0, 3.0, -3.0}) {
-      const double angle = std::abs(std::arg(pole)) + offset * distance;
-      if (angle > 1e-7 && angle < std::numbers::pi) largest = std::max(largest, value(angle));
+/// S - I/2 over the unit circle, by the return ratio: neither the system that the margins are of
+/// nor their search is asked.
+class Sensitivity {
+ public:
+  /// On angles about those of all poles, as far as they are from the unit circle (where a narrow
+  /// peak is, a pole is near), and on a grid of thirty a decade.
+  Sensitivity(const LoopSettings& settings, const Eigen::VectorXcd& poles)
+      : plant_(sample_and_hold(feedback_part(settings.plant), settings.sampling)),
+        law_(law_of(settings)) {
+    for (const auto& pole : poles) {
+      const double distance = std::abs(1 - std::abs(pole));
+      for (const double offset : {0.0, 0.3, -0.3, 1.0, -1.0, 3.0, -3.0}) {
+        angles_.push_back(std::abs(std::arg(pole)) + offset * distance);
+      }
     }
+    for (int i = 0; i <= 180; ++i) angles_.push_back(std::numbers::pi * std::pow(10, -i / 30.0));
+    std::erase_if(angles_, [](double angle) { return angle < 1e-7 || angle > std::numbers::pi; });
+    std::sort(angles_.begin(), angles_.end());
+    for (const double angle : angles_) values_.push_back(at(angle));
   }
-  return 1 / largest;
-}
+
+  /// The largest size(S - I/2), to rounding: what is highest on the grid, and refined between its
+  /// neighbours by the golden section.
+  template <class Size>
+  double peak(const Size& size) const {
+    std::vector<double> sizes;
+    for (const MatrixXcd& value : values_) sizes.push_back(size(value));
+    // Of the grid's hills the three that are highest there: the highest may be between its angles.
+    std::vector<size_t> hills;
+    for (size_t i = 0; i < sizes.size(); ++i) {
+      if ((i == 0 || sizes[i] >= sizes[i - 1]) &&
+          (i + 1 == sizes.size() || sizes[i] >= sizes[i + 1])) {
+        hills.push_back(i);
+      }
+    }
+    const auto n = std::min<std::ptrdiff_t>(3, std::ssize(hills));
+    std::partial_sort(hills.begin(), hills.begin() + n, hills.end(),
+                      [&](size_t i, size_t j) { return sizes[i] > sizes[j]; });
+    double largest = 0;
+    for (auto hill = hills.begin(); hill != hills.begin() + n; ++hill) {
+      double low = angles_[std::max<size_t>(*hill, 1) - 1],
+             high = angles_[std::min(*hill + 1, sizes.size() - 1)];
+      largest = std::max(largest, sizes[*hill]);
+      // The section shrinks by 1e-8, and the value is as flat as its square.
+      for (int i = 0; i < 40; ++i) {
+        const double third = (3 - std::sqrt(5.0)) / 2 * (high - low);
+        const double left = size(at(low + third)), right = size(at(high - third));
+        largest = std::max({largest, left, right});
+        (left > right ? high : low) = left > right ? high - third : low + third;
+      }
+    }
+    return largest;
+  }
+
+ private:
+  MatrixXcd at(double angle) const {
+    const MatrixXcd L = return_ratio(plant_, law_, angle / plant_.sample_time);
+    const MatrixXcd I = MatrixXcd::Identity(L.rows(), L.rows());
+    return (I + L).partialPivLu().inverse() - 0.5 * I;
+  }
+
+  SampledPlant plant_;
+  DiscreteLaw law_;
+  std::vector<double> angles_;
+  std::vector<MatrixXcd> values_;
+};
 
 }  // namespace
 
@@ -111,11 +159,20 @@ std::optional<Finding> check_margins(Case& scene, std::uint64_t seed) {
   check_delay(found.leg_delay(leg), VectorXd::Unit(m, leg), "delay of a leg");
   check_delay(found.all_delay, ones, "delay of all legs");
   const Index n = design.closed.A.rows() - design.closed.n_exogenous;
+  const Sensitivity sensitivity(settings, design.closed.A.bottomRightCorner(n, n).eigenvalues());
   const double disk =
-      disk_margin(settings, leg, design.closed.A.bottomRightCorner(n, n).eigenvalues());
-  // A part of 1e-6 is what the margin is found to.
-  finding.take(found.leg_disk(leg), disk * (1 + 1e-6), "disk margin of a leg");
+      1 / sensitivity.peak([&](const MatrixXcd& Z) { return std::abs(Z(leg, leg)); });
+  // A part of 1e-6 is what the margin is found to, and ten times that what a peak nearer to a pole
+  // than its rounding may lose.
+  finding.take(std::abs(found.leg_disk(leg) - disk), 1e-5 * disk, "disk margin of a leg", disk);
   finding.take(found.all_disk, found.leg_disk.minCoeff() * (1 + 1e-6), "disk margin of all legs");
+  // The structured singular value lies between the spectral radius and the norm.
+  const double all = 1 / sensitivity.peak([](const MatrixXcd& Z) {
+    return Z.eigenvalues().cwiseAbs().maxCoeff();
+  });
+  const double least = 1 / sensitivity.peak([](const MatrixXcd& Z) { return Z.operatorNorm(); });
+  finding.take(found.all_disk, all * (1 + 1e-5), "disk margin of all legs beside what breaks it");
+  finding.take(least, found.all_disk * (1 + 1e-5), "disk margin of all legs beside the norm");
   // What the disk promises of gains is no more than what there is; one leg may have just that.
   const double alpha = found.all_disk;
   finding.take((2 - alpha) / (2 + alpha) < found.all_gain.lowest * (1 - 1e-5) ? 1 : 0, 0.5,

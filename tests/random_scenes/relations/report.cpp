@@ -1,12 +1,19 @@
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <set>
 #include <sstream>
 
 #include "core/linear/sampled_loop.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/export/log_export.hpp"
 #include "report/page/write_page.hpp"
+#include "report/spectra/spectra.hpp"
+#include "report/verdict/motion_level.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"
 #include "tools/analysis/page_of.hpp"
@@ -70,6 +77,67 @@ Eigen::MatrixXd read_csv(const std::filesystem::path& file) {
   return values;
 }
 
+/// How many nulls of a verdict stand where a number belongs: a number that is not finite is null.
+int count_nulls(const nlohmann::json& value, double rate) {
+  // Documented as null where there is none.
+  static const std::set<std::string> optional = {"isolates_above_hz",
+                                                 "real_time_factor",
+                                                 "limit",
+                                                 "share",
+                                                 "settling_s",
+                                                 "floor",
+                                                 "passive",
+                                                 "active"};
+  const bool missing = value.is_object() && !value.value("missing", "").empty();
+  int n = 0;
+  for (const auto& [key, item] : value.items()) {
+    // Quotients of numbers that are looked at, null for 0 / 0; what is not known at a frequency.
+    if (key.starts_with("ratio_") || key == "transmissibility") continue;
+    if (key == "third_octave_velocity" || key == "cumulative_rms") {
+      const auto bands = report::third_octave_bands();
+      for (size_t i = 0; i < bands.size(); ++i) {
+        n += item.at(i).is_null() && bands[i].upper_hz <= 0.5 * rate;
+      }
+    } else if (item.is_structured()) {
+      n += count_nulls(item, rate);
+    } else {
+      n += item.is_null() && !missing && !optional.count(key);
+    }
+  }
+  return n;
+}
+
+/// What of the mean square of x, less its mean, lies between two frequencies (Hz): the square of
+/// its Fourier integral, summed over frequencies that are near enough for records up to 32 s.
+double power_between(const Eigen::VectorXd& x, double rate, double lower_hz, double upper_hz) {
+  constexpr double step = 1.0 / 64;
+  const Eigen::VectorXd y = x.array() - x.mean();
+  double sum = 0;
+  for (double f = lower_hz + step / 2; f < std::min(upper_hz, rate / 2); f += step) {
+    const std::complex<double> turn = std::polar(1.0, 2 * std::numbers::pi * f / rate);
+    std::complex<double> value = 0;
+    for (Index k = y.size(); k-- > 0;) value = value * turn + y(k);
+    sum += std::norm(value);
+  }
+  return 2 * step * sum / (rate * static_cast<double>(x.size()));
+}
+
+/// The stated rms of 1 to 80 Hz against the samples themselves.
+void check_level(const report::MotionLevel& level, const Eigen::VectorXd& x, double rate,
+                 const std::string& what, Finding& finding) {
+  const auto power = [&](double lower, double upper) {
+    return power_between(x, rate, lower, upper);
+  };
+  const double direct = power(report::lowest_level_hz, report::highest_level_hz);
+  // An edge is known to 1/8 Hz (docs/identification.md).
+  double edges = 0;
+  for (const double f : {report::lowest_level_hz, report::highest_level_hz}) {
+    edges += power(f - 0.125, f + 0.125);
+  }
+  finding.take(std::abs(level.rms_acceleration * level.rms_acceleration - direct),
+               edges + 1e-3 * direct, what + ", square of the rms", direct);
+}
+
 }  // namespace
 
 std::optional<Finding> check_report(Case& scene, std::uint64_t) {
@@ -82,6 +150,7 @@ std::optional<Finding> check_report(Case& scene, std::uint64_t) {
   tools::RunAnalyses runs;
   Finding finding;
   std::vector<std::string> loops = {"passive"};
+  std::map<std::string, Eigen::MatrixXd> accelerations;
   if (design.radius < largest_stable_radius) loops.push_back("active");
   for (const std::string& loop : loops) {
     tools::PhaseOptions options;
@@ -109,16 +178,37 @@ std::optional<Finding> check_report(Case& scene, std::uint64_t) {
       return finding;
     }
     const auto same = [&](Index column, const Eigen::MatrixXd& values, const char* what) {
-      finding.take(
-          (exported.middleCols(column, values.cols()) - values).cwiseAbs().maxCoeff() == 0 ? 0 : 1,
-          0.5, what);
+      // Of each number, as NaN is equal to none.
+      const bool all = (exported.middleCols(column, values.cols()).array() == values.array()).all();
+      finding.take(all ? 0 : 1, 0.5, what);
     };
     same(2 + n_floor, direct.sigma, "exported sigma");
     same(2 + n_floor + 2 * m, direct.acceleration, "exported acceleration");
     same(2 + n_floor + 2 * m + n_frame, direct.force, "exported command");
+    accelerations[loop] = direct.acceleration;
   }
   const report::Verdict verdict = tools::verdict_of(runs);
-  finding.take(count_not_finite(report::to_json(verdict)), 0.5,
+  const double rate = design.gains.sample_rate_hz;
+  for (const report::AxisLevels& axis : verdict.axes) {
+    const Scene& own = scene.scene();
+    const auto named = [](const auto& list, const std::string& name) {
+      return std::find_if(list.begin(), list.end(),
+                          [&](const auto& item) { return item.name == name; });
+    };
+    const auto check = [&](const std::optional<report::MotionLevel>& level, const char* loop,
+                           const std::string& signal) {
+      if (!level || !accelerations.count(loop)) return;
+      auto signals = own.outputs;
+      signals.insert(signals.end(), own.monitors.begin(), own.monitors.end());
+      const Index column = named(signals, signal) - signals.begin();
+      check_level(*level, accelerations[loop].col(column), rate, signal + ", " + loop, finding);
+    };
+    const SceneComparison& comparison = *named(own.comparisons, axis.axis);
+    check(axis.floor, loops.back().c_str(), comparison.floor);
+    check(axis.passive, "passive", comparison.frame);
+    check(axis.active, "active", comparison.frame);
+  }
+  finding.take(count_nulls(nlohmann::json::parse(report::to_json(verdict)), rate), 0.5,
                "numbers in the verdict's JSON that are none");
   finding.take(count_not_finite(report::to_text(verdict)), 0.5,
                "numbers in the verdict's text that are none");
