@@ -22,6 +22,7 @@
 #include "controller/session.hpp"
 #include "controller/start_check.hpp"
 #include "controller/timing_file.hpp"
+#include "core/cli/numbers.hpp"
 #include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
 #include "core/yaml/reader.hpp"
@@ -83,7 +84,7 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("ID");
   app.add_option("--timeout", options.timeout_s,
                  "Seconds without a word from the plant after which the run has failed")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app.add_option("--phase", options.phase,
                  "Wall-clock mode: when in a sample to wake up, as a part of it from 0 up to 1")

@@ -12,6 +12,7 @@
 #include <sstream>
 #include <string>
 
+#include "core/cli/numbers.hpp"
 #include "core/control_loop.hpp"
 #include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
@@ -77,25 +78,25 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--duration", options.duration_s,
                  "Seconds of plant time (default: the scene's, or the floor's)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app.add_option("--run-id", options.run_id,
                  "Number that ties the messages of one run together (default: random)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app.add_option("--lcm-url", options.lcm_url,
                  "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
                  "udpm://239.255.76.67:7667?ttl=0)");
   app.add_option("--timeout", options.timeout_s,
                  "Seconds without a word from the controller before giving up")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   app.add_option("--amplifier-hold", options.amplifier_hold_samples,
                  "Wall-clock: samples without a command for which the amplifiers hold the last one")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str()
       ->type_name("SAMPLES");
   app.add_option("--amplifier-fade", options.amplifier_fade_s,
                  "Wall-clock: seconds in which they then let it go, smoothly")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str()
       ->type_name("S");
   app.add_option("--priority", options.priority,

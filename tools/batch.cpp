@@ -3,6 +3,7 @@
 #include <memory>
 #include <thread>
 
+#include "core/cli/numbers.hpp"
 #include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
 #include "tools/exit_code.hpp"
@@ -40,8 +41,14 @@ std::vector<StudyCase> cases_of(const Options& options) {
   return cases;
 }
 
-std::string stem(const std::optional<std::filesystem::path>& file) {
-  return file ? file->stem().string() : "(scene's)";
+/// The name of a file without folder and ending, or all of it where another file has that name too.
+std::string label(const std::optional<std::filesystem::path>& file,
+                  const std::vector<std::filesystem::path>& files) {
+  if (!file) return "(scene's)";
+  const bool alone = std::none_of(files.begin(), files.end(), [&](const auto& other) {
+    return other != *file && other.stem() == file->stem();
+  });
+  return alone ? file->stem().string() : file->string();
 }
 
 Json to_json(const StudyCase& study, const StudyResult& result) {
@@ -71,14 +78,16 @@ Json to_json(const StudyCase& study, const StudyResult& result) {
   return row;
 }
 
-std::string table_of(const std::vector<StudyCase>& cases, const std::vector<StudyResult>& results) {
+std::string table_of(const Options& options, const std::vector<StudyCase>& cases,
+                     const std::vector<StudyResult>& results) {
   using report::cell;
   report::Table table({"scene", "controller", "floor", "axis", "floor um/s^2", "passive", "active",
                        "class", "verdict", "peak N", "real time x"},
                       4);
   for (size_t i = 0; i < cases.size(); ++i) {
-    std::string scene = cases[i].scene.stem().string(), controller = stem(cases[i].controller),
-                floor = stem(cases[i].floor);
+    std::string scene = label(cases[i].scene, options.scenes),
+                controller = label(cases[i].controller, options.controllers),
+                floor = label(cases[i].floor, options.floors);
     const StudyResult& result = results[i];
     if (!result.failure.empty()) {
       table.add({scene, controller, floor, "", "", "", "", "", "did not run", "", ""});
@@ -117,7 +126,7 @@ int run(const Options& options) {
     for (size_t i = 0; i < cases.size(); ++i) rows.push_back(to_json(cases[i], results[i]));
     print(rows);
   } else {
-    std::cout << table_of(cases, results);
+    std::cout << table_of(options, cases, results);
   }
   int code = exit_done;
   for (size_t i = 0; i < cases.size(); ++i) {
@@ -125,9 +134,10 @@ int run(const Options& options) {
     const bool ran = results[i].failure.empty();
     if (ran && exit_code_of(outcome) == exit_done) continue;
     code = exit_failed;
-    std::cerr << "stillframe: " << cases[i].scene.string() << ", " << stem(cases[i].controller)
-              << ", " << stem(cases[i].floor) << ": " << (ran ? reason : results[i].failure)
-              << "\n";
+    std::cerr << "stillframe: " << cases[i].scene.string() << ", "
+              << label(cases[i].controller, options.controllers) << ", "
+              << label(cases[i].floor, options.floors) << ": "
+              << (ran ? reason : results[i].failure) << "\n";
   }
   return code;
 }
@@ -147,7 +157,7 @@ void add_batch(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   verb->add_option("--duration", options->duration_s,
                    "Seconds of plant time (default: the scene's, or the floor's)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--jobs", options->jobs, "Runs at a time (default: as many as processors)")
       ->check(CLI::Range(1, 1024));
   verb->add_flag(

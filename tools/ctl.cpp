@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "controller/supervisor.hpp"
+#include "core/cli/numbers.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
@@ -206,14 +207,14 @@ void add_ctl(CLI::App& app, int& exit_code) {
       ->type_name("ACTION");
   verb->add_option("--run-id", options->run_id,
                    "Run of the controller (default: any that is heard)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("ID");
   verb->add_option("--lcm-url", options->lcm_url,
                    "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
                    "udpm://239.255.76.67:7667?ttl=0)")
       ->type_name("URL");
   verb->add_option("--timeout", options->timeout_s, "Seconds to wait for an answer")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   verb->add_flag("--json", options->json, "Print the status as JSON");
   verb->footer(

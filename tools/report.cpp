@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "core/cli/numbers.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/page/write_page.hpp"
 #include "tools/analysis/page_of.hpp"
@@ -91,11 +92,11 @@ void add_report(CLI::App& app, int& exit_code) {
   verb->add_option("--run-id", options->run_id, "The run to take from a log that holds several");
   verb->add_option("--segment", options->segment_s,
                    "Broadband identification: s of what is transformed at once; longer is finer")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   verb->add_option("--tolerance-db", options->comparison.tolerance_db,
                    "How far a prediction may lie outside the band of a measured value")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str();
   verb->add_flag("--json", options->json, "Print the verdict as JSON");
   verb->footer(

@@ -4,6 +4,7 @@
 
 #include "controller/policy.hpp"
 #include "controller/start_check.hpp"
+#include "core/cli/numbers.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -186,17 +187,17 @@ void add_run(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   verb->add_option("--duration", options->duration_s,
                    "Seconds of plant time (default: the scene's, or the floor's)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--run-id", options->run_id,
                    "Number that ties the messages of a run together (default: random; "
                    "the second loop has the next one)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--lcm-url", options->lcm_url,
                    "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
                    "udpm://239.255.76.67:7667?ttl=0)");
   verb->add_option("--timeout", options->timeout_s,
                    "Seconds of silence after which a run has failed")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   verb->add_option("--policy", options->policy,
                    "Wall-clock: fault policy of the controller (YAML, docs/safety.md)")

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/cli/numbers.hpp"
 #include "core/frequency_response.hpp"
 #include "core/linear/frequency_sweep.hpp"
 #include "core/scene/scene_reader.hpp"
@@ -224,11 +225,11 @@ void add_sigma(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   verb->add_option("--from", options->from_hz,
                    "Lowest frequency, Hz; default: a tenth of the slowest mode or target")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--to", options->to_hz,
                    "Highest frequency, Hz; default: four times the highest of the twelve slowest "
                    "modes and\nthe targets, at most half the sample rate")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   verb->add_option("--points", options->points, "Frequencies, evenly spaced on a logarithmic axis")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();

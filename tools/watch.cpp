@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/cli/numbers.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -169,7 +170,7 @@ void add_watch(CLI::App& app, int& exit_code) {
   verb->add_option("--run-id", options->run_id, "Watch this run only (default: the newest)")
       ->type_name("ID");
   verb->add_option("--duration", options->duration_s, "End after so long (default: at Ctrl-C)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->type_name("S");
   verb->add_flag("--once", options->once, "Listen for --duration (default 2 s), then show it once");
   verb->add_flag("--json", options->json, "Print a line of JSON a second");

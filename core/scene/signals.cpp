@@ -132,6 +132,28 @@ std::string read_monitor_name(const YamlReader& value, const Scene& scene) {
   return name;
 }
 
+/// Whether the motion that an output or monitor measures is one that the scene prescribes.
+bool is_prescribed(const std::string& name, const Scene& scene) {
+  const auto named = [&](const SceneSignal& signal) { return signal.name == name; };
+  auto found = std::find_if(scene.outputs.begin(), scene.outputs.end(), named);
+  if (found == scene.outputs.end()) {
+    found = std::find_if(scene.monitors.begin(), scene.monitors.end(), named);
+  }
+  // What is left of its direction beside the prescribed ones.
+  Eigen::Vector3d rest = found->direction;
+  std::vector<Eigen::Vector3d> basis;
+  for (const SceneConstraint& motion : scene.prescribed) {
+    if (motion.node != found->node) continue;
+    for (Eigen::Vector3d axis : motion.directions) {
+      for (const Eigen::Vector3d& other : basis) axis -= other.dot(axis) * other;
+      if (axis.norm() < 1e-9) continue;
+      basis.push_back(axis.normalized());
+      rest -= basis.back().dot(rest) * basis.back();
+    }
+  }
+  return !basis.empty() && rest.norm() < 1e-9;
+}
+
 }  // namespace
 
 std::string word_of(Quantity quantity) {
@@ -149,9 +171,18 @@ void read_signals(const YamlReader& root, Scene& scene) {
   if (const auto list = root.find("compare")) {
     for (const auto& [name, value] : list->entries()) {
       value.allow_only({"floor", "frame"});
-      scene.comparisons.push_back({name, value.place(),
-                                   read_monitor_name(value.require("floor"), scene),
-                                   read_monitor_name(value.require("frame"), scene)});
+      const YamlReader frame = value.require("frame");
+      if (value.require("floor").text() == frame.text()) {
+        frame.fail("'" + frame.text() + "' cannot be the floor and the frame of a comparison");
+      }
+      const std::string above = read_monitor_name(frame, scene);
+      if (is_prescribed(above, scene)) {
+        frame.fail("'" + above +
+                   "' is the motion of a node that is prescribed: it is a floor, and what stands "
+                   "on it is the frame");
+      }
+      scene.comparisons.push_back(
+          {name, value.place(), read_monitor_name(value.require("floor"), scene), above});
     }
   }
 }

@@ -80,15 +80,18 @@ IdentifiedResponse ResponseAnalyser::finish() {
   if (!result.missing.empty()) return result;
   FrequencyResponse response = broadband.estimate();
   if (!model_.empty()) response = about_model(response, model_, density_);
-  Eigen::VectorXd conditions = response.input_condition;
-  std::sort(conditions.begin(), conditions.end());
-  const double median = conditions(conditions.size() / 2);
-  if (!(median < largest_shown_condition)) {
+  const double best = response.input_condition.minCoeff();
+  if (!(best < largest_shown_condition)) {
     result.missing =
-        std::isinf(median)
-            ? "the inputs do not move independently: some are always the same combination of others"
-            : "the inputs do not move independently (condition " + cell("%.1e", median) + ")";
+        "the inputs do not move independently: some are always the same combination of others "
+        "(condition " +
+        cell("%.1e", best) + " at best)";
     return result;
+  }
+  for (Eigen::Index l = 0; l < response.n_frequencies(); ++l) {
+    if (response.input_condition(l) < largest_shown_condition) continue;
+    response.T[static_cast<std::size_t>(l)].setConstant(std::numeric_limits<double>::quiet_NaN());
+    response.singular_values.row(l).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   result.response = std::move(response);
   return result;

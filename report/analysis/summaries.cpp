@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "report/identification/confidence.hpp"
 #include "report/verdict/motion_level.hpp"
@@ -91,11 +92,29 @@ std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, do
   return band_rms(signal.power, from_hz, to_hz);
 }
 
+void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalAnalysis* passive,
+                 const SignalAnalysis* active, const Psd* unexplained) {
+  const double from_hz = motion.asked.from_hz, to_hz = motion.asked.to_hz;
+  const auto fill = [&](const SignalAnalysis* signal, std::optional<double>& level, double& jumps) {
+    if (signal == nullptr) return;
+    level = range_rms(*signal, from_hz, to_hz);
+    jumps = jumps_in_band(signal->power, from_hz, to_hz);
+  };
+  fill(&floor, motion.floor, motion.floor_jumps);
+  fill(passive, motion.passive, motion.passive_jumps);
+  fill(active, motion.active, motion.active_jumps);
+  if (unexplained != nullptr && unexplained->density.size() > 0) {
+    motion.active_unexplained = band_rms(*unexplained, from_hz, to_hz);
+  }
+}
+
 MotionSpectra motion_spectra(const SignalAnalysis& signal) {
   MotionSpectra spectra;
   if (signal.third_octaves.size() == 0) return spectra;
   spectra.velocity.assign(signal.third_octaves.begin(), signal.third_octaves.end());
   for (const OctaveBand& band : third_octave_bands()) {
+    spectra.jumps.push_back(jumps_in_band(signal.power, band.lower_hz, band.upper_hz) /
+                            (2 * std::numbers::pi * band.lower_hz));
     spectra.cumulative_rms.push_back(band.upper_hz <= 0.5 * signal.power.sample_rate_hz
                                          ? band_rms(signal.power, 0, band.upper_hz)
                                          : std::nan(""));

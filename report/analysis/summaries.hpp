@@ -16,6 +16,12 @@ std::vector<TimingSummary> timing_summaries(const LogAnalysis& log);
 MotionLevel motion_level(const SignalAnalysis& signal);
 /// The rms acceleration from one frequency to another, m/s^2; none for a signal without a spectrum.
 std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, double to_hz);
+
+/// The same for every signal of what is asked of a direction, and how much of it the ends of the
+/// records may be. passive, active: null if there is none; unexplained: of the active frame, null
+/// if it is not known.
+void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalAnalysis* passive,
+                 const SignalAnalysis* active, const Psd* unexplained);
 MotionSpectra motion_spectra(const SignalAnalysis& signal);
 std::vector<ShockSummary> shock_summaries(const LogAnalysis& log);
 /// Of the legs that did anything. limit: N of every leg, if there is one.

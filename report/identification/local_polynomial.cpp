@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/yaml/input_error.hpp"
 #include "report/spectra/fourier.hpp"
 #include "report/table.hpp"
 
@@ -61,6 +62,12 @@ LocalPolynomial::LocalPolynomial(BroadbandPlan plan) : plan_(std::move(plan)) {
     throw std::invalid_argument(
         "LocalPolynomial: rate, inputs, outputs and segment must be positive, frequencies below "
         "half the rate");
+  }
+  constexpr double fewest = 2 * n_terms;
+  if (!(plan_.segment_s * rate >= fewest)) {
+    throw InputError(cell("a segment of %g s holds %.3g samples at %g Hz, ", plan_.segment_s,
+                          plan_.segment_s * rate, rate) +
+                     cell("%g are the fewest", fewest));
   }
   length_ = fast_length(std::llround(plan_.segment_s * rate));
   plan_.segment_s = static_cast<double>(length_) / rate;

@@ -85,7 +85,7 @@ std::string damping_panel(const RobustnessPlot& plot) {
          "set ylabel 'plants (%)'\n" +
          "set boxwidth " + plot_number(plot.damping_width) + "\n" + plot_data("bars", bars) +
          "set arrow from " + nominal + ", graph 0 to " + nominal +
-         ", graph 1 nohead linewidth 3 linecolor rgb 'black'\n" +
+         ", graph 1 nohead front linewidth 3 linecolor rgb 'black'\n" +
          "plot $bars using 1:($1 < 0 ? NaN : $2) with boxes fillstyle solid noborder linecolor rgb "
          "'#6BAED6', $bars using 1:($1 < 0 ? $2 : NaN) with boxes fillstyle solid noborder "
          "linecolor rgb '#D55E00'\n";

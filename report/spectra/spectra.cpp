@@ -143,7 +143,11 @@ class RunningPower::Windows {
   }
 
   void add(const Eigen::Ref<const VectorXd>& x) {
+    if (x.size() == 0) return;
     count_ += x.size();
+    if (apart_) jumps_ += std::pow(x(0) - mean_, 2);
+    apart_ = false;
+    last_ = x(x.size() - 1) - mean_;
     for (Index begin = 0; begin < x.size();) {
       const Index part = std::min(x.size() - begin, held_.size() - filled_);
       held_.segment(filled_, part) = x.segment(begin, part).array() - mean_;
@@ -154,6 +158,8 @@ class RunningPower::Windows {
 
   /// Zeros; behind a whole window of them nothing is left to be said.
   void add_nothing(std::int64_t n) {
+    if (!apart_) jumps_ += last_ * last_;
+    apart_ = true;
     for (Index rest = std::min<std::int64_t>(n, held_.size()); rest > 0;) {
       const Index part = std::min(rest, held_.size() - filled_);
       held_.segment(filled_, part).setZero();
@@ -168,7 +174,9 @@ class RunningPower::Windows {
     const Index n = held_.size();
     Psd psd{.sample_rate_hz = sample_rate_hz,
             .resolution_hz = sample_rate_hz / static_cast<double>(n),
-            .density = last.power_ * (2 / (sample_rate_hz * 1.5 * static_cast<double>(count_)))};
+            .density = last.power_ * (2 / (sample_rate_hz * 1.5 * static_cast<double>(count_))),
+            .duration_s = static_cast<double>(count_) / sample_rate_hz,
+            .jumps = last.jumps_};
     psd.density(0) *= 0.5;
     psd.density(n / 2) *= 0.5;
     return psd;
@@ -190,7 +198,8 @@ class RunningPower::Windows {
   kissfft<double> fft_;
   VectorXd held_;
   Index filled_, count_ = 0;
-  double mean_ = 0;
+  double mean_ = 0, last_ = 0, jumps_ = 0;
+  bool apart_ = true;  ///< nothing stands before the next sample
   Eigen::VectorXcd piece_, spectrum_;
   VectorXd power_;
 };
@@ -262,6 +271,14 @@ double band_rms(const Psd& psd, double lower_hz, double upper_hz) {
     power += psd.density(k) * psd.resolution_hz * overlap / (bin.upper_hz - bin.lower_hz);
   }
   return std::sqrt(power);
+}
+
+double jumps_in_band(const Psd& psd, double lower_hz, double upper_hz) {
+  if (!(psd.jumps > 0)) return psd.jumps;
+  const double lowest = std::max(lower_hz, psd.resolution_hz);
+  if (!(lowest < upper_hz)) return 0;
+  return std::sqrt(psd.jumps / (2 * std::numbers::pi * std::numbers::pi * psd.duration_s) *
+                   (1 / lowest - 1 / upper_hz));
 }
 
 VectorXd cumulative_rms(const Psd& psd) {

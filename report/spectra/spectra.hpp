@@ -13,6 +13,10 @@ struct Psd {
   double sample_rate_hz = 0;  ///< Hz
   double resolution_hz = 0;   ///< df, Hz
   Eigen::VectorXd density;    ///< unit^2 / Hz
+  double duration_s = 0;      ///< of the samples (RunningPower)
+  /// unit^2, sum of the squares of the jumps where the signal begins, ends or has a gap
+  /// (RunningPower).
+  double jumps = 0;
 
   double frequency_hz(Eigen::Index k) const { return resolution_hz * static_cast<double>(k); }
 };
@@ -107,6 +111,10 @@ Psd velocity_from_acceleration(const Psd& acceleration);
 /// Root of the integral of the density from lower_hz to upper_hz; bins that the edges cut count in
 /// part.
 double band_rms(const Psd& psd, double lower_hz, double upper_hz);
+
+/// How much of band_rms may be no motion in the band but what the jumps of the record leave there:
+/// a step of height A in T seconds has the one-sided density 2 / T (A / (2 pi f))^2.
+double jumps_in_band(const Psd& psd, double lower_hz, double upper_hz);
 
 /// Root of the integral of the density from 0 to each frequency of the PSD, its bin counted whole.
 Eigen::VectorXd cumulative_rms(const Psd& psd);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include "report/spectra/spectra.hpp"
 #include "report/spectra/vibration_criteria.hpp"
@@ -174,7 +175,8 @@ class Judge {
 
   void motion_of(const AxisLevels& axis, const AskedMotion& motion) {
     const AxisAcceptance& a = motion.asked;
-    if (!motion.why_not.empty()) {
+    if (a.vibration_class) class_of(axis, motion);
+    if (!motion.why_not.empty() && (a.rms_of_floor || a.band_of_floor)) {
       add({.subject = Subject::motion,
            .what = "axis " + axis.axis + ", active against floor",
            .asked = "no more",
@@ -182,19 +184,25 @@ class Judge {
            .outcome = Outcome::not_judged,
            .reason = "Axis " + axis.axis + ": " + motion.why_not + ".",
            .by_scene = motion.by_scene});
-      return;
-    }
-    if (a.vibration_class) class_of(axis, motion);
-    const auto level = [](const std::optional<double>& value) { return value; };
-    if (a.rms_of_floor) {
-      ratio({&axis, &motion, "floor", "rms"}, level(motion.active), level(motion.floor),
-            *a.rms_of_floor, floor_moves(axis, motion));
+    } else if (a.rms_of_floor) {
+      const bool disturbed = verdict_.disturbed;
+      // Of what forces on the frame may have done, no more than the model leaves unexplained is
+      // theirs; the whole is, where there is no model.
+      const double forces = !disturbed                  ? 0
+                            : motion.active_unexplained ? *motion.active_unexplained
+                                                        : std::numeric_limits<double>::infinity();
+      ratio({&axis, &motion, "floor", "rms"},
+            {motion.active, motion.active_jumps, forces, floor_moves(axis, motion)}, motion.floor,
+            motion.floor_jumps, *a.rms_of_floor);
     }
     if (a.rms_of_passive) {
-      ratio({&axis, &motion, "passive frame", "rms"}, level(motion.active), level(motion.passive),
-            *a.rms_of_passive, !motion.passive || *motion.passive > 0);
+      ratio({&axis, &motion, "passive frame", "rms"},
+            {motion.active, motion.active_jumps, 0, !motion.passive || *motion.passive > 0},
+            motion.passive, motion.passive_jumps, *a.rms_of_passive);
     }
-    if (a.band_of_floor) bands(axis, motion, "floor", axis.floor_spectra, *a.band_of_floor);
+    if (a.band_of_floor && motion.why_not.empty()) {
+      bands(axis, motion, "floor", axis.floor_spectra, *a.band_of_floor);
+    }
     if (a.band_of_passive) {
       bands(axis, motion, "passive frame", axis.passive_spectra, *a.band_of_passive);
     }
@@ -221,8 +229,14 @@ class Judge {
     const char* reference;
     const char* measure;  ///< rms, or band
   };
-  void ratio(const Against& against, std::optional<double> active, std::optional<double> reference,
-             double allowed, bool excited) {
+  struct Active {
+    std::optional<double> level;
+    double jumps = 0;   ///< of the level, what may be no motion in the range
+    double forces = 0;  ///< of the level, what may be of forces on the frame
+    bool excited = true;
+  };
+  void ratio(const Against& against, const Active& active, std::optional<double> reference,
+             double reference_jumps, double allowed) {
     const AxisAcceptance& a = against.motion->asked;
     const std::string of = against.reference, range = hz_range(a);
     Check check{.subject = Subject::motion,
@@ -234,14 +248,18 @@ class Judge {
                 .reason = "",
                 .by_scene = against.motion->by_scene};
     const std::string axis = "Axis " + against.axis->axis + ": ";
-    if (!active || !reference) {
+    if (!active.level || !reference) {
       check.reason = axis + "there is no motion of the " + of +
                      " on the same floor to compare "
                      "with.";
-    } else if (!excited) {
+    } else if (!active.excited) {
       check.reason = axis + "the " + of + " hardly moves " + range + ".";
     } else {
-      const double found = *active / *reference;
+      const double found = *active.level / *reference;
+      const double sure = std::max(0.0, *active.level - active.jumps);
+      const double least = std::sqrt(std::max(0.0, sure * sure - active.forces * active.forces)) /
+                           (*reference + reference_jumps);
+      const double most = (*active.level + active.jumps) / (*reference - reference_jumps);
       const std::string is = cell("%.4g", found);
       check.found = is;
       check.outcome = at_most(found, allowed);
@@ -252,6 +270,24 @@ class Judge {
       if (!open.empty() && found <= beyond_doubt * allowed) {
         check.outcome = Outcome::not_judged;
         check.reason = axis + open + ".";
+      } else if (!(*reference > reference_jumps)) {
+        check.outcome = Outcome::not_judged;
+        check.reason = axis + "the " + of + " hardly moves " + range +
+                       ": where its record begins and ends may be all that is there.";
+      } else if (found <= allowed && most > allowed) {
+        check.outcome = Outcome::not_judged;
+        check.reason =
+            axis + cell(
+                       "where the records begin and end may be so much of the range that the "
+                       "ratio, %.4g, is known up to %.4g only.",
+                       found, most);
+      } else if (found > allowed && least <= allowed) {
+        check.outcome = Outcome::not_judged;
+        check.reason =
+            axis + cell("%.4g times as much as the ", found) + of +
+            (active.forces > 0
+                 ? ", but forces act on the frame besides the floor and may be the difference."
+                 : ", but where the records begin and end may be the difference.");
       }
     }
     add(std::move(check));
@@ -275,7 +311,8 @@ class Judge {
           continue;
         }
         // What is no number is not left out.
-        const bool still = floor->velocity[i] < least_floor_share * floor_largest;
+        const bool still = floor->velocity[i] < least_floor_share * floor_largest ||
+                           hides(*floor, i) || hides(*reference, i);
         if (still || reference->velocity[i] == 0) continue;
         const double found = active->velocity[i] / reference->velocity[i];
         if (!worst || !(found <= *worst)) worst = found;
@@ -283,8 +320,14 @@ class Judge {
       }
     }
     const bool there = reference && active && floor;
-    ratio({&axis, &motion, of, "band"}, there ? std::optional(worst.value_or(0)) : std::nullopt,
-          there ? std::optional(1.0) : std::nullopt, allowed, worst.has_value());
+    ratio({&axis, &motion, of, "band"},
+          {there ? std::optional(worst.value_or(0)) : std::nullopt, 0, 0, worst.has_value()},
+          there ? std::optional(1.0) : std::nullopt, 0, allowed);
+  }
+
+  /// Whether a third of a band or more may come of where the record begins and ends.
+  static bool hides(const MotionSpectra& spectra, std::size_t band) {
+    return band < spectra.jumps.size() && 3 * spectra.jumps[band] >= spectra.velocity[band];
   }
 
   void class_of(const AxisLevels& axis, const AskedMotion& motion) {
@@ -315,13 +358,25 @@ class Judge {
 
 }  // namespace
 
+namespace {
+
+void mark_apart(std::vector<AskedMotion>& list, const Verdict& verdict) {
+  if (!verdict.floors_apart) return;
+  for (AskedMotion& motion : list) motion.why_not = "each floor input moves on its own";
+}
+
+}  // namespace
+
 std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::string& axis,
                                   const Verdict& verdict) {
   std::vector<AskedMotion> list;
   for (const AxisAcceptance& asked : accept.axes) {
     if (asked.axis == axis) list.push_back({.asked = asked, .by_scene = true});
   }
-  if (!list.empty()) return list;
+  if (!list.empty()) {
+    mark_apart(list, verdict);
+    return list;
+  }
   double to_hz = AxisAcceptance().to_hz;
   if (!verdict.runs.empty()) to_hz = std::min(to_hz, verdict.runs.front().sample_rate_hz / 2);
   AskedMotion passive{.asked = {.axis = axis, .to_hz = to_hz, .rms_of_passive = 1}};
@@ -330,13 +385,12 @@ std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::stri
     floor.why_not = "what the loop is to isolate is not known, its target is in no log";
   } else if (!(*verdict.isolates_above_hz < to_hz)) {
     floor.why_not = cell("the loop is to isolate above %.4g Hz only", *verdict.isolates_above_hz);
-  } else if (verdict.disturbed) {
-    floor.why_not = "forces act on the frame besides the floor";
   } else {
     floor.asked.from_hz = *verdict.isolates_above_hz;
   }
   if (to_hz > passive.asked.from_hz) list.push_back(std::move(passive));
   list.push_back(std::move(floor));
+  mark_apart(list, verdict);
   return list;
 }
 

@@ -25,4 +25,18 @@ int class_rank(const std::string& vibration_class) {
   return -1;
 }
 
+std::string worse_by_class(const std::vector<AxisLevels>& axes) {
+  std::string text;
+  for (const AxisLevels& axis : axes) {
+    if (!axis.active || !axis.floor) continue;
+    const std::string &frame = axis.active->vibration_class, &floor = axis.floor->vibration_class;
+    if (frame.empty() || floor.empty() || class_rank(frame) >= class_rank(floor)) {
+      continue;
+    }
+    text +=
+        (text.empty() ? "" : ", ") + axis.axis + " (" + frame + " for the floor's " + floor + ")";
+  }
+  return text;
+}
+
 }  // namespace stillframe::report

@@ -18,4 +18,7 @@ MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocit
 /// How strict a class is: -1 above VC-A (or no class), 0 for VC-A, up to 6 for VC-G.
 int class_rank(const std::string& vibration_class);
 
+/// The axes in which the active frame meets a looser class than the floor below it, in words.
+std::string worse_by_class(const std::vector<AxisLevels>& axes);
+
 }  // namespace stillframe::report

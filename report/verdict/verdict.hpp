@@ -82,13 +82,19 @@ struct MotionLevel {
 struct MotionSpectra {
   std::vector<double> velocity;        ///< m/s rms in the band
   std::vector<double> cumulative_rms;  ///< m/s^2, from 0 to the band's upper edge
+  /// m/s rms, how much of velocity may come of where the record begins and ends; empty: nothing.
+  std::vector<double> jumps = {};
 };
 /// What is asked of a direction, beside the rms accelerations in its range, m/s^2.
 struct AskedMotion {
   AxisAcceptance asked;
   bool by_scene = false;     ///< the scene asks for it by name
-  std::string why_not = {};  ///< why it cannot be asked; empty: it can
+  std::string why_not = {};  ///< why a ratio to the floor cannot be asked; empty: it can
   std::optional<double> floor = {}, passive = {}, active = {};
+  /// m/s^2, how much of these may come of where the records begin and end.
+  double floor_jumps = 0, passive_jumps = 0, active_jumps = 0;
+  /// m/s^2, of the active frame, what the model does not make of the floor, if that is known.
+  std::optional<double> active_unexplained = {};
 };
 /// Signals that were recorded on one and the same floor: an axis stands twice where the passive and
 /// the active run had floors of their own.
@@ -158,6 +164,7 @@ struct Verdict {
   std::vector<EffortSummary> effort;
   std::optional<double> isolates_above_hz;  ///< twice the highest target, if it is known
   bool disturbed = false;                   ///< forces act on the frame besides the floor
+  bool floors_apart = false;                ///< each floor input moves on its own
   std::vector<std::string> warnings;        ///< what to know before comparing, a sentence each
   Judgement judgement;                      ///< of all this, by judge()
 };

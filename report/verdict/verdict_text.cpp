@@ -45,7 +45,8 @@ std::string identification_text(const IdentificationSummary& id) {
   table.add({"singular values, closed loop", cell("%.4f", id.closed_largest_db),
              cell("%g", id.closed_at_hz)});
   table.add({cell("reduction by the loop, above %.4g Hz", id.reduction_above_hz),
-             cell("%.4f", id.reduction_largest_error_db), ""});
+             id.n_reduction_frequencies > 0 ? cell("%.4f", id.reduction_largest_error_db) : "-",
+             ""});
   return cell(
              "Identification: %d frequencies, %g to %g Hz, %d values compared, at most %.4f dB "
              "beyond their bands (allowed: %.4g dB): %s\n",

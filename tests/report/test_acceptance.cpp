@@ -144,9 +144,71 @@ TEST(Acceptance, WithoutAnythingToJudgeByNothingPasses) {
   for (AxisLevels& axis : alone.verdict.axes) axis.passive.reset();
   alone.ask();
   EXPECT_EQ(alone.judged().outcome, Outcome::passed);
-  alone.verdict.disturbed = true;
-  alone.ask();
-  EXPECT_EQ(alone.judged().outcome, Outcome::not_judged);
+}
+
+// That forces are named in a scene says nothing of whether they acted: only what the model does not
+// make of the floor can be theirs.
+TEST(Acceptance, ForcesOnTheFrameExcuseWhatTheyMayHaveDone) {
+  const auto outcome = [](double active, std::optional<double> unexplained) {
+    MadeUp alone;
+    alone.verdict.runs.erase(alone.verdict.runs.begin());
+    for (AxisLevels& axis : alone.verdict.axes) axis.passive.reset();
+    alone.verdict.disturbed = true;
+    alone.ask();
+    for (AxisLevels& axis : alone.verdict.axes) {
+      axis.asked[1].active = active;
+      axis.asked[1].active_unexplained = unexplained;
+    }
+    return alone.judged();
+  };
+  EXPECT_EQ(outcome(0.5, std::nullopt).outcome, Outcome::passed);
+  EXPECT_EQ(outcome(4, std::nullopt).outcome, Outcome::not_judged);
+  EXPECT_EQ(outcome(4, 3.9).outcome, Outcome::not_judged) << "sqrt(4^2 - 3.9^2) = 0.89";
+  EXPECT_NE(outcome(4, 3.9).checks.back().reason.find("forces act"), std::string::npos);
+  EXPECT_EQ(outcome(4, 3.8).outcome, Outcome::failed) << "sqrt(4^2 - 3.8^2) = 1.25";
+  EXPECT_EQ(outcome(4, 0).outcome, Outcome::failed);
+  EXPECT_EQ(outcome(nan, 0).outcome, Outcome::failed);
+}
+
+// What a record's ends leave in a range is no motion: neither side may pass or fail by it.
+TEST(Acceptance, EndsOfRecordsNeitherPassNorFail) {
+  struct Jumps {
+    double floor, active;
+  };
+  const auto outcome = [](double active, Jumps jumps) {
+    MadeUp m;
+    for (AxisLevels& axis : m.verdict.axes) {
+      axis.asked[1].active = active;
+      axis.asked[1].floor_jumps = jumps.floor;
+      axis.asked[1].active_jumps = jumps.active;
+    }
+    return m.judged().checks;
+  };
+  const auto of_floor = [&](double active, Jumps jumps) {
+    std::optional<Outcome> found;
+    for (const Check& check : outcome(active, jumps)) {
+      if (check.what.find("active to floor") != std::string::npos) found = check.outcome;
+    }
+    return found.value();
+  };
+  EXPECT_EQ(of_floor(0.8, {0.1, 0.05}), Outcome::passed) << "0.85 / 0.9";
+  EXPECT_EQ(of_floor(0.8, {0.1, 0.11}), Outcome::not_judged) << "0.91 / 0.9";
+  EXPECT_EQ(of_floor(0.8, {1, 0}), Outcome::not_judged) << "a floor that is all ends";
+  EXPECT_EQ(of_floor(1.3, {0.1, 0.1}), Outcome::failed) << "1.2 / 1.1";
+  EXPECT_EQ(of_floor(1.3, {0.1, 0.21}), Outcome::not_judged) << "1.09 / 1.1";
+}
+
+TEST(Acceptance, FloorsThatMoveApartLeaveThePassiveFrame) {
+  MadeUp m;
+  m.verdict.floors_apart = true;
+  m.ask();
+  EXPECT_EQ(m.judged().outcome, Outcome::passed) << m.judged().reason;
+  for (AxisLevels& axis : m.verdict.axes) axis.asked[0].active = 21;
+  EXPECT_EQ(m.judged().outcome, Outcome::failed);
+  MadeUp asked({.axes = {{.axis = "z", .rms_of_floor = 1}}});
+  asked.verdict.floors_apart = true;
+  asked.ask();
+  EXPECT_EQ(asked.judged().outcome, Outcome::not_judged);
 }
 
 TEST(Acceptance, WhatTheSceneNamesTakesThePlaceOfTheDefault) {

@@ -7,6 +7,8 @@
 #include "core/yaml/input_error.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/plots/gnuplot.hpp"
+#include "report/plots/plot_robustness.hpp"
+#include "report/plots/plot_trade.hpp"
 #include "report/plots/plots.hpp"
 #include "report/spectra/spectra.hpp"
 #include "tests/report/expect_error.hpp"
@@ -43,6 +45,20 @@ class Plots : public ::testing::Test {
 
   void expect_picture(const path& file) const {
     EXPECT_EQ(png_size(file), (std::pair<unsigned, unsigned>(1600, 1000)));
+  }
+
+  /// What `draw` gives gnuplot to do.
+  template <class F>
+  std::string script_of(const F& draw) const {
+    const path program = folder_ / "gnuplot";
+    std::ofstream(program) << "#!/bin/sh\n/bin/cat > \"${0%/*}/script\"\necho picture\n";
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    const std::string before = std::getenv("PATH");
+    setenv("PATH", folder_.path().c_str(), 1);
+    draw();
+    setenv("PATH", before.c_str(), 1);
+    std::ifstream script(folder_ / "script");
+    return {std::istreambuf_iterator<char>(script), {}};
   }
 
   ScratchFolder folder_;
@@ -210,6 +226,54 @@ TEST_F(Plots, RefusesShapesThatDoNotMatch) {
         plot_third_octaves({"", {{"x", VectorXd::Zero(3), {}, {}}}}, folder_ / "a.png");
       },
       "3 one-third-octave bands, expected 20");
+}
+
+TradePlot toy_trade() {
+  const VectorXd rates{{100, 1000, 10000}}, none = VectorXd::Constant(3, std::nan(""));
+  return {
+      .title = "target, sample rate, delay",
+      .rates_hz = rates,
+      .columns = {{"delay 0 samples",
+                   {{"1.2 Hz", none, none}, {"3 Hz", none, none}, {"6 Hz", rates / 1e4, rates}}},
+                  {"delay 1 sample",
+                   {{"1.2 Hz", none, none}, {"3 Hz", rates / 1e4, rates}, {"6 Hz", none, none}}}}};
+}
+
+TEST_F(Plots, Trade) {
+  path file = picture("trade.png");
+  plot_trade(toy_trade(), file);
+  expect_picture(file);
+  TradePlot unstable = toy_trade();
+  for (TradePlotColumn& column : unstable.columns) column.curves.resize(1);
+  file = picture("trade_unstable.png");
+  plot_trade(unstable, file);
+  expect_picture(file);
+}
+
+TEST_F(Plots, TradeNamesTheCurvesThatItDrawsAndTheBoundsOfARate) {
+  const std::string script = script_of([&] { plot_trade(toy_trade(), folder_ / "a.png"); });
+  EXPECT_EQ(script.find("target 1.2 Hz"), std::string::npos);
+  for (const char* words : {"target 3 Hz", "target 6 Hz", "at least\\n0.5", "at most\\n3 dB"}) {
+    EXPECT_NE(script.find(words), std::string::npos) << words;
+  }
+}
+
+TEST_F(Plots, TheNominalDampingStandsInFrontOfTheBars) {
+  const VectorXd gain{{1, 2}};
+  const std::string script = script_of([&] {
+    plot_robustness({.title = "",
+                     .frequencies_hz = {1, 10},
+                     .nominal = gain,
+                     .low = {},
+                     .high = {},
+                     .most = {},
+                     .worst = {},
+                     .damping = {{0, 1}},
+                     .damping_width = 0.005,
+                     .nominal_damping = 0.004},
+                    folder_ / "a.png");
+  });
+  EXPECT_NE(script.find("graph 1 nohead front"), std::string::npos) << script;
 }
 
 TEST_F(Plots, FailuresAreSaidAndLeaveNothingBehind) {

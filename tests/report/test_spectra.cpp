@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "core/worst.hpp"
 #include "report/spectra/fourier.hpp"
 #include "report/spectra/spectra.hpp"
 #include "tests/report/expect_error.hpp"
@@ -68,7 +69,7 @@ TEST(Welch, AgreesWithDirectSumsForEvenAndOddSegments) {
     const VectorXd expected = direct_welch(x, 200, n);
     ASSERT_EQ(psd.density.size(), expected.size());
     // Sums of 64 terms in another order: rounding.
-    EXPECT_LT((psd.density - expected).cwiseAbs().maxCoeff(), 1e-13) << n;
+    EXPECT_LT(worst_of(psd.density - expected), 1e-13) << n;
     EXPECT_DOUBLE_EQ(psd.resolution_hz, 200.0 / static_cast<double>(n));
   }
 }
@@ -189,6 +190,30 @@ TEST(Power, PartsAreTheWholeAndMissingSamplesHoldNothing) {
   EXPECT_NEAR(band_rms(gapped.finish(), 0, 50), std::sqrt(sum / 15000), 1e-11);
   EXPECT_EQ(power_of(x.head(1), rate).density.size(), 0);
   expect_error<std::invalid_argument>([] { RunningPower(std::nan("")); }, "sample rate");
+}
+
+// A slow wave that begins and ends at a height has nothing at 10 to 80 Hz but its two steps.
+TEST(Power, WhatTheEndsLeaveInABandIsWhatTheirJumpsSay) {
+  constexpr double rate = 500;
+  for (const double phase : {0.3, 1.0, 2.0}) {
+    VectorXd x(30'137);
+    for (Index k = 0; k < x.size(); ++k) {
+      x(k) = std::sin(2 * std::numbers::pi * 0.2 * static_cast<double>(k) / rate + phase);
+    }
+    const Psd whole = power_of(x, rate);
+    // The steps' cross term is a cosine that goes round 60 s x 70 Hz times in the band, and the
+    // slopes add (0.2 / 10)^2: a few per cent, and bins at the edges.
+    EXPECT_NEAR(band_rms(whole, 10, 80) / jumps_in_band(whole, 10, 80), 1, 0.05) << phase;
+    // A gap has two more.
+    RunningPower power(rate);
+    power.add(x.head(12'000));
+    power.skip(500);
+    power.add(x.tail(17'637));
+    const Psd gapped = power.finish();
+    EXPECT_NEAR(band_rms(gapped, 10, 80) / jumps_in_band(gapped, 10, 80), 1, 0.05) << phase;
+    const auto square = [&](Index k) { return std::pow(x(k) - x.head(8000).mean(), 2); };
+    EXPECT_NEAR(gapped.jumps, square(0) + square(11'999) + square(12'500) + square(30'136), 1e-3);
+  }
 }
 
 TEST(BandRms, CountsCutBinsInPart) {

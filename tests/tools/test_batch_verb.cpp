@@ -63,5 +63,17 @@ TEST_F(BatchVerb, SaysWhichRunsFailedAndReportsTheOthers) {
   EXPECT_TRUE(rows[2].contains("failure"));
 }
 
+TEST_F(BatchVerb, FilesOfOneNameAreToldApart) {
+  const auto still = write("still.yaml", "still: {duration_s: 0.1}\n");
+  std::filesystem::create_directory(folder_ / "other");
+  const auto other = write("other/still.yaml", "still: {duration_s: 0.1}\n");
+  const auto floor = config("floors/multisine.yaml");
+  const Said said = run({"batch", config("scenes/metrology_frame.yaml"), "--floor", still,
+                         "--floor", other, "--floor", floor, "--duration", "0.1"});
+  for (const std::string& name : {still.string(), other.string(), std::string(" multisine ")}) {
+    EXPECT_NE(said.output.find(name), std::string::npos) << said.output;
+  }
+}
+
 }  // namespace
 }  // namespace stillframe::test

@@ -95,6 +95,107 @@ TEST_F(VerdictVerbs, TheFrameAsItIsPasses) {
   EXPECT_EQ(run({"replay", folder_ / "run/active.lcm"}).exit_code, 0);
 }
 
+/// A mass on one leg on a table, with a monitor of the table; a controller block without its head,
+/// and what else stands in the scene.
+std::string mass_on_a_table(const std::string& controller, const std::string& more) {
+  return R"(title: A mass on a shaking table
+nodes:
+  table: {position: [0, 0, 0]}
+  mass: {position: [0, 0, 0.1]}
+masses:
+  - {node: mass, mass: 10}
+elements:
+  leg: {type: truss, nodes: [table, mass], stiffness: 4e5, damping: 20}
+supports:
+  - {nodes: [table, mass], fix: [x, y]}
+prescribed:
+  - {nodes: [table], move: [z]}
+dofs:
+  - {element: leg}
+inputs:
+  - {name: table, acceleration: table, along: z}
+outputs:
+  - {name: mass, acceleration: mass, along: z}
+monitors:
+  - {name: tab, acceleration: table, along: z}
+compare:
+  z: {floor: tab, frame: mass}
+controller: {legs: [leg], damping_ratio: 0.7, delay_samples: 1, lead_samples: 1.5, leak_hz: 0.05, )" +
+         controller + "}\n" + more;
+}
+
+// A prediction that is met says nothing of isolation. The rate is so low that the loop is predicted
+// to make more of 45 and 60 Hz than no loop does, and at 30 Hz less; beside half the rate there is
+// no line at all at which it is to reduce.
+TEST_F(VerdictVerbs, AMultisineOfWhichControlMakesMoreFails) {
+  const std::pair<const char*, const char*> worse[] = {
+      {"target_hz: 1, sample_rate_hz: 165",
+       "floor: {multisine: {frequencies_hz: [20, 30, 45, 60], amplitude: 0.01}}\n"},
+      {"target_hz: 5, sample_rate_hz: 1000",
+       "floor: {multisine: {frequencies_hz: [496.5, 497.5, 498, 498.5, 499, 499.5], amplitude: "
+       "0.01}}\ninstruments: {actuator_gain: 0.7446}\n"}};
+  for (const auto& [controller, floor] : worse) {
+    const auto scene = write("scene.yaml", mass_on_a_table(controller, floor));
+    const auto out = folder_ / ("run" + std::to_string(std::string(floor).size()));
+    const Said said = run({"run", scene, "--mode", "single_process", "--out", out});
+    expect_everywhere(out, said, "failed");
+    EXPECT_NE(said.output.find("times as much of the multisine as the passive one"),
+              std::string::npos)
+        << said.output;
+  }
+}
+
+// A floor that moves above the range in which levels are compared leaves nothing but the ends of
+// its record there.
+TEST_F(VerdictVerbs, WhatARecordsEndsLeaveIsNoIsolation) {
+  const auto scene = write("scene.yaml", mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
+                                                         "floor: {noise: {psd: [[150, 1e-8], [400, "
+                                                         "1e-8]], duration_s: 20}}\n"));
+  const Said said = run({"run", scene, "--mode", "single_process", "--out", folder_ / "run"});
+  expect_everywhere(folder_ / "run", said, "not judged");
+  EXPECT_NE(said.output.find("where the records begin and end"), std::string::npos) << said.output;
+}
+
+// A force in a year's time is no excuse for a frame that shakes more than its floor.
+TEST_F(VerdictVerbs, AForceThatNeverActsExcusesNothing) {
+  const std::string floor = "floor: {noise: {vc: D, duration_s: 20}}\n";
+  const std::string force =
+      "disturbances: [{name: d, node: mass, along: z, force: {impact: {peak: 1, width_s: 0.1, "
+      "at_s: 1e6}}}]\n";
+  for (const std::string& more : {floor, floor + force}) {
+    const auto scene =
+        write("scene.yaml", mass_on_a_table("target_hz: 1, sample_rate_hz: 165", more));
+    const auto out = folder_ / ("run" + std::to_string(more.size()));
+    expect_everywhere(out, run({"run", scene, "--mode", "single_process", "--out", out}), "failed");
+  }
+}
+
+TEST_F(VerdictVerbs, AFloorIsNoFrame) {
+  std::string text = mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
+                                     "floor: {white: {rms: 1e-2, duration_s: 20}}\n");
+  const auto place = text.find("frame: mass");
+  for (const char* frame : {"frame: tab", "frame: base"}) {
+    std::string other = text;
+    other.replace(place, 11, frame);
+    other.replace(other.find("compare:"), 0, "  - {name: base, acceleration: table, along: z}\n");
+    const Said said = run({"modes", write("scene.yaml", other)});
+    EXPECT_EQ(said.exit_code, 2);
+    EXPECT_NE(said.error.find("frame"), std::string::npos) << said.error;
+  }
+}
+
+TEST_F(VerdictVerbs, NumbersThatAreNoneAreBadUsage) {
+  const auto scene = write("scene.yaml", mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
+                                                         "floor: {noise: {vc: D, duration_s: "
+                                                         "12}}\n"));
+  ASSERT_EQ(run({"run", scene, "--mode", "single_process", "--out", folder_ / "run"}).exit_code, 0);
+  for (const char* number : {"nan", "inf", "1e-9", "0.0004", "0"}) {
+    EXPECT_EQ(run({"report", folder_ / "run", "--segment", number}).exit_code, 2) << number;
+    EXPECT_EQ(run({"identify", folder_ / "run/active.lcm", "--segment", number}).exit_code, 2);
+  }
+  EXPECT_EQ(run({"report", folder_ / "run", "--tolerance-db", "nan"}).exit_code, 2);
+}
+
 TEST_F(VerdictVerbs, ARunWithNothingToJudgeByIsNotJudged) {
   expect_everywhere(folder_ / "short", simulate(folder_ / "short", {"--duration", "2"}),
                     "not judged");

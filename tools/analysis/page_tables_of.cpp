@@ -36,21 +36,6 @@ std::string date_of(std::int64_t us) {
   return std::to_string(day.tm_mday) + std::string(text, n);
 }
 
-/// Where the frame meets a looser class than the floor below it.
-std::string worse_by_class(const std::vector<report::AxisLevels>& axes) {
-  std::string text;
-  for (const report::AxisLevels& axis : axes) {
-    if (!axis.active || !axis.floor) continue;
-    const std::string &frame = axis.active->vibration_class, &floor = axis.floor->vibration_class;
-    if (frame.empty() || floor.empty() || report::class_rank(frame) >= report::class_rank(floor)) {
-      continue;
-    }
-    text +=
-        (text.empty() ? "" : ", ") + axis.axis + " (" + frame + " for the floor's " + floor + ")";
-  }
-  return text;
-}
-
 /// The direction that is isolated worst, and those that a class says are worse, in a sentence.
 std::string headline(const report::Verdict& verdict) {
   const report::AxisLevels* worst = nullptr;
@@ -63,7 +48,7 @@ std::string headline(const report::Verdict& verdict) {
   }
   if (worst == nullptr) return "";
   const double ratio = worst->floor->rms_acceleration / worst->active->rms_acceleration;
-  const std::string worse = worse_by_class(verdict.axes);
+  const std::string worse = report::worse_by_class(verdict.axes);
   std::string text = "With the loop closed the frame shakes ";
   if (ratio >= 1) {
     text += "at least " + number_text(ratio, 2) +

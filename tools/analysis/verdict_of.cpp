@@ -5,6 +5,7 @@
 #include "report/analysis/summaries.hpp"
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
+#include "report/verdict/motion_level.hpp"
 #include "tools/analysis/loop_comparison.hpp"
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/prediction_checks.hpp"
@@ -74,7 +75,41 @@ void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcce
   for (const AxisPair& pair : runs.axes()) {
     const auto *passive = frame_of(pair.passive), *active = frame_of(pair.active);
     verdict.axes.push_back(axis_levels(pair.name, pair.floor(), passive, active));
-    ask(accept, pair.floor(), passive, active, verdict);
+    const bool known = pair.active != nullptr && pair.active->unexplained;
+    ask(accept, pair.floor(), passive, active, known ? &*pair.active->unexplained : nullptr,
+        verdict);
+  }
+}
+
+/// Directions of floor nodes in which nothing that is measured of the floor points.
+std::int64_t n_unmeasured(const Scene& scene) {
+  std::size_t directions = 0;
+  for (const SceneConstraint& motion : scene.prescribed) directions += motion.directions.size();
+  return static_cast<std::int64_t>(directions) - static_cast<std::int64_t>(scene.inputs.size());
+}
+
+/// What no check fails by default and a customer would want to hear.
+void add_warnings(report::Verdict& verdict, const RunAnalyses& runs) {
+  const std::string worse = report::worse_by_class(verdict.axes);
+  if (!worse.empty()) {
+    verdict.warnings.push_back("By vibration class the active frame is worse than the floor in " +
+                               worse + ".");
+  }
+  for (const report::ResponseSummary& response : verdict.responses) {
+    if (response.n_compared == 0 || response.beyond_db <= response.tolerance_db) continue;
+    std::string text = report::cell(
+        "The %s loop, %s, is not what the model says: a measured singular value lies %.3g dB "
+        "beyond "
+        "its band, allowed are %.3g dB.",
+        response.loop.c_str(), response.what.c_str(), response.beyond_db, response.tolerance_db);
+    const auto& design = runs.any().run.design;
+    const std::int64_t n = design ? n_unmeasured(design->scene) : 0;
+    if (n > 0 && !design->scene.gravity.isZero(0)) {
+      text += " The floor's nodes can also move in " + std::to_string(n) +
+              " directions that no input measures, and with weight on the legs those shake the "
+              "frame too.";
+    }
+    verdict.warnings.push_back(std::move(text));
   }
 }
 
@@ -122,16 +157,11 @@ report::AxisLevels axis_levels(const std::string& axis, const report::SignalAnal
 
 void ask(const SceneAcceptance& accept, const report::SignalAnalysis& floor,
          const report::SignalAnalysis* passive, const report::SignalAnalysis* active,
-         report::Verdict& verdict) {
+         const report::Psd* unexplained, report::Verdict& verdict) {
   report::AxisLevels& levels = verdict.axes.back();
   levels.asked = report::asked_of(accept, levels.axis, verdict);
   for (report::AskedMotion& motion : levels.asked) {
-    const auto rms = [&](const report::SignalAnalysis& signal) {
-      return report::range_rms(signal, motion.asked.from_hz, motion.asked.to_hz);
-    };
-    motion.floor = rms(floor);
-    if (passive != nullptr) motion.passive = rms(*passive);
-    if (active != nullptr) motion.active = rms(*active);
+    report::fill_levels(motion, floor, passive, active, unexplained);
   }
 }
 
@@ -158,8 +188,12 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
   }
   verdict.identification = judged(runs, targets);
   add_axes(verdict, runs, accept);
-  verdict.judgement =
-      report::judge(verdict, accept, prediction_checks(runs, verdict, accept.prediction_db));
+  add_warnings(verdict, runs);
+  std::vector<report::Check> checks = prediction_checks(runs, verdict, accept.prediction_db);
+  if (accept.axes.empty()) {
+    if (auto motion = multisine_motion(runs)) checks.push_back(std::move(*motion));
+  }
+  verdict.judgement = report::judge(verdict, accept, std::move(checks));
   return verdict;
 }
 

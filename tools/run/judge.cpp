@@ -36,6 +36,10 @@ void plot_singular_values(const LoopDesign& design, const RunAnalyses& runs,
   picture.target_damping = design.scene.controller->damping_ratio.front();
   picture.open_measured = measured_of(runs.passive);
   picture.closed_measured = measured_of(runs.active);
+  if (picture.open_measured.frequencies_hz.empty() &&
+      picture.closed_measured.frequencies_hz.empty()) {
+    picture.title += " (predicted only: this floor shows no singular values)";
+  }
   report::plot_singular_values(picture, directory / "singular_values.png");
 }
 

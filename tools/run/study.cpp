@@ -66,14 +66,14 @@ class Case {
     verdict.isolates_above_hz =
         2 * *std::max_element(design_.gains.target_hz.begin(), design_.gains.target_hz.end());
     verdict.disturbed = !design_.scene.disturbances.empty();
+    verdict.floors_apart = multisine_in(spec_).has_value();
     for (size_t i = 0; i < floor_columns_.size(); ++i) {
       const auto c = static_cast<Index>(i);
       const auto floor = report::analyse_signal(passive.floor.col(c), rate),
                  below = report::analyse_signal(passive.frame.col(c), rate),
                  above = report::analyse_signal(active.frame.col(c), rate);
       verdict.axes.push_back(axis_levels(design_.scene.comparisons[i].name, floor, &below, &above));
-      // Each floor input of a multisine moves on its own: no floor goes with that.
-      if (!multisine_in(spec_)) ask(accept, floor, &below, &above, verdict);
+      ask(accept, floor, &below, &above, nullptr, verdict);
     }
     verdict.judgement = report::judge(verdict, accept, {});
     return result;
