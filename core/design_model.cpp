@@ -1,5 +1,6 @@
 #include "core/design_model.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -62,21 +63,32 @@ Frame normalised(const MatrixXd& M_dd, const MatrixXd& K_dd, const MatrixXd& E) 
           .E = forward_solve(L, extended(E).transpose()).transpose()};
 }
 
-void require_full_rank(const Frame& frame, const MatrixXd& M_dd, const DesignNames& names) {
+/// The dofs that hold much of the kinetic energy of a motion p.
+std::string moved_most(const Frame& frame, const VectorXd& p, const DesignNames& names) {
+  const VectorXd q = rounded(backward_solve(frame.L, extended(p)));
+  // Rows of L are as long as the roots of the diagonal of M_dd.
+  return leading(q.cwiseProduct(rounded(frame.L).rowwise().norm()), names.dofs, "dof");
+}
+
+void require_full_rank(const Frame& frame, const DesignNames& names) {
   const Eigen::JacobiSVD<MatrixXd> svd(rounded(frame.E), Eigen::ComputeFullU | Eigen::ComputeFullV);
   const VectorXd& values = svd.singularValues();
   const Index m = frame.E.rows(), n = frame.E.cols(), r = values.size();
   if (values(r - 1) > zero_part * values(0)) return;
+  const Index rank = (values.array() > zero_part * values(0)).count();
   if (m < n) {
     throw Refusal("the elongations of " + leading(svd.matrixU().col(r - 1), names.legs, "leg") +
-                  " depend on each other: no motion of the frame moves these legs one by one");
+                  " depend on each other: no motion of the frame moves these legs one by one; " +
+                  "leave one of them out of the loop");
   }
-  const ExtendedMatrix v = extended(svd.matrixV().col(n - 1));
-  // Of the dofs of a motion, those name it that hold much of its kinetic energy.
-  const VectorXd motion =
-      rounded(backward_solve(frame.L, v)).cwiseProduct(M_dd.diagonal().cwiseSqrt());
+  std::string way_out = "take legs that strain it";
+  if (rank > 0) {
+    way_out += ", or leave " + std::to_string(m - rank) + " of the " + std::to_string(m) +
+               " legs out of the loop, so that each of the others can move alone";
+  }
   throw Refusal("the legs do not determine the motion of the frame: a motion of " +
-                leading(motion, names.dofs, "dof") + " strains none of them");
+                moved_most(frame, svd.matrixV().col(n - 1), names) + " strains none of them; " +
+                way_out);
 }
 
 /// q = E^-1 e: elongations of as many legs as dofs.
@@ -100,7 +112,7 @@ std::string mode_name(Index mode, double square) {
   return text;
 }
 
-LegMatrices on_slowest_modes(const Frame& frame) {
+LegMatrices on_slowest_modes(const Frame& frame, const DesignNames& names) {
   const Index m = frame.E.rows();
   const SymmetricEigen modes = symmetric_eigen(frame.K);
   const VectorXd squares = modes.values.cast<double>();
@@ -113,12 +125,14 @@ LegMatrices on_slowest_modes(const Frame& frame) {
   const ExtendedMatrix E_r = frame.E * modes.V.leftCols(m);
   const Eigen::JacobiSVD<MatrixXd> svd(rounded(E_r), Eigen::ComputeFullV);
   if (!(svd.singularValues()(m - 1) > zero_part * svd.singularValues()(0))) {
-    std::vector<std::string> names;
-    for (Index i = 0; i < m; ++i) names.push_back(mode_name(i, squares(i)));
-    const std::string motion = leading(svd.matrixV().col(m - 1), names, "");
-    throw Refusal("the slowest modes cannot be controlled by these legs: a motion of mode" +
-                  std::string(motion.find(" and ") == std::string::npos ? " " : "s ") + motion +
-                  " strains none of them; take other legs, or reduce by static_shapes");
+    // No frequency: what moves against weight and preload alone has none in K.
+    const VectorXd v = svd.matrixV().col(m - 1);
+    const bool stiff = v.cwiseAbs2().dot(squares.head(m)) > zero_part * squares(squares.size() - 1);
+    throw Refusal(
+        "the slowest modes cannot be controlled by these legs: a motion of " +
+        moved_most(frame, rounded(modes.V.leftCols(m)) * v, names) +
+        " strains none of them; take other legs, or " +
+        (stiff ? "reduce by static_shapes" : "give it a spring and reduce by static_shapes"));
   }
   const ExtendedMatrix inverse = solve(E_r, ExtendedMatrix::Identity(m, m));
   return {
@@ -126,8 +140,15 @@ LegMatrices on_slowest_modes(const Frame& frame) {
       .K = rounded(symmetric(inverse.transpose() * modes.values.head(m).asDiagonal() * inverse))};
 }
 
-LegMatrices on_static_shapes(const Frame& frame) {
-  require_stiffness(rounded(frame.K));
+LegMatrices on_static_shapes(const Frame& frame, const DesignNames& names) {
+  try {
+    require_stiffness(rounded(frame.K));
+  } catch (const Refusal& refusal) {
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(rounded(frame.K));
+    throw Refusal(std::string(refusal.what()) + "; such a motion is one of " +
+                  moved_most(frame, modes.eigenvectors().col(0), names) +
+                  ": give it a spring, as weight and preload do not count");
+  }
   const ExtendedMatrix L = cholesky_factor(frame.K).value();
   const Index m = frame.E.rows();
   const ExtendedMatrix W = forward_solve(L, frame.E.transpose());
@@ -156,10 +177,11 @@ DesignModel design_model(const MatrixXd& M_dd, const MatrixXd& K_dd, const Matri
   const Index m = E.rows(), n = E.cols();
   const MatrixXd I = MatrixXd::Identity(m, m);
   const Frame frame = normalised(M_dd, K_dd, E);
-  require_full_rank(frame, M_dd, names);
+  require_full_rank(frame, names);
   if (m > n) return redundant(frame);
   if (m == n) return {.legs = square(frame), .Q = I};
-  return {.legs = reduction == Reduction::modes ? on_slowest_modes(frame) : on_static_shapes(frame),
+  return {.legs = reduction == Reduction::modes ? on_slowest_modes(frame, names)
+                                                : on_static_shapes(frame, names),
           .Q = I};
 }
 

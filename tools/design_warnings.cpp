@@ -7,9 +7,8 @@
 #include <limits>
 #include <numbers>
 
-#include "core/frequency_response.hpp"
-#include "core/linear/singular_values.hpp"
 #include "report/table.hpp"
+#include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"
 
 namespace stillframe::tools {
@@ -47,16 +46,17 @@ void warn_of_order(const LoopDesign& design, const DesignAnalysis& analysis,
   if (coincide) return;
   if (deck.lowest > 0.99 && deck.highest < 1.01) return;
   const bool exact = design.scene.controller->order == GainOrder::exact;
-  std::string what = cell("spread the poles over %s here", spread(deck).c_str());
-  if (deck.largest_real > 0) {
-    what = cell("be unstable here (largest real part %+.1f 1/s)", deck.largest_real);
-  }
+  const bool unstable = deck.largest_real > 0;
+  const std::string what =
+      unstable ? cell("be unstable here (largest real part %+.1f 1/s)", deck.largest_real)
+               : cell("spread the poles over %s here", spread(deck).c_str());
+  const std::string order = "the deck's order of the matrices (M^-1 K in place of K M^-1)";
   if (exact) {
-    out.push_back("the deck's order of the matrices would " + what +
-                  "; the exact order, which is used, does not");
+    out.push_back(order + " would " + what + "; the exact order, which is used, " +
+                  (unstable ? "is not" : "does not"));
   } else {
-    out.push_back("the deck's order of the matrices, which is used, will " + what +
-                  "; `order: exact` puts them on their targets");
+    out.push_back(order + ", which is used, will " + what +
+                  "; `order: exact` puts the poles on their targets");
   }
 }
 
@@ -104,11 +104,11 @@ void warn_of_standstill(const LoopDesign& design, std::vector<std::string>& out)
     const double omega_d = two_pi * block.lowest_target_hz();
     if (softest > 0) {
       const double needed = 2 * block.damping_ratio.front() * softest / omega_d / two_pi;
-      out.push_back(
-          cell("preload takes up to %.1f %% off the stiffness that the loop leaves; a leak "
-               "alone holds the frame from about %.2g Hz on (with a high-pass beside it "
-               "see docs/design_cases.md), here leak_hz is %.2g",
-               100 * softest / (omega_d * omega_d), needed, block.leak_hz));
+      out.push_back(cell(
+          "the weight and preload on the legs take up to %.1f %% off the stiffness that the loop "
+          "leaves; a leak alone holds the frame from about %.2g Hz on (with a high-pass beside it "
+          "see docs/design_cases.md), here leak_hz is %.2g",
+          100 * softest / (omega_d * omega_d), needed, block.leak_hz));
     }
   }
   if (softer > 1.05 && std::isfinite(softer)) {
@@ -119,28 +119,74 @@ void warn_of_standstill(const LoopDesign& design, std::vector<std::string>& out)
   }
 }
 
-void warn_of_model(const LoopDesign& design, std::vector<std::string>& out) {
+/// Motions that the continuous law hardly damps, slowest first.
+std::string hardly_damped(const Eigen::VectorXcd& poles, double ratio) {
+  constexpr size_t n_named = 4;
+  std::string text;
+  size_t n = 0;
+  double highest = 0;
+  for (const std::complex<double> pole : poles) {
+    // An undamped one may come out on either side of the axis.
+    const double found = -pole.real() / std::abs(pole), hz = pole.imag() / two_pi;
+    if (hz <= 0 || found < -1e-9 || found >= ratio) continue;
+    if (n < n_named) {
+      text += cell(n == 0 ? "%.4g Hz (damping ratio %.2g)" : ", %.4g Hz (%.2g)", hz,
+                   std::max(found, 0.0));
+    }
+    highest = hz;
+    ++n;
+  }
+  if (n > n_named) text += cell(" and %zu more, up to %.4g Hz", n - n_named, highest);
+  return text;
+}
+
+void warn_of_motions(const LoopDesign& design, const DesignAnalysis& analysis,
+                     std::vector<std::string>& out) {
   const Index n = design.loop.plant.M.rows(), m = design.loop.n_legs;
-  if (n > m) {
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(
-        design.loop.plant.K, design.loop.plant.M, Eigen::EigenvaluesOnly);
-    out.push_back(
-        cell("%td of the frame's %td motions are left to themselves by the %td legs; the "
-             "slowest mode beyond them is at %.4g Hz",
-             n - m, n, m, std::sqrt(modes.eigenvalues()(m)) / two_pi));
+  const auto& targets = design.scene.controller->damping_ratio;
+  const double ratio = 0.1 * *std::min_element(targets.begin(), targets.end());
+  const std::string left = hardly_damped(analysis.poles, ratio);
+  std::string text;
+  if (n > m) text = cell("%td leg(s) act on as many of the frame's %td motions; ", m, n);
+  if (!left.empty()) {
+    out.push_back(text + "hardly damped by the law, without sampling: " + left);
+  } else if (n > m) {
+    out.push_back(text + cell("the law leaves none with a damping ratio below %.2g", ratio));
   }
   if (m > n) {
     out.push_back(
         cell("%td legs share the force on %td motions with the least sum of squares", m, n));
   }
-  const Eigen::VectorXd frequencies = virtual_frequencies(design.loop.design.legs) / two_pi;
+}
+
+/// Natural frequency, Hz, of the slowest mode of the frame in whose stiffness the legs have a part:
+/// a tenth of what they have in any.
+double slowest_on_legs(const ControlLoop& loop) {
+  const Eigen::MatrixXd K = loop.plant.stiffness();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes((K + K.transpose()) / 2,
+                                                                        loop.plant.M);
+  const Eigen::MatrixXd& V = modes.eigenvectors();
+  const Eigen::MatrixXd e = -loop.plant.B.rightCols(loop.n_legs).transpose() * V,
+                        sigma = loop.plant.Y_p.bottomRows(loop.n_legs) * V;
+  // A motion without stiffness strains no leg.
+  const Eigen::VectorXd squares =
+      modes.eigenvalues().cwiseAbs().cwiseMax(std::numeric_limits<double>::min());
+  const Eigen::VectorXd part =
+      e.cwiseProduct(sigma).colwise().sum().transpose().cwiseQuotient(squares);
+  Index i = 0;
+  while (part(i) < 0.1 * part.maxCoeff()) ++i;
+  return std::sqrt(squares(i)) / two_pi;
+}
+
+void warn_of_targets(const LoopDesign& design, std::vector<std::string>& out) {
+  const double slowest = slowest_on_legs(design.loop);
   const auto& targets = design.scene.controller->target_hz;
   const double highest = *std::max_element(targets.begin(), targets.end());
-  if (highest > frequencies(0)) {
+  if (highest > slowest) {
     out.push_back(
-        cell("the target %g Hz is above the slowest mode, %.4g Hz: the loop stiffens it "
-             "instead of isolating better",
-             highest, frequencies(0)));
+        cell("the target %g Hz is above the slowest mode on the legs, %.4g Hz: the loop stiffens "
+             "it instead of isolating better",
+             highest, slowest));
   }
 }
 
@@ -169,31 +215,6 @@ void warn_of_late_reports(const LoopSettings& settings, const DesignAnalysis& an
            "unstable (radius %.4g)%s",
            analysis.misaligned_radius,
            settings.feedback.roll_off > 0 ? "" : "; roll_off_hz makes it forgive more"));
-}
-
-/// Where the controlled frame moves more than the passive one.
-void warn_of_amplification(const LoopSettings& settings, double target_hz,
-                           const DesignAnalysis& analysis, std::vector<std::string>& out) {
-  if (!(analysis.radius < largest_stable_radius)) return;
-  const SampledPlant plant = sample_and_hold(settings.plant, settings.sampling);
-  const SampledLoop passive = open_loop(plant), controlled = close_loop(plant, law_of(settings));
-  double from = 0, to = 0, worst = 1;
-  const double nyquist = 0.5 / settings.sampling.sample_time;
-  for (const double hz : logarithmic_frequencies(target_hz, nyquist, 200)) {
-    const double open = singular_values(transfer(passive, two_pi * hz))(0);
-    const double ratio = singular_values(transfer(controlled, two_pi * hz))(0) / open;
-    if (ratio > 1.05) {
-      if (from == 0) from = hz;
-      to = hz;
-      worst = std::max(worst, ratio);
-    }
-  }
-  if (from > 0) {
-    out.push_back(
-        cell("between %.3g and %.3g Hz the controlled frame moves up to %.1f dB more than "
-             "the passive one: the price of sampling; a higher rate moves it up",
-             from, to, 20 * std::log10(worst)));
-  }
 }
 
 void warn_of_rates(double rate, double target_hz, const DesignAnalysis& analysis,
@@ -237,7 +258,9 @@ std::vector<std::string> standing_warnings(const LoopSettings& settings, double 
                                            const DesignAnalysis& analysis) {
   std::vector<std::string> out;
   warn_of_late_reports(settings, analysis, out);
-  warn_of_amplification(settings, target_hz, analysis, out);
+  if (analysis.radius < largest_stable_radius) {
+    for (const std::string& text : amplification_warnings(settings, target_hz)) out.push_back(text);
+  }
   return out;
 }
 
@@ -246,7 +269,8 @@ std::vector<std::string> design_warnings(const LoopDesign& design, const DesignA
   warn_of_stability(design, analysis, out);
   warn_of_order(design, analysis, out);
   warn_of_standstill(design, out);
-  warn_of_model(design, out);
+  warn_of_motions(design, analysis, out);
+  warn_of_targets(design, out);
   const double target_hz = design.scene.controller->lowest_target_hz();
   for (const auto& warnings : {settings_warnings(design.settings, target_hz, analysis),
                                standing_warnings(design.settings, target_hz, analysis)}) {

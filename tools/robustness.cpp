@@ -178,8 +178,12 @@ void plot(const Record& record, const WorstCases& worst, const std::filesystem::
     for (Eigen::VectorXd* curve : {&picture.low, &picture.high, &picture.most}) curve->resize(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto at = static_cast<size_t>(i);
-      picture.low(i) = std::pow(10, tally.gain_db[at].quantile(0.05) / 20);
-      picture.high(i) = std::pow(10, tally.gain_db[at].quantile(0.95) / 20);
+      const auto edge = [&](double share) {
+        return std::pow(
+            10, quantile_within(tally.gain_db[at], in_decibels(tally.gain[at]), share) / 20);
+      };
+      picture.low(i) = edge(0.05);
+      picture.high(i) = edge(0.95);
       picture.most(i) = tally.gain[at].most;
     }
   }

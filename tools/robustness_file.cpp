@@ -147,8 +147,17 @@ SceneUncertainty uncertainty_from(const Json& value) {
   return uncertainty;
 }
 
+void require_format(const Json& document) {
+  const bool has = document.contains("format");
+  if (has && document.at("format") == format) return;
+  throw InputError(
+      "it is no robustness record: " +
+      (has ? "its format is " + document.at("format").dump() : std::string("it has no format")) +
+      ", allowed is \"" + format + "\", as `stillframe robustness --out` writes it");
+}
+
 Record record_from(const Json& document) {
-  if (document.value("format", "") != format) throw InputError("it is no robustness record");
+  require_format(document);
   if (document.at("version") != version) {
     throw InputError("it is of version " + document.at("version").dump() + ", allowed is " +
                      std::to_string(version));
@@ -176,6 +185,12 @@ Record record_from(const Json& document) {
     throw InputError("there are not as many nominal singular values as frequencies");
   }
   return record;
+}
+
+/// Without the library's number, "[json.exception.type_error.302] ".
+std::string in_words(const Json::exception& error) {
+  const std::string text = error.what();
+  return text.substr(text.find(' ') + 1);
 }
 
 }  // namespace
@@ -222,7 +237,7 @@ Record read_record(const std::filesystem::path& path) {
   try {
     return record_from(Json::parse(file));
   } catch (const Json::exception& error) {
-    throw InputError(path.string() + ": is no robustness record: " + error.what());
+    throw InputError(path.string() + ": is no robustness record: " + in_words(error));
   } catch (const InputError& error) {
     throw InputError(path.string() + ": " + error.what());
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -12,6 +13,7 @@ namespace stillframe::tools {
 using report::cell;
 using report::Table;
 using robustness::Case;
+using robustness::Extremes;
 using robustness::Histogram;
 using robustness::Measure;
 using robustness::Outcome;
@@ -54,11 +56,23 @@ std::string count_lines(const Record& record) {
 
 /// A row of the spread of one number: nominal, quantiles, worst.
 void add_spread(Table& table, const std::string& name, double nominal, const Histogram& histogram,
-                double worst, double (*shown)(double), const char* format) {
+                const Extremes& extremes, double worst, double (*shown)(double),
+                const char* format) {
   std::vector<std::string> row{name, cell(format, nominal)};
-  for (const double share : shares) row.push_back(cell(format, shown(histogram.quantile(share))));
+  for (const double share : shares) {
+    row.push_back(cell(format, shown(quantile_within(histogram, extremes, share))));
+  }
   row.push_back(cell(format, worst));
   table.add(row);
+}
+
+/// log10 of the slowest decay, 1/s; the fastest loop has the smallest radius. Unbounded below where
+/// one is unstable, as its radius says nothing of the stable ones.
+Extremes decay_extremes(const Record& record) {
+  const auto& radius = record.tally.radius;
+  const auto decay = [&](double r) { return std::log10(-std::log(r) / record.sample_time); };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {.least = radius.most < 1 ? decay(radius.most) : -infinity, .most = decay(radius.least)};
 }
 
 std::string spread_table(const Record& record) {
@@ -74,16 +88,21 @@ std::string spread_table(const Record& record) {
     }
     const auto at = static_cast<size_t>(i);
     add_spread(table, cell("T at %g Hz, dB", f), decibels(record.nominal.gain(i)),
-               tally.gain_db[at], decibels(tally.gain[at].most), same, "%.2f");
+               tally.gain_db[at], in_decibels(tally.gain[at]), decibels(tally.gain[at].most), same,
+               "%.2f");
   }
   add_spread(table, "peak of T, dB", decibels(record.nominal.peak), tally.peak_db,
-             decibels(tally.peak.most), same, "%.2f");
-  add_spread(table, "slowest decay, 1/s", record.nominal.decay, tally.decay,
+             in_decibels(tally.peak), decibels(tally.peak.most), same, "%.2f");
+  add_spread(table, "slowest decay, 1/s", record.nominal.decay, tally.decay, decay_extremes(record),
              -std::log(tally.radius.most) / record.sample_time, power, "%.3g");
   add_spread(table, "least damping ratio", record.nominal.damping, tally.least_damping,
-             tally.damping.least, same, "%.3f");
+             tally.damping, tally.damping.least, same, "%.3f");
   return "T is the largest singular value from the floor to the frame, of stable loops\n" +
-         table.print();
+         table.print() +
+         cell(
+             "Under a percentage: the middle of its bin, within what was found. Bins are %g dB, %g "
+             "decades of decay and\n%g of damping ratio wide\n",
+             tally.peak_db.width, tally.decay.width, tally.least_damping.width);
 }
 
 std::string worst_table(const Tally& tally) {
@@ -102,6 +121,15 @@ std::string worst_table(const Tally& tally) {
 }
 
 }  // namespace
+
+Extremes in_decibels(const Extremes& values) {
+  return {.least = decibels(values.least), .most = decibels(values.most)};
+}
+
+double quantile_within(const Histogram& histogram, const Extremes& extremes, double share) {
+  const double middle = histogram.quantile(share);
+  return std::isnan(middle) ? middle : std::clamp(middle, extremes.least, extremes.most);
+}
 
 BadShare bad_share(const Tally& tally) {
   const std::uint64_t n = tally.n_samples(), bad = tally.n_unstable + tally.n_failed();

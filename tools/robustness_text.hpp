@@ -15,6 +15,13 @@ std::string page_of(const robustness::Record& record);
 std::string page_of(const robustness::WorstCase& worst, robustness::Measure measure,
                     const std::vector<robustness::Parameter>& parameters);
 
+/// The value that a part `share` (0 to 1) of all does not exceed: the middle of its bin, but
+/// nothing beyond the extremes of the same values; NaN if there are none.
+double quantile_within(const robustness::Histogram& histogram, const robustness::Extremes& extremes,
+                       double share);
+/// The same extremes in dB.
+robustness::Extremes in_decibels(const robustness::Extremes& values);
+
 /// The share of plants in per unit that are unstable or do not exist, and the share that their true
 /// share is below with a confidence of 95 %.
 struct BadShare {

@@ -70,7 +70,7 @@ TEST(Gains, AllSingularValuesOfTheClosedLoopFallOnTheTarget) {
       const Complex s(0, two_pi * f);
       const double expected = std::abs(target(two_pi * 5, 0.7, s));
       const VectorXd values = singular_values(loop.closed(s));
-      worst = worst_of(worst, (values.array() / expected - 1).abs().maxCoeff());
+      worst = worst_of(worst, worst_of((values.array() / expected - 1).matrix()));
     }
     std::cout << "worst relative error of the six singular values of T, 0.1 to 1000 Hz: " << worst
               << "\n";
@@ -104,7 +104,7 @@ TEST(Gains, ALeakGivesTheLoopItsStaticStiffnessBackAndKeepsItStable) {
   const Scene scene = frame_scene();  // leak 0.05 Hz
   const ControlLoop loop = loop_of(scene);
   const VectorXcd poles = closed_loop_poles(loop.design.legs, loop.gains, two_pi * 5);
-  EXPECT_LT(poles.real().maxCoeff(), 0);
+  EXPECT_LT(poles.real().maxCoeff<Eigen::PropagateNaN>(), 0);
   // Mode by mode, with x = omega^2 / omega_d^2 an eigenvalue of X (THEORY section 4, C(s) and fact
   // 1): (s^2 + omega^2)(s + omega_l) + s^2 ((x - 1) s + 2 zeta omega_d x) = 0 for q'' = -omega^2 (1
   // + ...) q.
@@ -145,7 +145,8 @@ TEST(Gains, TheOrderOfTheDeckIsUnstableForVeryUnequalLegs) {
   const double omega_d = two_pi * 5;
   const auto largest_real_part = [&](GainOrder order) {
     const ControlLoop loop = loop_of(with_stiff_verticals(20, order));
-    return closed_loop_poles(loop.design.legs, loop.gains, omega_d).real().maxCoeff();
+    const VectorXcd poles = closed_loop_poles(loop.design.legs, loop.gains, omega_d);
+    return poles.real().maxCoeff<Eigen::PropagateNaN>();
   };
   EXPECT_NEAR(largest_real_part(GainOrder::deck), 8.4, 0.05);   // 1/s, THEORY section 4
   EXPECT_NEAR(largest_real_part(GainOrder::exact), 0.0, 1e-9);  // the integrators themselves
@@ -175,10 +176,10 @@ TEST(Gains, FewerLegsThanDofsControlTheSlowestModes) {
     FAIL() << "no Refusal";
   } catch (const Refusal& refusal) {
     const std::string text = refusal.what();
-    EXPECT_NE(text.find("a motion of modes 1 (13.9055 Hz), 2 (13.9055 Hz), 3 (20.0055 Hz)"),
+    EXPECT_NE(text.find("a motion of e(leg_3v) strains none of them; take other legs, or reduce by "
+                        "static_shapes"),
               std::string::npos)
         << text;
-    EXPECT_NE(text.find("strains none of them"), std::string::npos) << text;
   }
   legs = frame_scene().controller->legs;
   legs.erase(legs.end() - 2);

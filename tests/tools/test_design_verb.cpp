@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iterator>
 
@@ -138,6 +139,57 @@ TEST_F(DesignVerb, NothingDriftsThatASpringHolds) {
   EXPECT_TRUE(has(held, "gives way up to 5 times as far")) << held.output;
 }
 
+// A law takes the stiffness of its legs away, and leaves the frame on a spring beside them: the
+// pole at -1.68 +- 101.9j of the law, where the frame moves more at whatever rate.
+TEST_F(DesignVerb, WhatTheLawDoesIsNoPriceOfSampling) {
+  std::string text = two_masses("0.7");
+  text.insert(text.find("supports:"),
+              "  spring: {type: truss, nodes: [floor, frame], stiffness: 1e5, damping: 5}\n");
+  const Json document = json({"design", write("scene.yaml", text)});
+  const std::string words = " Hz the controlled frame moves up to ";
+  int of_law = 0, of_sampling = 0;
+  for (const std::string warning : document["warnings"]) {
+    if (warning.find(words) == std::string::npos) continue;
+    double from = 0, to = 0;
+    ASSERT_EQ(std::sscanf(warning.c_str(), "between %lf and %lf", &from, &to), 2) << warning;
+    if (warning.find("the price of sampling") != std::string::npos) {
+      ++of_sampling;
+      EXPECT_GT(from, 100) << warning;  // 1.5 samples are a radian at 106 Hz
+    } else {
+      ++of_law;
+      EXPECT_NE(warning.find("most of that without sampling too: the law leaves a motion at 16.21 "
+                             "Hz to a damping ratio of 0.016"),
+                std::string::npos)
+          << warning;
+      EXPECT_LT(to, 35.6) << warning;  // the passive resonance, sqrt(5e5 / 10) rad/s
+    }
+  }
+  EXPECT_EQ(of_law, 1);
+  EXPECT_EQ(of_sampling, 1);
+  // The frame on its spring, and what stands on it.
+  EXPECT_NE(document["warnings"].dump().find(
+                "1 leg(s) act on as many of the frame's 2 motions; hardly damped by the law, "
+                "without sampling: 16.21 Hz (damping ratio 0.016), 370.4 Hz"),
+            std::string::npos)
+      << document["warnings"];
+}
+
+// With the weight on the legs, as `modes` counts it: 13.85 Hz, and 13.91 Hz without it.
+TEST_F(DesignVerb, TheSlowestModeIsThatOfModes) {
+  const std::filesystem::path scene = config("scenes/frame_under_gravity.yaml");
+  std::ifstream file(config("controllers/force_feedback_5hz.yaml"));
+  std::string block((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  block.replace(block.find("target_hz: 5"), 12, "target_hz: 20");
+  block.replace(block.find("leak_hz: 0.05"), 13, "leak_hz: 10");
+  char slowest[32];
+  std::snprintf(slowest, sizeof slowest, "%.4g",
+                json({"modes", scene})["natural_frequencies_hz"][0].get<double>());
+  const Said page = run({"design", scene, "--controller", write("high.yaml", block)});
+  EXPECT_NE(page.output.find("above the slowest mode on the legs, " + std::string(slowest) + " Hz"),
+            std::string::npos)
+      << page.output;
+}
+
 TEST_F(DesignVerb, WhatIsRecommendedIsNotWarnedOf) {
   for (const char* scene : {"metrology_frame", "frame_unequal_legs", "frame_slow_actuators"}) {
     const std::filesystem::path path = config(std::string("scenes/") + scene + ".yaml");
@@ -180,8 +232,9 @@ TEST_F(DesignVerb, UnequalLegsAreWarnedOfTheDecksOrder) {
   const Said page = run({"design", config("scenes/frame_unequal_legs.yaml")});
   EXPECT_EQ(page.exit_code, 0) << page.error;
   EXPECT_NE(
-      page.output.find("the deck's order of the matrices would be unstable here (largest real "
-                       "part +8.4 1/s)"),
+      page.output.find("the deck's order of the matrices (M^-1 K in place of K M^-1) would be "
+                       "unstable here (largest real part +8.4 1/s); the exact order, which is "
+                       "used, is not"),
       std::string::npos)
       << page.output;
 }
@@ -245,7 +298,8 @@ TEST_F(DesignVerb, AnUnstableLoopIsPrintedAndRefusedWithoutAFile) {
            config("controllers/force_feedback_5hz.yaml"), "--out", folder_ / "g.yaml"});
   EXPECT_EQ(found.exit_code, 3);
   EXPECT_NE(found.output.find("the sampled loop is not stable"), std::string::npos) << found.output;
-  EXPECT_NE(found.output.find("preload takes up to"), std::string::npos) << found.output;
+  EXPECT_NE(found.output.find("the weight and preload on the legs take up to"), std::string::npos)
+      << found.output;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "g.yaml"));
 }
 

@@ -1,6 +1,8 @@
+#include <cmath>
 #include <cstdlib>
 
 #include "tests/tools/verb.hpp"
+#include "tools/robustness_text.hpp"
 
 namespace stillframe::test {
 namespace {
@@ -38,6 +40,20 @@ class RobustnessVerb : public Verb {
     return Json::parse(text_of(folder_ / "json"));
   }
 };
+
+// A bin of 0.005 holds the whole spread: its middle is below the least that was found.
+TEST(RobustnessPage, NoQuantileIsBeyondTheExtremes) {
+  robustness::Histogram histogram{.width = 0.005, .first = -200, .last = 199, .counts = {}};
+  robustness::Extremes extremes;
+  EXPECT_TRUE(std::isnan(tools::quantile_within(histogram, extremes, 0.5)));
+  for (const double value : {0.0036, 0.0041, 0.0049, 0.0101}) {
+    histogram.add(value);
+    extremes.add(value);
+  }
+  EXPECT_EQ(histogram.quantile(0.05), 0.0025);
+  EXPECT_EQ(tools::quantile_within(histogram, extremes, 0.05), 0.0036);
+  EXPECT_EQ(tools::quantile_within(histogram, extremes, 1), 0.0101);
+}
 
 TEST_F(RobustnessVerb, ShardsAndThreadsChangeNoBit) {
   const std::string whole = record("whole.json", {"--jobs", "1"});
@@ -89,12 +105,18 @@ TEST_F(RobustnessVerb, MergeRefusesWhatDoesNotBelongTogether) {
   refused("seed.json", "they differ in seed (5 and 6)");
   refused("none.json", "none.json: cannot be read");
   write("scene.json", "{\"format\": \"other\"}");
-  refused("scene.json", "scene.json: it is no robustness record");
+  refused("scene.json",
+          "scene.json: it is no robustness record: its format is \"other\", allowed is "
+          "\"stillframe robustness\"");
+  write("verdict.json", "{\"format\": 2}");
+  refused("verdict.json", "verdict.json: it is no robustness record: its format is 2, allowed is");
+  write("list.json", "[1]");
+  refused("list.json", "list.json: it is no robustness record: it has no format");
   write("broken.json", "{\"format\": ");
-  refused("broken.json", "broken.json: is no robustness record");
+  refused("broken.json", "broken.json: is no robustness record: parse error at line");
   std::string text = text_of(folder_ / "one.json");
   write("short.json", text.replace(text.find("\"counts\""), 8, "\"c\""));
-  refused("short.json", "short.json: is no robustness record");
+  refused("short.json", "short.json: is no robustness record: key 'counts' not found");
 }
 
 TEST_F(RobustnessVerb, RecordOfSamplesIsReadBackForTheSearch) {
@@ -120,6 +142,7 @@ TEST_F(RobustnessVerb, TellsTheWorstInWords) {
   // much.
   for (const char* words :
        {"7 parameters, seed 1, 50 of 50 samples", "with a confidence of 95 %", "T at 20 Hz, dB",
+        "Bins are 0.05 dB, 0.02 decades of decay and\n0.005 of damping ratio wide",
         "  delay -0.3 samples\n", "without the delay: stable", "without the stiffness: unstable",
         "of these deviations together the loop is stable"}) {
     EXPECT_NE(said.output.find(words), std::string::npos) << words << "\n" << said.output;

@@ -1,0 +1,135 @@
+#include "tools/design_amplification.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/frequency_response.hpp"
+#include "core/linear/continuous_loop.hpp"
+#include "report/table.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+using report::cell;
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+constexpr double two_pi = 2 * std::numbers::pi;
+constexpr double noted_ratio = 1.05;
+/// Below this ratio the damping is no work of the law.
+constexpr double light_damping = 0.1;
+
+/// Neighbouring frequencies at which the frame moves more, and by what factor at most.
+struct Range {
+  double from_hz = 0, to_hz = 0, worst = 0;
+};
+
+/// Takes frequencies in rising order, with the factor where it counts and 0 where it does not.
+class Ranges {
+ public:
+  void add(double hz, double factor) {
+    if (factor > 0 && !open_) found_.push_back({.from_hz = hz, .to_hz = hz, .worst = factor});
+    open_ = factor > 0;
+    if (!open_) return;
+    found_.back().to_hz = hz;
+    found_.back().worst = std::max(found_.back().worst, factor);
+  }
+
+  bool empty() const { return found_.empty(); }
+
+  Range worst() const {
+    return *std::max_element(found_.begin(), found_.end(),
+                             [](const Range& a, const Range& b) { return a.worst < b.worst; });
+  }
+
+  std::string text() const {
+    const auto [from, to, factor] = worst();
+    std::string text = cell(
+        "between %.3g and %.3g Hz the controlled frame moves up to %.1f dB more than the "
+        "passive one",
+        from, to, 20 * std::log10(factor));
+    if (found_.size() > 1) text += cell(" (and less so in %zu other range(s))", found_.size() - 1);
+    return text;
+  }
+
+ private:
+  std::vector<Range> found_;
+  bool open_ = false;
+};
+
+double largest(const LinearSystem& system, Index n_w, double hz) {
+  const Complex s(0, two_pi * hz);
+  const Eigen::MatrixXcd A =
+      s * Eigen::MatrixXcd::Identity(system.A.rows(), system.A.cols()) - system.A.cast<Complex>();
+  const Eigen::MatrixXcd B = system.B.leftCols(n_w).cast<Complex>();
+  const Eigen::MatrixXcd D = system.D.leftCols(n_w).cast<Complex>();
+  return singular_values(system.C.cast<Complex>() * A.partialPivLu().solve(B) + D)(0);
+}
+
+/// A grid, and the frequencies of the poles, as a resonance is narrower than any grid.
+std::vector<double> frequencies(double from_hz, double to_hz, const Eigen::VectorXcd& poles) {
+  const Eigen::VectorXd grid = logarithmic_frequencies(from_hz, to_hz, 200);
+  std::vector<double> all(grid.begin(), grid.end());
+  for (const Complex pole : poles) {
+    const double hz = pole.imag() / two_pi;
+    if (hz > from_hz && hz < to_hz) all.push_back(hz);
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// Why the law moves the frame more in this range, without sampling.
+std::string cause(const Range& range, const Eigen::VectorXcd& poles) {
+  Complex least = 0;
+  double ratio = light_damping;
+  for (const Complex pole : poles) {
+    const double hz = pole.imag() / two_pi;
+    if (hz < range.from_hz || hz > range.to_hz) continue;
+    if (-pole.real() / std::abs(pole) >= ratio) continue;
+    least = pole;
+    ratio = -pole.real() / std::abs(pole);
+  }
+  if (least == Complex(0)) return "the design, which no rate mends";
+  return cell("the law leaves a motion at %.4g Hz to a damping ratio of %.2g, which no rate mends",
+              least.imag() / two_pi, ratio);
+}
+
+}  // namespace
+
+std::vector<std::string> amplification_warnings(const LoopSettings& settings, double target_hz) {
+  const LoopPlant& plant = settings.plant;
+  const SampledPlant sampled = sample_and_hold(plant, settings.sampling);
+  const SampledLoop passive = open_loop(sampled),
+                    controlled = close_loop(sampled, law_of(settings));
+  ForceFeedback feedback = settings.feedback;
+  feedback.lead = continuous_lead(settings.law.lead_samples, settings.sampling);
+  const Eigen::VectorXcd poles = closed_loop_poles(plant, feedback);
+  const LinearSystem law = continuous_loop(plant, feedback),
+                     without{plant.A, plant.B_w, plant.C_y, plant.D_yw};
+  const Index n_w = plant.B_w.cols();
+  Ranges of_design, of_sampling;
+  for (const double hz : frequencies(target_hz, 0.5 / settings.sampling.sample_time, poles)) {
+    const double factor = singular_values(transfer(controlled, two_pi * hz))(0) /
+                          singular_values(transfer(passive, two_pi * hz))(0);
+    const bool more = factor > noted_ratio;
+    // Most of it, in dB.
+    const bool designed =
+        more && std::pow(largest(law, n_w, hz) / largest(without, n_w, hz), 2) > factor;
+    of_design.add(hz, designed ? factor : 0);
+    of_sampling.add(hz, more && !designed ? factor : 0);
+  }
+  std::vector<std::string> out;
+  if (!of_design.empty()) {
+    out.push_back(of_design.text() +
+                  ", and most of that without sampling too: " + cause(of_design.worst(), poles));
+  }
+  if (!of_sampling.empty()) {
+    out.push_back(of_sampling.text() + ": the price of sampling; a higher rate moves it up");
+  }
+  return out;
+}
+
+}  // namespace stillframe::tools
