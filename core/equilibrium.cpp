@@ -207,13 +207,16 @@ std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
   return model.dofs[static_cast<size_t>(largest)].name;
 }
 
-[[noreturn]] void refuse_load(const Model& model, double reached) {
+/// moved: n_x, at the last equilibrium.
+[[noreturn]] void refuse_load(const Model& model, double reached, const VectorXd& moved) {
   if (reached > 0) {
     char text[64];
     std::snprintf(text, sizeof text, "%.4g", reached);
+    const std::string move = largest_move_in_words(model, moved);
     throw Refusal(std::string("no equilibrium found: the loads can be followed up to ") + text +
                   " of their size; beyond, the configuration collapses (a limit or buckling load) "
-                  "or nothing resists");
+                  "or nothing resists" +
+                  (move.empty() ? "" : "; there, " + move));
   }
   const std::string dof =
       unresisted_dof(model, -Balance(model, 0, 0).linear().stiffness());
@@ -245,7 +248,7 @@ void follow(const Model& model, Balance& balance, VectorXd& q, Equilibrium& resu
       step *= step == 1.0 ? 0.125 : 0.5;
     }
   }
-  if (reached < 1) refuse_load(model, reached);
+  if (reached < 1) refuse_load(model, reached, balance.motion().x);
 }
 
 /// Where positions are dofs, the balance at q'^d = 0 is not that of what goes along: it strains and

@@ -5,12 +5,13 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <complex>
+#include <cstdio>
 #include <numbers>
 #include <vector>
 
 #include "core/linear/balance.hpp"
 #include "core/state_space.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/unstable.hpp"
 
 namespace stillframe {
 
@@ -148,8 +149,11 @@ Modes modes(const LinearModel& model) {
     const Shapes shapes = natural_shapes(model, M);
     const bool stable = is_stable(model);
     if (!stable && !result.moving) {
-      throw Refusal("the configuration is not stable: omega^2 = " +
-                    std::to_string(shapes.squares(0)) + " (rad/s)^2 in mode 1");
+      char square[32];
+      std::snprintf(square, sizeof square, "%.6g", shapes.squares(0));
+      throw Unstable(std::string("the configuration is not stable: omega^2 = ") + square +
+                         " (rad/s)^2 in mode 1",
+                     shapes.V.col(0));
     }
     if (stable) {
       result.natural_frequencies_hz =

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include "core/elements/rotation.hpp"
 #include "core/model/local.hpp"
 #include "core/worst.hpp"
 
@@ -27,6 +29,14 @@ double largest(const Model& model, const Eigen::VectorXd& x, double translations
   return result;
 }
 
+/// Angle times axis of the displacement of a rotation, that of a planar node or Euler parameters.
+Eigen::Vector3d turn_of(const LocalVector& local) {
+  if (local.size() == 1) return {0, 0, local(0)};
+  const Vector4 lambda = euler_parameters(local).normalized();
+  const Eigen::AngleAxisd turn(Eigen::Quaterniond(lambda(0), lambda(1), lambda(2), lambda(3)));
+  return turn.angle() * turn.axis();
+}
+
 }  // namespace
 
 double scene_size(const Model& model) {
@@ -43,6 +53,30 @@ double largest_turn(const Model& model, const Eigen::VectorXd& displacement) {
 
 double largest_move(const Model& model, const Eigen::VectorXd& displacement) {
   return largest(model, displacement, 1 / scene_size(model), 1, 2);
+}
+
+std::string largest_move_in_words(const Model& model, const Eigen::VectorXd& displacement) {
+  char words[64];
+  std::string text;
+  double most = 0;
+  const auto consider = [&](const ModelNode& node, const Eigen::Vector3d& move, double weight,
+                            const char* format) {
+    Index axis = 0;
+    const double part = weight * move.cwiseAbs().maxCoeff(&axis);
+    if (!(part > most)) return;
+    most = part;
+    std::snprintf(words, sizeof words, format, move(axis), "xyz"[axis]);
+    text = "node " + node.name + words;
+  };
+  for (const ModelNode& node : model.nodes) {
+    LocalVector local;
+    gather({node.translation}, displacement, local);
+    consider(node, local.head<3>(), 1 / scene_size(model), " has moved %.3g m along %c");
+    if (!node.has_rotation()) continue;
+    gather({node.rotation}, displacement, local);
+    consider(node, turn_of(local), 1, " has turned %.3g rad about %c");
+  }
+  return text;
 }
 
 double largest_nodal_work(const Model& model, const Eigen::VectorXd& forces) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/model/model.hpp"
 
 namespace stillframe {
@@ -13,6 +15,10 @@ double largest_turn(const Model& model, const Eigen::VectorXd& displacement);
 /// The same, or the largest translation over the size of the scene if that is more: how far a
 /// displacement goes, in all units.
 double largest_move(const Model& model, const Eigen::VectorXd& displacement);
+
+/// The node that a displacement (n_x) moves most by that measure, and how: "node c1 has moved
+/// -0.41 m along z", "node table has turned 0.8 rad about y". Empty if none moves.
+std::string largest_move_in_words(const Model& model, const Eigen::VectorXd& displacement);
 
 /// The largest work of nodal forces (n_x), N m, over a move of 1.
 double largest_nodal_work(const Model& model, const Eigen::VectorXd& forces);

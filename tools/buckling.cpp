@@ -1,13 +1,12 @@
 #include "core/buckling.hpp"
 
-#include <algorithm>
 #include <iostream>
 #include <memory>
-#include <numeric>
 
 #include "core/scene/scene_reader.hpp"
 #include "report/table.hpp"
 #include "tools/json.hpp"
+#include "tools/largest_parts.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
@@ -21,23 +20,6 @@ struct Options {
   bool json = false;
 };
 
-/// The three largest entries of a shape: "tip.y 1, middle.y 0.5".
-std::string in_words(const Buckling& result, Index mode) {
-  const Eigen::VectorXd shape = result.shapes.col(mode);
-  std::vector<Index> order(static_cast<size_t>(shape.size()));
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Index a, Index b) { return std::abs(shape(a)) > std::abs(shape(b)); });
-  std::string text;
-  for (size_t k = 0; k < std::min<size_t>(order.size(), 3); ++k) {
-    // What is a thousandth of the largest is not seen in the shape.
-    if (std::abs(shape(order[k])) < 1e-3) break;
-    text += (text.empty() ? "" : ", ") + result.q_names[static_cast<size_t>(order[k])] +
-            report::cell(" %.3g", shape(order[k]));
-  }
-  return text;
-}
-
 void print_page(const Scene& scene, const Buckling& result, Index shown) {
   if (shown == 0) {
     std::cout << scene.title << ": no multiple of the load makes it buckle\n";
@@ -48,7 +30,7 @@ void print_page(const Scene& scene, const Buckling& result, Index shown) {
   report::Table table({"shape", "load multiplier", "largest parts"}, 3);
   for (Index i = 0; i < shown; ++i) {
     table.add({report::cell("%5td", i + 1), report::cell("%15.6g", result.load_multipliers(i)),
-               in_words(result, i)});
+               largest_parts(result.q_names, result.shapes.col(i))});
   }
   std::cout << table.print();
   if (shown < result.load_multipliers.size()) {

@@ -1,8 +1,11 @@
 #include "core/equilibrium.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 
+#include "core/node_moves.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/table.hpp"
@@ -97,14 +100,31 @@ Eigen::VectorXd entries_of(const ModelElement& element, const Eigen::VectorXd& a
   return own;
 }
 
-void print_elements(const Page& page) {
+/// What is left of values below the rounding of positions, 1e-15 of the scene's size, and of turns;
+/// less where the nodes hardly move.
+class WithoutRounding {
+ public:
+  explicit WithoutRounding(const Page& page)
+      : size_(scene_size(page.model)),
+        turn_(std::min(1e-15, 1e-6 * largest_move(page.model, page.equilibrium.motion.x))) {}
+  double length(double value) const { return above(size_ * turn_, value); }
+  double turn(double value) const { return above(turn_, value); }
+  double either(double value) const { return above(std::min(size_, 1.0) * turn_, value); }
+
+ private:
+  static double above(double least, double value) { return std::abs(value) < least ? 0.0 : value; }
+  double size_, turn_;
+};
+
+void print_elements(const Page& page, const WithoutRounding& shown) {
   report::Table table({"element", "mode", "deformation", "stress resultant"}, 1);
   for (const ModelElement* element : elements_of(page)) {
     const Eigen::VectorXd e = entries_of(*element, page.e),
                           sigma = entries_of(*element, page.sigma);
     for (Index i = 0; i < e.size(); ++i) {
       table.add({i == 0 ? element->name : "", report::cell("%td", i + 1),
-                 element->zero[static_cast<size_t>(i)] ? "rigid" : report::cell("%.6g", e(i)),
+                 element->zero[static_cast<size_t>(i)] ? "rigid"
+                                                       : report::cell("%.6g", shown.either(e(i))),
                  report::cell("%.6g", sigma(i))});
     }
   }
@@ -120,14 +140,22 @@ void print_page(const Page& page) {
                             found.load_steps)
             << report::cell("Largest force out of balance %.3g, of %.6g\n\n", found.residual,
                             found.reference);
+  const WithoutRounding shown(page);
   report::Table dofs({"dof", "unit", "value"}, 2);
   for (size_t i = 0; i < page.linear.q_names.size(); ++i) {
-    dofs.add({page.linear.q_names[i], page.linear.q_units[i],
-              report::cell("%.9g", found.motion.state.q_d(static_cast<Index>(i)))});
+    const double value = found.motion.state.q_d(static_cast<Index>(i));
+    const std::string& unit = page.linear.q_units[i];
+    dofs.add({page.linear.q_names[i], unit,
+              report::cell("%.9g", unit == "m" ? shown.length(value) : shown.turn(value))});
+  }
+  std::vector<NodeDisplacement> nodes = node_displacements(page.model, found.motion.x);
+  for (NodeDisplacement& node : nodes) {
+    for (double& value : node.displacement) value = shown.length(value);
+    for (double& value : node.rotation) value = shown.turn(value);
   }
   std::cout << dofs.print() << "\nNodes, from the scene as written\n"
-            << table_of(page.model, node_displacements(page.model, found.motion.x));
-  print_elements(page);
+            << table_of(page.model, nodes);
+  print_elements(page, shown);
   report::Table reactions({"node", "along or about", "unit", "reaction"}, 3);
   for (size_t i = 0; i < page.held.size(); ++i) {
     reactions.add({page.held[i].node, page.held[i].name, page.linear.outputs[i].unit,

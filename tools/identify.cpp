@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "core/cli/numbers.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/export/mat_file.hpp"
 #include "report/identification/confidence.hpp"
@@ -117,6 +118,25 @@ std::string largest_in(const MatrixXd& values, Index row) {
   return found >= 0 ? cell("%.4f", found) : "-";
 }
 
+/// Why rows of the table have no values.
+void print_reasons(const report::FrequencyResponse& response) {
+  Index still = 0, together = 0;
+  for (Index l = 0; l < response.n_frequencies(); ++l) {
+    if (!std::isnan(response.singular_values(l, 0))) continue;
+    ++(std::isinf(response.input_condition(l)) ? still : together);
+  }
+  if (still > 0) {
+    std::cout << cell(
+        "-, at %td frequencies: the floor moves too little there, or the record is too short for "
+        "bins so narrow\n",
+        still);
+  }
+  if (together > 0) {
+    std::cout << cell("-, at %td frequencies: the inputs do not move independently there\n",
+                      together);
+  }
+}
+
 void print_table(const Shown& item, double level) {
   const report::IdentifiedResponse& measured = item.response->measured;
   std::cout << item.title << ": "
@@ -128,7 +148,8 @@ void print_table(const Shown& item, double level) {
   }
   std::cout << cell(", resolution %.3g Hz, %lld %s", measured.resolution_hz,
                     static_cast<long long>(measured.n_segments),
-                    measured.method == "multisine" ? "steady parts" : "segments");
+                    measured.method == "multisine" ? "steady part" : "segment")
+            << (measured.n_segments == 1 ? "" : "s");
   if (measured.n_filled > 0) {
     std::cout << cell(", %lld lost samples filled in", static_cast<long long>(measured.n_filled));
   }
@@ -153,15 +174,16 @@ void print_table(const Shown& item, double level) {
                errors ? largest_in(errors->continuous.difference_db, l) : "-"});
   }
   std::cout << table.print();
+  print_reasons(response);
   if (errors && errors->sampled.n_compared == 0) {
     std::cout << "Nothing is known well enough to be compared: no band of a singular value is "
                  "within 1 dB\n\n";
   } else if (errors) {
     const report::PredictionError& sampled = errors->sampled;
     std::cout << cell(
-        "%td of %td singular values are known well enough to be compared. Largest error %.4f dB of "
-        "the sampled prediction at %.4g Hz, %.4f dB beyond its band%s; %.4f dB of the continuous "
-        "one at %.4g Hz\n\n",
+        "%td of %td singular values are known well enough to be compared, to 1 dB. Largest error "
+        "%.4f dB of the sampled prediction at %.4g Hz, %.4f dB beyond its band%s; %.4f dB of the "
+        "continuous one at %.4g Hz\n\n",
         sampled.n_compared, sampled.n_compared + sampled.n_left_out, sampled.largest_db,
         sampled.at_frequency_hz, sampled.beyond_db,
         sampled.beyond_db > 0 ? cell(" (at %.4g Hz)", sampled.beyond_at_hz).c_str() : "",
@@ -223,14 +245,14 @@ void add_identify(CLI::App& app, int& exit_code) {
   verb->add_option("--run-id", options->run_id, "The run to take from a log that holds several");
   verb->add_option("--segment", options->segment_s,
                    "Broadband identification: s of what is transformed at once; longer is finer")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   verb->add_option("--level", options->level, "Probability with which the bands hold the truth")
       ->check(CLI::Range(0.5, 0.999))
       ->capture_default_str();
   verb->add_option("--tolerance-db", options->tolerance_db,
                    "Fail if a prediction lies further than this outside the band of its value")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_from_zero());
   verb->add_flag("--json", options->json, "Print JSON (keys below)");
   verb->footer(
       "On a multisine floor by its lines (docs/identification.md), on any other by the local\n"

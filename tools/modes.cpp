@@ -5,7 +5,10 @@
 #include <numbers>
 
 #include "core/scene/scene_reader.hpp"
+#include "core/unstable.hpp"
 #include "report/table.hpp"
+#include "tools/largest_parts.hpp"
+#include "tools/node_parts.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
@@ -22,14 +25,21 @@ struct Options {
 /// A ratio below 1e-10 is the rounding of an eigenvalue problem, not damping.
 double shown_ratio(double ratio) { return std::abs(ratio) < 1e-10 ? 0.0 : ratio; }
 
-void print_frequencies(const Modes& result) {
-  report::Table table({"mode", "frequency Hz"}, 0);
-  for (Index i = 0; i < result.natural_frequencies_hz.size(); ++i) {
-    table.add({report::cell("%td", i + 1), report::cell("%.4f", result.natural_frequencies_hz(i))});
+void print_frequencies(const NodeParts& parts, const Modes& result) {
+  constexpr Index most_shapes = 24;  // a screen
+  const Index n_modes = result.natural_frequencies_hz.size();
+  report::Table table({"mode", "frequency Hz", "largest parts"}, 3);
+  for (Index i = 0; i < n_modes; ++i) {
+    table.add(
+        {report::cell("%4td", i + 1), report::cell("%12.6g", result.natural_frequencies_hz(i)),
+         i < most_shapes ? largest_parts(parts.names, parts.of_dofs * result.shapes.col(i)) : ""});
   }
   std::cout << "Natural frequencies, without damping" << (result.moving ? " and gyroscopy" : "")
-            << "\n"
+            << "; nodes with mass, m and rad over the largest\n"
             << table.print();
+  if (n_modes > most_shapes) {
+    std::cout << report::cell("Shapes of %td more: see --json\n", n_modes - most_shapes);
+  }
 }
 
 void print_eigenvalues(const Modes& result) {
@@ -44,18 +54,19 @@ void print_eigenvalues(const Modes& result) {
     if (value.imag() < 0) continue;
     table.add({i % 2 == 0 ? report::cell("%td", i / 2 + 1) : "",
                report::cell("%.6g", shown(value.real())), report::cell("%.6g", shown(value.imag())),
-               report::cell("%.4f", value.imag() / (2 * std::numbers::pi)),
+               report::cell("%.6g", shown(value.imag()) / (2 * std::numbers::pi)),
                report::cell("%.4g", shown_ratio(result.damping_ratios(i / 2)))});
   }
   std::cout << "Eigenvalues\n" << table.print();
 }
 
-void print_page(const Scene& scene, const LinearModel& linear, const Modes& result) {
+void print_page(const Scene& scene, const LinearModel& linear, const NodeParts& parts,
+                const Modes& result) {
   const bool natural = result.natural_frequencies_hz.size() == result.eigenvalues.size() / 2;
   std::cout << scene.title << ": " << linear.q_names.size() << " degrees of freedom, about "
             << operating_point_in_words(scene) << "\n";
   if (natural) {
-    print_frequencies(result);
+    print_frequencies(parts, result);
   } else if (result.moving) {
     std::cout
         << "No natural frequencies: the stiffness is not symmetric or not positive in motion\n";
@@ -83,6 +94,17 @@ void print_json(const Scene& scene, const LinearModel& linear, const Modes& resu
          {"mode_shapes", to_json(result.shapes)}});
 }
 
+/// Errors: those of modes(), with the nodes that move where the configuration is not stable.
+Modes solve(const NodeParts& parts, const LinearModel& linear) {
+  try {
+    return modes(linear);
+  } catch (const Unstable& error) {
+    throw Refusal(std::string(error.what()) + ", which moves " +
+                  largest_parts(parts.names, parts.of_dofs * error.shape()) +
+                  " (m and rad over the largest)");
+  }
+}
+
 int run(const Options& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
@@ -90,8 +112,9 @@ int run(const Options& options) {
   patience.now("linearising");
   const LinearModel linear = linearise(model, {}, {});
   patience.now("eigenvalues");
-  const Modes result = modes(linear);
-  options.json ? print_json(scene, linear, result) : print_page(scene, linear, result);
+  const NodeParts parts = node_parts(model, linear.x_0);
+  const Modes result = solve(parts, linear);
+  options.json ? print_json(scene, linear, result) : print_page(scene, linear, parts, result);
   return exit_done;
 }
 

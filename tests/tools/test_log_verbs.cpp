@@ -52,6 +52,9 @@ TEST_F(LogVerbs, AxesOfARecordedFloorAreThePredictedOnes) {
   EXPECT_GT(compared, 100);
   expect_documented_keys("identify", found);
   expect_documented_keys("identify", axes);
+  const std::string page = run({"identify", folder / "active.lcm"}).output;
+  EXPECT_NE(page.find(", 1 segment\n"), std::string::npos) << page;
+  EXPECT_NE(page.find(" frequencies: the floor moves too little there"), std::string::npos) << page;
 }
 
 TEST_F(LogVerbs, AReportIsOneFileAndTheVerdictBesideIt) {

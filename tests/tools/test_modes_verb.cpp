@@ -79,6 +79,55 @@ TEST_F(ModesVerb, UnstableAtRestIsRefused) {
   text.replace(text.find("gravity: [0, 0, -9.81]\n"), 23, "operating_point: as_written\n");
   const Said said = run({"modes", write("scene.yaml", text)});
   EXPECT_EQ(said.exit_code, 3) << said.output;
+  EXPECT_NE(said.error.find("which moves mass x 1"), std::string::npos) << said.error;
+}
+
+TEST_F(ModesVerb, PageHasSixDigitsOfSlowFrequenciesAndTheNodesThatMove) {
+  std::string text = hanging_mass;
+  text.replace(text.find("gravity: [0, 0, -9.81]\n"), 23, "");
+  text.replace(text.find("stiffness: 800"), 14, "stiffness: 2e-6");
+  const std::string page = run({"modes", write("scene.yaml", text)}).output;
+  // sqrt(2e-6 / 2) / (2 pi)
+  EXPECT_NE(page.find("0.000159155  mass z 1\n"), std::string::npos) << page;
+}
+
+/// A rigid bar of 2 m on two springs that are alike: it bounces, and turns about its middle.
+TEST_F(ModesVerb, PageTellsTranslationsFromTurns) {
+  const std::string page = run({"modes", write("scene.yaml", R"(title: A bar on two springs
+planar: true
+nodes:
+  bar: {position: [0, 0]}
+  left: {position: [-1, 0]}
+  right: {position: [1, 0]}
+  floor_left: {position: [-1, -1]}
+  floor_right: {position: [1, -1]}
+masses: [{node: bar, mass: 3, inertia: 0.5}]
+elements:
+  arm_left: {type: rigid_beam, nodes: [bar, left]}
+  arm_right: {type: rigid_beam, nodes: [bar, right]}
+  spring_left: {type: truss, nodes: [floor_left, left], stiffness: 100}
+  spring_right: {type: truss, nodes: [floor_right, right], stiffness: 100}
+supports:
+  - {nodes: [floor_left, floor_right], fix: [x, y]}
+  - {nodes: [bar], fix: [x]}
+dofs: auto
+)")})
+                               .output;
+  EXPECT_NE(page.find("  bar y 1\n"), std::string::npos) << page;
+  EXPECT_NE(page.find("  bar rz 1\n"), std::string::npos) << page;
+}
+
+TEST_F(ModesVerb, PageSaysThatShapesOfFastModesAreLeftOut) {
+  const std::string page = run({"modes", write("scene.yaml", R"(title: A cantilever
+planar: true
+nodes: {root: {position: [0, 0]}, tip: {position: [1, 0]}}
+masses: []
+elements: {beam: {type: beam, nodes: [root, tip], rigid: [1], EI: 1, mass_per_length: 1, divide: 16}}
+supports: [{nodes: [root], fix: [x, y, rotation]}]
+dofs: [{deformations: beam}]
+)")})
+                               .output;
+  EXPECT_NE(page.find("Shapes of 8 more: see --json\n"), std::string::npos) << page;
 }
 
 TEST_F(ModesVerb, OverdampedModeIsAPairOfRealEigenvalues) {

@@ -86,6 +86,32 @@ dofs:
   EXPECT_NEAR(std::sqrt(moment), 2.0, 1e-13);
 }
 
+/// By symmetry it sinks only: what else the balance finds is rounding of the positions.
+TEST_F(EquilibriumVerb, PageHasNoRoundingOfPositions) {
+  std::string text = R"(title: A symmetric tripod
+gravity: [0, 0, -9.81]
+nodes:
+  mass: {position: [0, 0, 0]}
+  one: {position: [0.984807753012208, 0.1736481776669303, -1]}
+  two: {position: [-0.6427876096865394, 0.766044443118978, -1]}
+  three: {position: [-0.3420201433256685, -0.9396926207859084, -1]}
+masses: [{node: mass, mass: 10}]
+elements:
+  leg_1: {type: truss, nodes: [one, mass], stiffness: 10000}
+  leg_2: {type: truss, nodes: [two, mass], stiffness: 10000}
+  leg_3: {type: truss, nodes: [three, mass], stiffness: 10000}
+supports: [{nodes: [one, two, three], fix: [x, y, z]}]
+dofs: [{node: mass, along: x}, {node: mass, along: y}, {node: mass, along: z}]
+)";
+  const std::string page = run({"equilibrium", write("scene.yaml", text)}).output;
+  EXPECT_NE(page.find("x(mass)  m                  0\n"), std::string::npos) << page;
+  EXPECT_NE(page.find("y(mass)  m                  0\n"), std::string::npos) << page;
+  // m g / k_z, k_z = 3 k / 2: 6.54e-18 m is small of the scene, but no rounding of what moves.
+  text.replace(text.find("mass: 10}"), 9, "mass: 1e-14}");
+  const std::string tiny = run({"equilibrium", write("scene.yaml", text)}).output;
+  EXPECT_NE(tiny.find("-6.54e-18\n"), std::string::npos) << tiny;
+}
+
 TEST_F(EquilibriumVerb, NothingThatHoldsIsRefused) {
   std::string text = hanging_mass;
   text.replace(text.find("stiffness: 800"), 14, "stiffness: 0");

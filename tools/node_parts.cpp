@@ -1,0 +1,59 @@
+#include "tools/node_parts.hpp"
+
+#include <set>
+
+#include "core/elements/rotation.hpp"
+#include "core/kinematics.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+std::set<Index> columns_with_mass(const Model& model) {
+  std::set<Index> columns;
+  for (const ModelInertia& inertia : model.inertias) {
+    for_each_column(inertia.parts, model.n_x, [&](Index, Index column) { columns.insert(column); });
+  }
+  return columns;
+}
+
+/// Rates of rotation over those of the coordinates of a rotation, at their displacement.
+Eigen::MatrixXd rates_of_rotation(const LocalVector& local) {
+  if (local.size() == 1) return Eigen::Vector3d::UnitZ();
+  return 2 * space_rate_matrix(euler_parameters(local).normalized());
+}
+
+}  // namespace
+
+NodeParts node_parts(const Model& model, const Eigen::VectorXd& x) {
+  Data data(model);
+  data.x = x;
+  geometric_transfer_functions(model, data);
+  std::set<Index> columns = columns_with_mass(model);
+  NodeParts parts;
+  const auto add = [&](const PartMap& map, const Eigen::MatrixXd& rates, const std::string& name) {
+    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(map.size, model.n_d);
+    bool moves = false;
+    for_each_column({map}, model.n_x, [&](Index i, Index column) {
+      moved.row(i) = data.DF.row(column);
+      // Nodes joined by a hinge share their columns: the first one is named.
+      moves = columns.erase(column) > 0 || moves;
+    });
+    if (!moves) return;
+    const Eigen::MatrixXd seen = rates * moved;
+    const Index before = parts.of_dofs.rows();
+    parts.of_dofs.conservativeResize(before + 3, model.n_d);
+    parts.of_dofs.bottomRows(3) = seen;
+    for (const char axis : {'x', 'y', 'z'}) parts.names.push_back(name + axis);
+  };
+  for (const ModelNode& node : model.nodes) {
+    add(node.translation, node.translation.basis, node.name + " ");
+    if (!node.has_rotation()) continue;
+    LocalVector local;
+    gather_in_node_axes({node.rotation}, x, local);
+    add(node.rotation, rates_of_rotation(local), node.name + " r");
+  }
+  return parts;
+}
+
+}  // namespace stillframe::tools
