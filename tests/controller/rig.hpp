@@ -57,7 +57,7 @@ class Rig {
     sigma.noalias() = plant_.C_sigma * x_ + plant_.D_sigma * before_;
     reports_.push_back(plant_.C_report * x_ + plant_.D_report * before_);
     reports_.pop_front();
-    peak = worst_of(peak, sigma.cwiseAbs().maxCoeff());
+    peak = worst_of(peak, worst_of(sigma));
     measurement_.seq = k_;
     measurement_.time_ns = std::llround(static_cast<double>(k_) * 1e9 / gains_.sample_rate_hz);
     measurement_.sigma = sigma;
@@ -75,8 +75,8 @@ class Rig {
       sent_any = true;
       unheard_ = 0;
       force_ = command_.force;
-      largest_force = worst_of(largest_force, force_.cwiseAbs().maxCoeff());
-      largest_jump = worst_of(largest_jump, (force_ - force_before_).cwiseAbs().maxCoeff());
+      largest_force = worst_of(largest_force, worst_of(force_));
+      largest_jump = worst_of(largest_jump, worst_of(force_ - force_before_));
       force_before_ = force_;
     }
     // The amplifiers hold a force for ten samples, and let it go within a second.

@@ -7,6 +7,7 @@
 
 #include "controller/law.hpp"
 #include "core/linear/linear_system.hpp"
+#include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/controller/toy_plant.hpp"
 #include "tests/support/allocation_count.hpp"
@@ -106,7 +107,7 @@ TEST(Law, ImplicitOneIsStableAndHasItsStaticGain) {
     const Gains gains = coupled_gains(rate, 0.05);
     const DiscreteLaw law = law_from_gains(gains);
     EXPECT_EQ(law.A.rows(), gains.n_legs());
-    EXPECT_LT(law.A.eigenvalues().cwiseAbs().maxCoeff(), 1.0);
+    EXPECT_LT(worst_of(law.A.eigenvalues()), 1.0);
     const MatrixXd W =
         toy::two_pi * gains.leak_hz * MatrixXd::Identity(4, 4) + gains.K_I;  // C'(0) = -W^-1 K_I
     const MatrixXd expected = -W.inverse() * gains.K_I;

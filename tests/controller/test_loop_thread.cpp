@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "controller/loop_thread.hpp"
+#include "core/worst.hpp"
 #include "msgs/clock.hpp"
 #include "tests/controller/toy_plant.hpp"
 
@@ -39,7 +40,7 @@ class ToyFrame : public Io {
   }
   void send(const Command& command) noexcept override {
     last_force = command.force;
-    largest = std::max(largest, last_force.cwiseAbs().maxCoeff());
+    largest = worst_of(largest, worst_of(last_force));
   }
 
  private:

@@ -6,6 +6,7 @@
 
 #include "controller/pace.hpp"
 #include "controller/start_check.hpp"
+#include "core/worst.hpp"
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
 
@@ -136,7 +137,7 @@ TEST(Pace, NoFloorMakesASoundLoopHurry) {
     for (int k = 0; k < 18 * n; ++k) {
       rig.step();
       const double change = std::abs(rig.force()(leg) - std::exchange(last, rig.force()(leg)));
-      nearest = std::max(nearest, change / (size * pace.per_floor()(leg, 0)));
+      nearest = worst_of(nearest, change / (size * pace.per_floor()(leg, 0)));
     }
     // From a quiet floor to one a thousand times as loud within a sample, and back.
     std::normal_distribution<double> normal;

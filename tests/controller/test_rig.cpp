@@ -7,6 +7,7 @@
 
 #include "controller/start_check.hpp"
 #include "core/linear/sampled_loop.hpp"
+#include "core/worst.hpp"
 #include "tests/controller/rig.hpp"
 
 // The bench of the fault policy is the loop that was designed: what follows holds for loops of any
@@ -84,8 +85,8 @@ TEST_P(RigIsTheDesignedLoop, AnswersToAKickAsTheDesign) {
       y += loop.D * w;
       xi += loop.B * w;
     }
-    largest = std::max(largest, y.norm());
-    worst = std::max(worst, (rig.y - y).norm());
+    largest = worst_of(largest, y.norm());
+    worst = worst_of(worst, (rig.y - y).norm());
   }
   EXPECT_EQ(rig.state(), State::active);
   EXPECT_GT(largest, 0);

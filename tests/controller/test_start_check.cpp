@@ -19,7 +19,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-double radius_of(const MatrixXd& A) { return balanced(A).eigenvalues().cwiseAbs().maxCoeff(); }
+double radius_of(const MatrixXd& A) { return worst_of(balanced(A).eigenvalues()); }
 
 Gains naive(double design_hz, double rate_hz, int delay) {
   Gains gains = toy::gains(design_hz, rate_hz, delay);

@@ -4,6 +4,7 @@
 
 #include "controller/supervisor.hpp"
 #include "controller/telemetry.hpp"
+#include "core/worst.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
@@ -135,7 +136,7 @@ TEST_P(WallClockEnds, WithARampToNoForce) {
   std::int64_t heard = 0;
   const auto size = [](const command_t& command) {
     double most = 0;
-    for (const double force : command.force) most = std::max(most, std::abs(force));
+    for (const double force : command.force) most = worst_of(most, std::abs(force));
     return most;
   };
   // Until no command has come for 0.3 s.
@@ -146,7 +147,7 @@ TEST_P(WallClockEnds, WithARampToNoForce) {
     if (plant.commands.size() > n_commands) heard = k;
     n_commands = plant.commands.size();
     plant.move(n_commands == 0 ? std::vector<double>(4, 0.0) : plant.commands.back().force);
-    if (n_commands > 0) largest = std::max(largest, size(plant.commands.back()));
+    if (n_commands > 0) largest = worst_of(largest, size(plant.commands.back()));
     if (told || listener.status.state != stillframe_msgs::controller_status_t::ACTIVE) continue;
     told = true;
     heard = k;

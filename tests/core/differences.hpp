@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/worst.hpp"
+
 namespace stillframe::test {
 
 namespace detail {
@@ -48,10 +50,10 @@ Eigen::VectorXd second_derivative(const F& f, double h) {
   return detail::extrapolate(values);
 }
 
-/// Largest entry of a - b against the largest of b.
+/// Largest entry of a - b against the largest of b; NaN if an entry is NaN.
 template <class A, class B>
 double relative_error(const A& a, const B& b) {
-  return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
+  return worst_of(a - b) / worst_of(b);
 }
 
 }  // namespace stillframe::test

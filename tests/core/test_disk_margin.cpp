@@ -7,6 +7,7 @@
 
 #include "core/linear/disk_margin.hpp"
 #include "core/linear/margins.hpp"
+#include "core/worst.hpp"
 #include "tests/core/random_loops.hpp"
 
 // Peaks are found from a state space of S - I/2; here they are held against return_ratio, which is
@@ -45,7 +46,7 @@ double radius_with(const LinearSystem& half, const VectorXcd& factors) {
   const MatrixXcd A = half.A.cast<Complex>() + half.B * off * half.C;
   const Eigen::ComplexEigenSolver<MatrixXcd> solver(A, false);
   EXPECT_EQ(solver.info(), Eigen::Success);
-  return solver.eigenvalues().cwiseAbs().maxCoeff();
+  return worst_of(solver.eigenvalues());
 }
 
 Complex factor(Complex d) { return (2.0 + d) / (2.0 - d); }
@@ -94,7 +95,7 @@ TEST(DiskMargin, OfANarrowResonanceIsNotSteppedOver) {
     const FromReturnRatio half(loop);
     double worst = 0;
     for (double f = hz; f < hz + 8; f += 1e-4)
-      worst = std::max(worst, std::abs(half(two_pi * f)(0, 0)));
+      worst = worst_of(worst, std::abs(half(two_pi * f)(0, 0)));
     EXPECT_NEAR(found.leg_disk(0) * worst, 1, 1e-4) << hz;
   }
 }
@@ -136,10 +137,8 @@ TEST_P(RandomLoops, NoPeakIsHigherThanTheOneThatIsFound) {
     double worst = 0, where = 0;
     const auto look = [&](double omega) {
       const double value = std::abs(half(omega)(leg, leg));
-      if (value > worst) {
-        worst = value;
-        where = omega;
-      }
+      if (value > worst) where = omega;
+      worst = worst_of(worst, value);
     };
     for (int i = 1; i <= 2000; ++i) {
       look(nyquist * i / 2000);

@@ -10,6 +10,7 @@
 #include "core/linear/eigenvalues.hpp"
 #include "core/linear/margins.hpp"
 #include "core/linear/sampled_loop.hpp"
+#include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/core/random_loops.hpp"
 
@@ -60,7 +61,7 @@ TEST(Eigenvalues, OfTheLargestNumbersAreRightOrUnknown) {
     Eigen::VectorXd D = random_matrix(random, n).col(0);
     const double scale = std::pow(10.0, exponent(random));
     const double radius = spectral_radius(MatrixXd(scale * (Q * D.asDiagonal() * Q.transpose())));
-    const double expected = scale * D.cwiseAbs().maxCoeff();
+    const double expected = scale * worst_of(D);
     if (radius == infinity) continue;
     ++n_known;
     // Symmetric, so well conditioned: n roundings of the largest.

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "core/worst.hpp"
 #include "tests/core/element_cases.hpp"
 
 namespace stillframe::test {
@@ -47,13 +48,11 @@ TEST_P(Elements, FirstAndSecondDerivativesAgreeWithHyperDualNumbers) {
       const auto column = differentiate(c, u, VectorXd::Unit(n, j), w);
       for (Index i = 0; i < n_e; ++i) expected(i, j) = first(column[static_cast<size_t>(i)]);
     }
-    EXPECT_LE((D - expected).cwiseAbs().maxCoeff(),
-              derivative_tolerance * expected.cwiseAbs().maxCoeff());
+    EXPECT_LE(worst_of(D - expected), derivative_tolerance * worst_of(expected));
     const auto along = differentiate(c, u, v, w);
     VectorXd expected_second(n_e);
     for (Index i = 0; i < n_e; ++i) expected_second(i) = second(along[static_cast<size_t>(i)]);
-    EXPECT_LE((found - expected_second).cwiseAbs().maxCoeff(),
-              derivative_tolerance * expected_second.cwiseAbs().maxCoeff());
+    EXPECT_LE(worst_of(found - expected_second), derivative_tolerance * worst_of(expected_second));
   }
 }
 
@@ -73,8 +72,7 @@ TEST_P(Elements, HessianAgreesWithHyperDualNumbersEntryByEntry) {
           expected(a, b) += sigma(i) * second(values[static_cast<size_t>(i)]);
       }
     }
-    EXPECT_LE((MatrixXd(H) - expected).cwiseAbs().maxCoeff(),
-              derivative_tolerance * expected.cwiseAbs().maxCoeff());
+    EXPECT_LE(worst_of(MatrixXd(H) - expected), derivative_tolerance * worst_of(expected));
   }
 }
 
@@ -107,10 +105,8 @@ TEST_P(Elements, JacobianRatesAgreeWithThirdDerivatives) {
     LocalJacobian rate(n_e, n), second_rate(n_e, n);
     c.element->jacobian_rates(u, v, a, rate, second_rate);
     const auto expected = rates_by_third_derivatives(c, u, v, a);
-    EXPECT_LE((rate - expected[0]).cwiseAbs().maxCoeff(),
-              derivative_tolerance * expected[0].cwiseAbs().maxCoeff());
-    EXPECT_LE((second_rate - expected[1]).cwiseAbs().maxCoeff(),
-              derivative_tolerance * expected[1].cwiseAbs().maxCoeff());
+    EXPECT_LE(worst_of(rate - expected[0]), derivative_tolerance * worst_of(expected[0]));
+    EXPECT_LE(worst_of(second_rate - expected[1]), derivative_tolerance * worst_of(expected[1]));
   }
 }
 
@@ -118,7 +114,7 @@ TEST_P(Elements, TheSceneAsWrittenIsUndeformed) {
   const Case c = next_case();
   LocalDeformation e(c.element->n_deformations());
   c.element->deformations(LocalVector::Zero(c.element->n_local()), e);
-  EXPECT_EQ(e.cwiseAbs().maxCoeff(), 0.0);  // exactly: every term has a displacement as a factor
+  EXPECT_EQ(worst_of(e), 0.0);  // exactly: every term has a displacement as a factor
 }
 
 TEST_P(Elements, RigidMotionDeformsNothing) {
@@ -150,7 +146,7 @@ TEST_P(Elements, RigidMotionDeformsNothing) {
     c.element->deformations(u, e);
     // Positions of a few metres carry a rounding of 1e-15 m into e, products of lengths a little
     // more.
-    EXPECT_LE(e.cwiseAbs().maxCoeff(), 2e-14) << GetParam();
+    EXPECT_LE(worst_of(e), 2e-14) << GetParam();
   }
 }
 
@@ -302,7 +298,7 @@ TEST(Rotation, BodyRateMatrixGivesTheAngularVelocityOfTheRotationMatrix) {
     }
     const Eigen::Vector3d omega = 2.0 * body_rate_matrix(lambda) * rate;
     // R' = R [omega]x in body axes; products of numbers of order one.
-    EXPECT_LE((R.transpose() * R_dot - cross_matrix(omega)).cwiseAbs().maxCoeff(), 1e-14);
+    EXPECT_LE(worst_of(R.transpose() * R_dot - cross_matrix(omega)), 1e-14);
   }
 }
 

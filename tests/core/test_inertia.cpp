@@ -7,6 +7,7 @@
 #include "core/inertia/body.hpp"
 #include "core/inertia/lumped.hpp"
 #include "core/inertia/planar_beam_mass.hpp"
+#include "core/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 
@@ -110,7 +111,7 @@ TEST_P(Inertias, MassIsTheForceOfUnitAccelerations) {
       found.col(i) = force(s.u, s.v, s.a + VectorXd::Unit(n_, i), g_) - start;
     }
     // F is linear in the accelerations; differences of numbers of size |F|.
-    EXPECT_LE((found - mass(s.u)).cwiseAbs().maxCoeff(), 1e-14 * start.norm() + 1e-14);
+    EXPECT_LE(worst_of(found - mass(s.u)), 1e-14 * start.norm() + 1e-14);
   }
 }
 
@@ -149,8 +150,8 @@ TEST_P(Inertias, TangentsAreTheDerivativesOfTheForce) {
     }
     // Point masses have no tangents, their differences the rounding of the force.
     const double rounding = 1e-12 * force(s).norm();
-    EXPECT_LE((in_v - expected_v).cwiseAbs().maxCoeff(), rounding);
-    EXPECT_LE((in_u - expected_u).cwiseAbs().maxCoeff(), rounding);
+    EXPECT_LE(worst_of(in_v - expected_v), rounding);
+    EXPECT_LE(worst_of(in_u - expected_u), rounding);
   }
 }
 

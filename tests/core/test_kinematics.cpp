@@ -5,6 +5,7 @@
 #include "core/dynamics.hpp"
 #include "core/elements/rotation.hpp"
 #include "core/kinematics.hpp"
+#include "core/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/joint_scenes.hpp"
 #include "tests/core/scenes.hpp"
@@ -73,9 +74,7 @@ TEST_P(Kinematics, SolvedPositionsMeetEveryCondition) {
       }
       // Relative to the displacements: small motions keep their digits too. Some ten terms of 1e-16
       // each.
-      EXPECT_LE((data_.e.head(model_.n_c) - wanted).cwiseAbs().maxCoeff(),
-                4e-15 * data_.x.cwiseAbs().maxCoeff())
-          << size;
+      EXPECT_LE(worst_of(data_.e.head(model_.n_c) - wanted), 4e-15 * worst_of(data_.x)) << size;
     }
   }
 }
@@ -85,7 +84,7 @@ TEST_P(Kinematics, ComesBackToTheSceneAsWritten) {
   const MotionState away = large_motion(), home(model_);
   ASSERT_TRUE(solve_positions(model_, data_, away));
   ASSERT_TRUE(solve_positions(model_, data_, home));
-  EXPECT_LE(data_.x.cwiseAbs().maxCoeff(), 1e-29);
+  EXPECT_LE(worst_of(data_.x), 1e-29);
 }
 
 TEST_P(Kinematics, TransferFunctionsAreTheDerivativesOfPositions) {
@@ -143,8 +142,7 @@ TEST_P(Kinematics, RatesAreTheDerivativesOfPositionsInTime) {
     // h^2.
     const VectorXd first = derivative(motion, 3e-3), second = second_derivative(motion, 1e-2);
     EXPECT_LE(relative_error(x_dot, first.head(model_.n_x)), 1e-10);
-    EXPECT_LE((e_dot - first.tail(model_.n_e)).cwiseAbs().maxCoeff(),
-              1e-10 * x_dot.cwiseAbs().maxCoeff());
+    EXPECT_LE(worst_of(e_dot - first.tail(model_.n_e)), 1e-10 * worst_of(x_dot));
     EXPECT_LE(relative_error(x_ddot_0, second.head(model_.n_x)), 1e-8);
   }
 }

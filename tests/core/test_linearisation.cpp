@@ -163,10 +163,9 @@ TEST_P(Linearised, MatricesAreTheDerivativesOfTheNonlinearEquations) {
     double worst = 0;
     for (Index i = 0; i < found.rows(); ++i) {
       // Rows that are zero are so up to rounding of the accelerations.
-      const double accelerations = std::max(expected.topRows(n).cwiseAbs().maxCoeff(), 1e-6);
-      const double size =
-          std::max(expected.row(i).cwiseAbs().maxCoeff(), (i < n ? 1.0 : 1e-6) * accelerations);
-      const double error = (found.row(i) - expected.row(i)).cwiseAbs().maxCoeff();
+      const double accelerations = std::max(worst_of(expected.topRows(n)), 1e-6);
+      const double size = std::max(worst_of(expected.row(i)), (i < n ? 1.0 : 1e-6) * accelerations);
+      const double error = worst_of(found.row(i) - expected.row(i));
       EXPECT_LE(error, tolerance * size) << what << " row " << i;
       worst = worst_of(worst, error / size);
     }
@@ -182,8 +181,8 @@ TEST_P(Linearised, MatricesAreTheDerivativesOfTheNonlinearEquations) {
                      expected = nonlinear.derivative_to({kind, j}, scene.inputs, step);
       // Some inputs drive nothing in one choice of dofs: 1e-6 stands for zero beside answers of
       // 1e-3 and more.
-      const double answer = std::max(expected.head(n).cwiseAbs().maxCoeff(), 1e-6);
-      const double error = (found - expected).head(n).cwiseAbs().maxCoeff() / answer;
+      const double answer = std::max(worst_of(expected.head(n)), 1e-6);
+      const double error = worst_of((found - expected).head(n)) / answer;
       EXPECT_LE(error, tolerance) << input.name;
       for (Index i = n; i < found.size(); ++i) {
         // An output that does not answer must be answered with zero: rounding of the largest
@@ -197,8 +196,8 @@ TEST_P(Linearised, MatricesAreTheDerivativesOfTheNonlinearEquations) {
     one(Kind::input, motion ? h : 100.0, [&](Index k) { return predicted.to_input(k); });
     if (!motion) continue;
     const VectorXd rate = nonlinear.derivative_to({Kind::input_dot, j}, scene.inputs, 1e-2);
-    EXPECT_LE((predicted.to_input_dot(j) - rate).cwiseAbs().maxCoeff(),
-              tolerance * std::max(1.0, rate.cwiseAbs().maxCoeff()));
+    EXPECT_LE(worst_of(predicted.to_input_dot(j) - rate),
+              tolerance * std::max(1.0, worst_of(rate)));
     one(Kind::input_ddot, 1.0, [&](Index k) { return predicted.to_input_ddot(k); });
   }
 }

@@ -25,11 +25,16 @@ TEST(Worst, KeepsWhatIsNotANumber) {
   EXPECT_TRUE(std::isnan(worst_of(1, nan)));  // std::max answers 1
   EXPECT_TRUE(std::isnan(worst_of({1, nan, 3})));
   // Wherever it stands, also where vectors of registers hide it from maxCoeff().
-  for (Eigen::Index i = 0; i < 20; ++i) {
-    Eigen::VectorXd values = Eigen::VectorXd::LinSpaced(20, -3, 2);
-    EXPECT_EQ(worst_of(values), 3);
-    values(i) = nan;
-    EXPECT_TRUE(std::isnan(worst_of(values))) << i;
+  for (Eigen::Index n = 1; n <= 40; ++n) {
+    const Eigen::VectorXcd values = Eigen::VectorXcd::LinSpaced(n, {1, 2}, {3, -4});
+    EXPECT_EQ(worst_of(values), 5) << n;
+    EXPECT_EQ(worst_of(values.real()), 3) << n;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      Eigen::VectorXcd broken = values;
+      broken(i).imag(nan);
+      EXPECT_TRUE(std::isnan(worst_of(broken))) << i << " of " << n;
+      EXPECT_TRUE(std::isnan(worst_of(broken.imag()))) << i << " of " << n;
+    }
   }
   EXPECT_EQ(worst_of(Eigen::MatrixXd(0, 3)), 0);
 }

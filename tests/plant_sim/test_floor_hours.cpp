@@ -70,7 +70,7 @@ Hours through(const std::string& block, double rate) {
       hours.largest = worst_of(hours.largest, std::abs(q_r(0)));
       hours.deviation = worst_of(hours.deviation, static_cast<double>(std::abs(q_r(0) - x)));
       hours.plain_deviation =
-          std::max(hours.plain_deviation, static_cast<double>(std::abs(plain_x - x)));
+          worst_of(hours.plain_deviation, static_cast<double>(std::abs(plain_x - x)));
     }
   }
   hours.position = q_r(0);

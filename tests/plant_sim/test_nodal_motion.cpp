@@ -6,6 +6,7 @@
 #include "core/equilibrium.hpp"
 #include "core/operating_point.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 #include "plant_sim/nodal/nodal_motion.hpp"
 #include "tests/core/joint_scenes.hpp"
 #include "tests/plant_sim/nodal_reference.hpp"
@@ -51,7 +52,7 @@ void drive(const Model& model, const Drive& size, int samples, const Step& step)
 struct Trajectory {
   MatrixXd x_ddot, sigma;
   static double difference(const MatrixXd& a, const MatrixXd& b) {
-    return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
+    return worst_of(a - b) / worst_of(b);
   }
 };
 
@@ -167,9 +168,9 @@ TEST(NodalMotion, HeldDeformationsStayHeld) {
     // Rounding of positions of 1 m, and of rates of up to 100 m/s and rad/s, through a few
     // products.
     equations.position_errors(state, r);
-    EXPECT_LT(r.lpNorm<Eigen::Infinity>(), 1e-14);
+    EXPECT_LT(worst_of(r), 1e-14);
     equations.rate_errors(state, r);
-    EXPECT_LT(r.lpNorm<Eigen::Infinity>(), 1e-12);
+    EXPECT_LT(worst_of(r), 1e-12);
   });
 }
 
@@ -191,7 +192,7 @@ TEST(NodalMotion, FreeMotionKeepsItsEnergy) {
   for (int k = 0; k < 200; ++k) ASSERT_EQ(motion.advance(inputs, 0.1), Status::ok);
   EXPECT_NEAR(energy() / before, 1, 1e-9);
   // It has turned over: the Euler parameters are far from where they were.
-  EXPECT_GT(motion.x().lpNorm<Eigen::Infinity>(), 0.5);
+  EXPECT_GT(worst_of(motion.x()), 0.5);
 }
 
 TEST(NodalMotion, RestsOnForcesThatBalanceToRounding) {
@@ -203,7 +204,7 @@ TEST(NodalMotion, RestsOnForcesThatBalanceToRounding) {
   for (int k = 0; k < 20; ++k) ASSERT_EQ(motion.advance(inputs, sample_time), Status::ok);
   EXPECT_LE(motion.steps(), 40);  // rounding is no reason for small steps
   // Rounding of 2.5 kN on 250 kg each.
-  EXPECT_LT(motion.x_ddot().lpNorm<Eigen::Infinity>(), 1e-11);
+  EXPECT_LT(worst_of(motion.x_ddot()), 1e-11);
 }
 
 TEST(NodalMotion, TheSameInputsGiveTheSameBits) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 #include "plant_sim/disturbances.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 
@@ -54,8 +55,8 @@ double largest_correlation(const Eigen::MatrixXd& courses) {
   for (Eigen::Index i = 0; i < courses.cols(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
       const double size = courses.col(i).norm() * courses.col(j).norm();
-      if (size > 0)
-        largest = std::max(largest, std::abs(courses.col(i).dot(courses.col(j))) / size);
+      if (size != 0)
+        largest = worst_of(largest, std::abs(courses.col(i).dot(courses.col(j))) / size);
     }
   }
   return largest;

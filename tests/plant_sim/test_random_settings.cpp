@@ -46,7 +46,7 @@ Error error_of(const SampledLoop& predicted, const std::vector<double>& frequenc
     const auto should = transfer(predicted, 2 * std::numbers::pi * frequencies_hz[i]);
     const Eigen::VectorXd ratios = singular_values(T[i]).cwiseQuotient(singular_values(should));
     const Eigen::MatrixXcd off = should.partialPivLu().solve(T[i] - should);
-    const double db = std::max(decibel(ratios.maxCoeff()), -decibel(ratios.minCoeff()));
+    const double db = worst_of(ratios.unaryExpr(&decibel));
     EXPECT_TRUE(std::isfinite(db));
     if (db > worst.singular_values_db) {
       worst.singular_values_db = db;

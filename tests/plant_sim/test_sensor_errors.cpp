@@ -5,6 +5,7 @@
 #include <iostream>
 #include <numbers>
 
+#include "core/worst.hpp"
 #include "plant_sim/sensor_errors.hpp"
 
 // What the sensors add, by its statistics: each bound is five standard deviations of the estimate.
@@ -131,7 +132,7 @@ TEST(ForceSensorNoise, IsTheSameWhateverElseIsOn) {
   white_less.flicker_below_hz = 0;
   // The walk is there in both, so the white noise is the difference. Rounding of sums of some N.
   const Eigen::MatrixXd difference = drawn(white_less, 3, 50) - drawn(others, 3, 50);
-  EXPECT_LT((difference - alone).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_LT(worst_of(difference - alone), 1e-14);
   // More legs leave the first ones as they are; another seed is another noise.
   EXPECT_EQ(drawn({.noise = density, .seed = 5}, 6, 50).topRows(3), alone);
   EXPECT_NE(drawn({.noise = density, .seed = 6}, 3, 50), alone);

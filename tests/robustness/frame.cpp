@@ -8,6 +8,7 @@
 
 #include "core/model/model.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 
 namespace stillframe::robustness {
 
@@ -109,7 +110,7 @@ double Cart::radius(double g) const {
   A << c - (1 - c) * push * from_e, s, -(1 - c) * push * from_u,  //
       -s - s * push * from_e, c, -s * push * from_u,              //
       from_e, 0, from_u;
-  return A.eigenvalues().cwiseAbs().maxCoeff();
+  return worst_of(A.eigenvalues());
 }
 
 }  // namespace stillframe::robustness

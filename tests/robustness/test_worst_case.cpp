@@ -92,7 +92,7 @@ TEST(WorstCase, AStartThatIsWorseThanAllCornersIsKept) {
     if (radius > most) inside(0) = value;
     most = worst_of(most, radius);
   }
-  const double corners = std::max(evaluator(VectorXd::Constant(1, -1)).radius,
+  const double corners = worst_of(evaluator(VectorXd::Constant(1, -1)).radius,
                                   evaluator(VectorXd::Constant(1, 1)).radius);
   ASSERT_GT(most, corners + 1e-3);
   EXPECT_EQ(search_worst(evaluator, Measure::radius, {inside}, 2).values, inside);

@@ -103,10 +103,10 @@ std::string stiffer(const std::string& text, double factor) {
 double difference(const LinearModel& m, const Reactions& r) {
   Eigen::VectorXd hand(5);
   hand << r.slider_acceleration, r.motor, r.bearing_x, r.bearing_y, r.side;
-  const Eigen::VectorXd d = (m.y_0 - hand).cwiseAbs();
+  const Eigen::VectorXd d = m.y_0 - hand;
   // Accelerations and forces are not the same kind: the acceleration is taken by the slider's mass.
-  const double scale = hand.tail(4).cwiseAbs().maxCoeff();
-  return std::max(slider_mass * d(0), d.tail(4).maxCoeff()) / scale;
+  const double scale = worst_of(hand.tail(4));
+  return worst_of(slider_mass * std::abs(d(0)), worst_of(d.tail(4))) / scale;
 }
 
 TEST(V14, ReactionsOfRigidLinksAreThoseOfInverseDynamics) {

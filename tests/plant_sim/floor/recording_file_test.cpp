@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/plant_sim/floor/scratch_folder.hpp"
 
@@ -46,7 +47,7 @@ TEST(RecordingFile, TheShippedRecordingsAreSound) {
   EXPECT_EQ(floor.acceleration.col(78000), Eigen::Vector3d(5.6424e-05, 4.9553e-06, -2.2973e-04));
   const auto quake = read_recording(floors + "mikb_quake_200hz.csv");
   // The README's peak, 0.194 m/s^2, to its last digit.
-  EXPECT_NEAR(quake.acceleration.cwiseAbs().maxCoeff(), 0.194, 0.0005);
+  EXPECT_NEAR(worst_of(quake.acceleration), 0.194, 0.0005);
 }
 
 struct BadFile {

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/worst.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/resample.hpp"
 #include "report/spectra/spectra.hpp"
@@ -125,7 +126,7 @@ TEST(ShapedNoise, EveryLineOfAPeriodHasTheDensityAsked) {
   }
   EXPECT_LT(line_amplitude(w, 0, 4100), 1e-14);  // 205 Hz, above the last point
   // Repeats exactly in position, hence up to rounding in acceleration; the inputs are independent.
-  EXPECT_LT((samples(*source, 40000 + n, n) - w).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_LT(worst_of(samples(*source, 40000 + n, n) - w), 1e-14);
   // A correlation of two noises of bandwidth B over T scatters by 1 / sqrt(2 B T) = 0.018, B about
   // 80 Hz; five standard deviations.
   EXPECT_LT(std::abs(w.row(0).dot(w.row(1))), 0.09 * w.row(0).norm() * w.row(1).norm());
