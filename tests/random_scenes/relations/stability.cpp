@@ -71,20 +71,20 @@ std::optional<Finding> check_stability(Case& scene, std::uint64_t seed) {
   Finding finding;
   // A quarter's size is that of the samples in which the slowest motion changes by a factor e. If
   // that is less than half a turn of it, they may lie where it passes zero: then it is asked
-  // whether the run grows or decays at all. So it is of growth if the next motion, whose part of
-  // the knock may be a million times as large, is not left behind by then.
+  // whether the run grows or decays at all. So it is if the next motion, whose part of the knock
+  // may be a million times as large, is not left behind by then: the two beat.
   const Slowest slowest(scene.design().closed.A);
   const double turned = slowest.angle / std::abs(rate);
-  const bool behind = rate < 0 || slowest.lead * static_cast<double>(n / 2) > std::log(1e6);
+  const bool behind = slowest.lead * static_cast<double>(n / 2) > std::log(1e6);
   const bool by_rate = behind && (turned == 0 || turned >= std::numbers::pi);
   const std::string what = "radius " + std::to_string(scene.design().radius) +
                            ", sigma changes by exp(" + std::to_string(grows) +
                            ") in a quarter of the run, for exp(" + std::to_string(expected) + ")";
   // The slowest motion goes as the radius says, but for how its beats and the powers of a multiple
   // pole lie in the two quarters: 7/5 for a double one, its square for a triple one, and
-  // a factor e in all. Where it grows so fast that the last sample is most of a quarter, that sample
-  // may be one at which a beat passes zero, and the one before stands for it. What decays faster
-  // may have had nothing of the slowest; what grows has it all.
+  // a factor e in all. Where it grows so fast that the last sample is most of a quarter, that
+  // sample may be one at which a beat passes zero, and the one before stands for it. What decays
+  // faster may have had nothing of the slowest; what grows has it all.
   if (!by_rate) {
     finding.take(std::exp(rate > 0 ? -grows : grows), 1, what);
     return finding;
