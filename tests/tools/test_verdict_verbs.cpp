@@ -88,7 +88,9 @@ TEST_F(VerdictVerbs, AFrameThatItsLimitedForcesShakeFails) {
 TEST_F(VerdictVerbs, TheFrameAsItIsPasses) {
   const Said said = simulate(folder_ / "run", {"--duration", "12"});
   expect_everywhere(folder_ / "run", said, "passed");
-  for (const Json& run : Json::parse(text_of(folder_ / "run/verdict.json")).at("runs")) {
+  const Json verdict = Json::parse(text_of(folder_ / "run/verdict.json"));
+  EXPECT_EQ(verdict.at("runs").size(), 2u);
+  for (const Json& run : verdict.at("runs")) {
     EXPECT_EQ(run.at("mode"), "single_process");
   }
   EXPECT_NE(text_of(folder_ / "run/report.html").find("single process"), std::string::npos);
