@@ -171,6 +171,7 @@ std::string Plant::circumstances() const {
          << " m/s,";
   }
   text << " and " << n_at_limit_ << " of " << k_ + 1 << " samples had a command at the force limit";
+  if (std::isinf(force_limit_)) text << " (there is none)";
   if (n_out_of_range_ > 0) {
     text << "; " << n_out_of_range_ << " readings of force sensors were cut off at their range";
   }

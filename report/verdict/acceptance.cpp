@@ -185,7 +185,8 @@ class Judge {
            .reason = "Axis " + axis.axis + ": " + motion.why_not + ".",
            .by_scene = motion.by_scene});
     } else if (a.rms_of_floor) {
-      const bool disturbed = verdict_.disturbed;
+      // What a scene asks for by name it asks of all that acts.
+      const bool disturbed = verdict_.disturbed && !motion.by_scene;
       // Of what forces on the frame may have done, no more than the model leaves unexplained is
       // theirs; the whole is, where there is no model.
       const double forces = !disturbed                  ? 0
@@ -270,7 +271,7 @@ class Judge {
       if (!open.empty() && found <= beyond_doubt * allowed) {
         check.outcome = Outcome::not_judged;
         check.reason = axis + open + ".";
-      } else if (!(*reference > reference_jumps)) {
+      } else if (*reference <= reference_jumps) {
         check.outcome = Outcome::not_judged;
         check.reason = axis + "the " + of + " hardly moves " + range +
                        ": where its record begins and ends may be all that is there.";

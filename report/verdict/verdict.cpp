@@ -75,7 +75,11 @@ ordered_json json_of(const AskedMotion& motion) {
           {"to_hz", motion.asked.to_hz},
           {"floor", json_of(motion.floor)},
           {"passive", json_of(motion.passive)},
-          {"active", json_of(motion.active)}};
+          {"active", json_of(motion.active)},
+          {"floor_jumps", motion.floor_jumps},
+          {"passive_jumps", motion.passive_jumps},
+          {"active_jumps", motion.active_jumps},
+          {"active_unexplained", json_of(motion.active_unexplained)}};
 }
 
 ordered_json json_of(const RunSummary& run) {

@@ -196,7 +196,9 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     third_octave_velocity (m/s rms) cumulative_rms (m/s^2), a number for each of
 ///     third_octave_bands_hz; ratio_active_to_passive and ratio_active_to_floor, each with
 ///     rms_acceleration and largest_band_velocity; ranges[] that were asked for: from_hz to_hz,
-///     floor passive active (m/s^2 rms in it; null: none)
+///     floor passive active (m/s^2 rms in it; null: none), floor_jumps passive_jumps active_jumps
+///     (m/s^2, how much of these the ends of the records may be), active_unexplained (m/s^2; null:
+///     not known)
 ///   third_octave_bands_hz: nominal centres
 ///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
 ///     sampled_at_hz beyond_db tolerance_db

@@ -168,6 +168,12 @@ TEST(Acceptance, ForcesOnTheFrameExcuseWhatTheyMayHaveDone) {
   EXPECT_EQ(outcome(4, 3.8).outcome, Outcome::failed) << "sqrt(4^2 - 3.8^2) = 1.25";
   EXPECT_EQ(outcome(4, 0).outcome, Outcome::failed);
   EXPECT_EQ(outcome(nan, 0).outcome, Outcome::failed);
+  // What a scene asks for by name it asks of all that acts.
+  MadeUp named({.axes = {{.axis = "z", .rms_of_floor = 1}}});
+  named.verdict.disturbed = true;
+  named.ask();
+  named.asked()[0].active = 4;
+  EXPECT_EQ(named.judged().outcome, Outcome::failed);
 }
 
 // What a record's ends leave in a range is no motion: neither side may pass or fail by it.
@@ -196,6 +202,9 @@ TEST(Acceptance, EndsOfRecordsNeitherPassNorFail) {
   EXPECT_EQ(of_floor(0.8, {1, 0}), Outcome::not_judged) << "a floor that is all ends";
   EXPECT_EQ(of_floor(1.3, {0.1, 0.1}), Outcome::failed) << "1.2 / 1.1";
   EXPECT_EQ(of_floor(1.3, {0.1, 0.21}), Outcome::not_judged) << "1.09 / 1.1";
+  MadeUp none;
+  none.asked()[1].floor = nan;
+  EXPECT_EQ(none.judged().outcome, Outcome::failed) << "a floor that is no number";
 }
 
 TEST(Acceptance, FloorsThatMoveApartLeaveThePassiveFrame) {

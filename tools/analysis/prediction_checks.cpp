@@ -1,11 +1,7 @@
 #include "tools/analysis/prediction_checks.hpp"
 
-#include <cmath>
-#include <limits>
-
 #include "core/worst.hpp"
 #include "report/table.hpp"
-#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::tools {
 
@@ -92,92 +88,6 @@ std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verd
                                 (why.empty() ? "the other loop did not run on it" : why) + "."});
   }
   return checks;
-}
-
-namespace {
-
-/// Of the lines of two responses in a range: what an output makes of the inputs, with control over
-/// without, and by how much noise may have changed that.
-struct MultisineGain {
-  double found = 0, least = 0, most = 0;
-  Eigen::Index n_lines = 0;
-};
-
-MultisineGain gain_of(const report::FrequencyResponse& open,
-                      const report::FrequencyResponse& closed, Eigen::Index output, double from_hz,
-                      double to_hz) {
-  MultisineGain gain;
-  double power[2] = {0, 0}, noise[2] = {0, 0};
-  for (Eigen::Index l = 0; l < open.n_frequencies(); ++l) {
-    const auto at = static_cast<std::size_t>(l);
-    const double f = open.frequencies_hz[at];
-    if (f < from_hz || f > to_hz) continue;
-    ++gain.n_lines;
-    for (const int i : {0, 1}) {
-      const report::FrequencyResponse& response = i == 0 ? open : closed;
-      power[i] += response.T[at].row(output).squaredNorm();
-      noise[i] += std::real(response.noise[at](output, output)) *
-                  std::real(response.input_weight[at].trace());
-    }
-  }
-  const double passive = std::sqrt(power[0]), active = std::sqrt(power[1]);
-  // Twice the standard deviation, as a 95 % band has.
-  const double of_passive = 2 * std::sqrt(noise[0]), of_active = 2 * std::sqrt(noise[1]);
-  gain.found = active / passive;
-  gain.least = (active - of_active) / (passive + of_passive);
-  gain.most = passive > of_passive ? (active + of_active) / (passive - of_passive)
-                                   : std::numeric_limits<double>::infinity();
-  return gain;
-}
-
-}  // namespace
-
-std::optional<Check> multisine_motion(const RunAnalyses& runs) {
-  if (!runs.passive || !runs.active || !runs.any().run.multisine || !runs.same_floor() ||
-      !runs.passive->matrix || !runs.active->matrix) {
-    return std::nullopt;
-  }
-  const auto &open = runs.passive->matrix->measured, &closed = runs.active->matrix->measured;
-  if (!open.response || !closed.response ||
-      open.response->frequencies_hz != closed.response->frequencies_hz) {
-    return std::nullopt;
-  }
-  double from_hz = report::lowest_level_hz, to_hz = report::highest_level_hz;
-  std::optional<MultisineGain> worst;
-  std::string of;
-  for (int attempt = 0; attempt < 2 && !worst; ++attempt) {
-    for (std::size_t i = 0; i < open.signals.outputs.size(); ++i) {
-      const auto gain =
-          gain_of(*open.response, *closed.response, static_cast<Eigen::Index>(i), from_hz, to_hz);
-      if (gain.n_lines == 0 || (worst && gain.found <= worst->found)) continue;
-      worst = gain;
-      of = open.signals.outputs[i];
-    }
-    if (worst) break;
-    from_hz = 0;
-    to_hz = std::numeric_limits<double>::infinity();
-  }
-  if (!worst) return std::nullopt;
-  const bool all = from_hz == 0;
-  const std::string range = all ? "all " + std::to_string(worst->n_lines) + " lines"
-                                : cell("%g to %g Hz", from_hz, to_hz);
-  Check check{
-      .subject = Subject::motion,
-      .what = "output " + of + ", active to passive frame, lines of the multisine, " + range,
-      .asked = "at most 1",
-      .found = cell("%.4g", worst->found),
-      .outcome = report::at_most(worst->found, 1),
-      .reason = "Output " + of + ": the active frame makes " + cell("%.4g", worst->found) +
-                " times as much of the multisine as the passive one (" + range + "), allowed is 1.",
-      .by_scene = false};
-  if (worst->found <= 1 ? worst->most > 1 : worst->least <= 1) {
-    check.outcome = Outcome::not_judged;
-    check.reason = "Output " + of + ": the active frame makes " + cell("%.4g", worst->found) +
-                   " times as much of the multisine as the passive one (" + range +
-                   "), which noise leaves known from " + cell("%.3g", worst->least) + " to " +
-                   cell("%.3g", worst->most) + " only.";
-  }
-  return check;
 }
 
 }  // namespace stillframe::tools

@@ -8,6 +8,7 @@
 #include "report/verdict/motion_level.hpp"
 #include "tools/analysis/loop_comparison.hpp"
 #include "tools/analysis/loop_target.hpp"
+#include "tools/analysis/multisine_motion.hpp"
 #include "tools/analysis/prediction_checks.hpp"
 
 namespace stillframe::tools {
