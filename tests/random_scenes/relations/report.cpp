@@ -87,7 +87,8 @@ int count_nulls(const nlohmann::json& value, double rate) {
                                                  "settling_s",
                                                  "floor",
                                                  "passive",
-                                                 "active"};
+                                                 "active",
+                                                 "active_unexplained"};
   const bool missing = value.is_object() && !value.value("missing", "").empty();
   int n = 0;
   for (const auto& [key, item] : value.items()) {
