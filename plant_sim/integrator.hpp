@@ -23,8 +23,8 @@ class Integrator {
                                            Eigen::Ref<Eigen::VectorXd> dy_dt)>;
 
   /// y = (n positions, n velocities, n_filtered filtered positions). relative_tolerance: error of a
-  /// step, against what the acceleration of advance() does in the part and a hundredth of the
-  /// largest position and velocity. Errors: std::runtime_error if SUNDIALS cannot be set up.
+  /// step, root of the mean square over all of y, against what the acceleration of advance() does
+  /// in the part. Errors: std::runtime_error if SUNDIALS cannot be set up.
   Integrator(Eigen::Index n, RightHandSide f, Scheme scheme, double relative_tolerance,
              Eigen::Index n_filtered = 0);
   ~Integrator();

@@ -22,9 +22,11 @@ constexpr Index most_dofs_of_exponentials = 60;
 
 /// What a step in minimal coordinates may err by, of the tolerance of the run, so that many of them
 /// keep it: by the estimates of the explicit pairs and of the exponential method errors of steps
-/// add up to some ten times the tolerance in swings of a radian. The estimate of the nodal method
-/// is one of order 5 for steps of order 9, and needs no such share (docs/decisions/0025).
-constexpr double step_share = 0.1;
+/// add up to some ten times the tolerance in swings of a radian. The pairs judge dofs that are
+/// angles and lengths by one number, of which the levers of a frame make three times too much. The
+/// estimate of the nodal method is one of order 5 for steps of order 9, and needs no such share
+/// (docs/decisions/0025).
+constexpr double exponential_share = 0.1, explicit_share = 0.03;
 
 /// Highest frequency of the linear part times a part's duration up to which explicit steps are
 /// cheaper than implicit ones where motion is large, and what an evaluation of the implicit method
@@ -90,12 +92,11 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   signals.insert(signals.end(), scene.monitors.begin(), scene.monitors.end());
   const FramePoints points(model, merged.carried, signals);
   const double tolerance = scene.simulation.relative_tolerance;
-  const double of_a_step = step_share * tolerance;
   const auto equations = [&] {
     return MinimalEquations(model, nominal, drive.legs(), filter_rate);
   };
   const auto explicit_motion = [&](Scheme scheme) {
-    return std::make_unique<OdeMotion>(equations(), points, scheme, of_a_step);
+    return std::make_unique<OdeMotion>(equations(), points, scheme, explicit_share * tolerance);
   };
   const auto nodal_motion = [&] {
     return std::make_unique<NodalPlantMotion>(model, nominal, points, drive.legs(), filter_rate,
@@ -120,7 +121,7 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   }
   const double fastest = spectral_radius(linear.A) * durations.front();
   auto small = std::make_unique<ExponentialMotion>(std::move(minimal), std::move(linear), points,
-                                                   of_a_step, drive, durations);
+                                                   exponential_share * tolerance, drive, durations);
   if (scene.simulation.method != PlantMethod::automatic) return small;
   if (fastest <= most_explicit) {
     return std::make_unique<AdaptiveMotion>(std::move(small),

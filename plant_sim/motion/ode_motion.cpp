@@ -1,6 +1,7 @@
 #include "plant_sim/motion/ode_motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stillframe {
 
@@ -10,16 +11,17 @@ OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, Scheme sche
                      double relative_tolerance)
     : equations_(std::move(equations)),
       points_(std::move(points)),
+      // In the mean square of N entries, which is what a step is judged by, one may be sqrt(N) out.
+      relative_tolerance_(relative_tolerance / std::sqrt(static_cast<double>(equations_.size()))),
       // Preloads balance up to rounding only. Errors of that size can be met by no step, so they
       // set the least acceleration that counts.
-      relative_tolerance_(relative_tolerance),
-      least_scale_(100 * equations_.rest_acceleration() / relative_tolerance),
+      least_scale_(10 * equations_.rest_acceleration() / relative_tolerance_),
       integrator_(
           equations_.n_d(),
           [this](double t, const Eigen::Ref<const VectorXd>& y, Eigen::Ref<VectorXd> dy_dt) {
             return equations_.evaluate(*drive_, t, y, dy_dt);
           },
-          scheme, relative_tolerance, equations_.n_filtered()),
+          scheme, relative_tolerance_, equations_.n_filtered()),
       y_(equations_.start()),
       rate_(y_) {}
 

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/dynamics.hpp"
 #include "core/equilibrium.hpp"
 #include "core/scene/scene_reader.hpp"
@@ -101,7 +103,8 @@ struct BareFrame {
             [this](double t, const Eigen::Ref<const Eigen::VectorXd>& at,
                    Eigen::Ref<Eigen::VectorXd> dy_dt) { return derivative(t, at, dy_dt); },
             Scheme::dormand_prince,
-            0.1 * scene.simulation.relative_tolerance) {  // the share that a run asks of its steps
+            // What a run asks of its steps: a share, and of each entry of y.
+            0.03 * scene.simulation.relative_tolerance / std::sqrt(2.0 * double(frame.n_d))) {
     data.x = solve_equilibrium(model).motion.x;
   }
   bool derivative(double t, const Eigen::Ref<const Eigen::VectorXd>& at,
