@@ -29,15 +29,14 @@ double largest(const Model& model, const Eigen::VectorXd& x, double translations
   return result;
 }
 
-/// Angle times axis of the displacement of a rotation, that of a planar node or Euler parameters.
+}  // namespace
+
 Eigen::Vector3d turn_of(const LocalVector& local) {
   if (local.size() == 1) return {0, 0, local(0)};
   const Vector4 lambda = euler_parameters(local).normalized();
   const Eigen::AngleAxisd turn(Eigen::Quaterniond(lambda(0), lambda(1), lambda(2), lambda(3)));
   return turn.angle() * turn.axis();
 }
-
-}  // namespace
 
 double scene_size(const Model& model) {
   double size = 0;

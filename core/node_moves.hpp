@@ -16,6 +16,10 @@ double largest_turn(const Model& model, const Eigen::VectorXd& displacement);
 /// displacement goes, in all units.
 double largest_move(const Model& model, const Eigen::VectorXd& displacement);
 
+/// The turn (angle times axis, rad) of a displacement of a rotation: the angle of a planar node (1)
+/// or changes of Euler parameters (4).
+Eigen::Vector3d turn_of(const LocalVector& local);
+
 /// The node that a displacement (n_x) moves most by that measure, and how: "node c1 has moved
 /// -0.41 m along z", "node table has turned 0.8 rad about y". Empty if none moves.
 std::string largest_move_in_words(const Model& model, const Eigen::VectorXd& displacement);

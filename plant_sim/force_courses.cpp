@@ -4,8 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/files/utf8.hpp"
 #include "core/linear/smooth_step.hpp"
 #include "core/yaml/input_error.hpp"
+#include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/courses.hpp"
 #include "plant_sim/floor/recording_file.hpp"
 #include "plant_sim/floor/resample.hpp"
@@ -72,8 +74,8 @@ double mean(const ForceSweep& force, double t, double T) noexcept {
 
 void require_below(double frequency_hz, double sample_time, const std::string& place) {
   if (frequency_hz * sample_time < 0.5) return;
-  throw InputError(place + ": the force has " + std::to_string(frequency_hz) +
-                   " Hz, allowed is below " + std::to_string(0.5 / sample_time) +
+  throw InputError(place + ": the force has " + floor::text_of(frequency_hz) +
+                   " Hz, allowed is below " + floor::text_of(0.5 / sample_time) +
                    " Hz, half the control rate");
 }
 
@@ -82,8 +84,8 @@ Eigen::VectorXd noise_table(const ForceNoise& noise, double T, const std::string
                             const std::string& place) {
   require_below(noise.psd.front().first, T, place);
   if (noise.period_s / T > most_samples) {
-    throw InputError(place + ": period_s: found " + std::to_string(noise.period_s) +
-                     ", allowed is up to " + std::to_string(most_samples * T));
+    throw InputError(place + ": period_s: found " + floor::text_of(noise.period_s) +
+                     ", allowed is up to " + floor::text_of(most_samples * T));
   }
   const floor::NoiseShape shape{
       .density = floor::PointsDensity{noise.psd},
@@ -98,12 +100,13 @@ Eigen::VectorXd recording_table(const ForceRecording& force, double T, const std
   const auto& names = recording.columns;
   const auto found = std::find(names.begin(), names.end(), force.column);
   if (found == names.end()) {
-    throw InputError(place + ": '" + force.column + "' is no column of " + force.file.string());
+    throw InputError(place + ": '" + printable(force.column, 80) + "' is no column of " +
+                     force.file.string());
   }
   const double fs = recording.sample_rate_hz;
   const auto ratio = floor::rational_ratio(fs, 1.0 / T);
   if (!ratio) {
-    throw InputError(place + ": " + force.file.string() + " is at " + std::to_string(fs) +
+    throw InputError(place + ": " + force.file.string() + " is at " + floor::text_of(fs) +
                      " Hz, allowed is a rate whose ratio to the control rate is one of whole "
                      "numbers up to 10000");
   }
@@ -111,7 +114,7 @@ Eigen::VectorXd recording_table(const ForceRecording& force, double T, const std
   const double first = std::round(force.start_s * fs);
   const double left = static_cast<double>(recording.acceleration.cols()) - first;
   if (left <= 2.0 * static_cast<double>(taper)) {
-    throw InputError(place + ": start_s: found " + std::to_string(std::max(left, 0.0) / fs) +
+    throw InputError(place + ": start_s: found " + floor::text_of(std::max(left, 0.0) / fs) +
                      " s of " + force.file.string() + " from there on, allowed is more than 2 s");
   }
   Eigen::MatrixXd piece =

@@ -49,7 +49,7 @@ constexpr const char* footer =
 
 struct Options {
   std::filesystem::path scene, gains;
-  std::optional<std::filesystem::path> floor, controller, pace_by_log;
+  std::optional<std::filesystem::path> floor, controller, scene_folder, floor_folder, pace_by_log;
   std::string mode = "lock_step", loop = "active", lcm_url;
   std::optional<std::int64_t> run_id;
   std::optional<double> duration_s;
@@ -69,6 +69,12 @@ void add_options(CLI::App& app, Options& options) {
       ->type_name("FILE");
   app.add_option("--floor", options.floor, "Floor block that replaces the scene's")
       ->type_name("FILE");
+  app.add_option("--scene-folder", options.scene_folder,
+                 "Look here for recordings that the scene names (default: beside it)")
+      ->type_name("DIR");
+  app.add_option("--floor-folder", options.floor_folder,
+                 "Look here for recordings that the floor block names (default: beside it)")
+      ->type_name("DIR");
   app.add_option("--mode", options.mode,
                  "lock_step: as fast as the machine goes; wall_clock: at the sample rate")
       ->check(CLI::IsMember({"lock_step", "wall_clock"}))
@@ -121,11 +127,19 @@ void request_fifo(int priority) {
 }
 
 int run(const Options& options) {
-  const Scene scene = read_scene(options.scene, options.controller);
+  Scene scene = read_scene(options.scene, options.controller);
+  if (options.scene_folder) {
+    const auto root = YamlReader::from_text(scene.text, scene.file, *options.scene_folder);
+    scene.disturbances = read_disturbances(root, scene);
+  }
   require_loop_signals(scene);
-  const auto floor = read_floor(scene, options.floor);
+  auto floor = read_floor(scene, options.floor);
   if (!floor)
     throw InputError(scene.file + ": the key 'floor' is missing, and no --floor is given");
+  if (options.floor_folder) {
+    const std::string name = options.floor.value_or(scene.file).string();
+    floor->reader = YamlReader::from_text(floor->text, name, *options.floor_folder);
+  }
   if (options.mode == "wall_clock" && scene.controller->delay_samples < 1) {
     std::ostringstream found;
     found << scene.controller->delay_samples;
@@ -194,7 +208,7 @@ int plant_main(int argc, char** argv) {
     return app.exit(error) == 0 ? exit_done : exit_bad_input;
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("plant"));
-  set_printable_log("%n: %^%*%$");
+  set_printable_log("%n: %^%l%$: %*");
   try {
     return run(options);
   } catch (const Refusal& refusal) {

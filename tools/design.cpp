@@ -8,6 +8,7 @@
 #include "report/table.hpp"
 #include "tools/design_page.hpp"
 #include "tools/design_trade.hpp"
+#include "tools/given_files.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/loop_mat.hpp"
@@ -43,6 +44,11 @@ void plot_trade(const LoopDesign& design, const std::filesystem::path& path) {
 }
 
 int run(const Options& options) {
+  require_own_places(
+      {{"the scene", options.scene},
+       {"the controller block", options.controller},
+       {"the design scene", options.design_scene}},
+      {{"--out", options.out}, {"--mat", options.mat}, {"--plot-trade", options.plot_trade}});
   const LoopDesign design =
       make_loop_design(options.scene, options.controller, options.design_scene);
   const DesignAnalysis analysis = analyse(design);

@@ -97,7 +97,9 @@ std::string transfer_text(const DesignAnalysis& analysis) {
                                  cell("%.1f", decibels(line.continuous(0)))};
     if (line.decoupling) {
       row.push_back(cell("%.2f", line.decoupling->spread_db));
-      row.push_back(cell("%.1f", line.decoupling->crosstalk_db));
+      // Nothing reaches another output, and there may be no other.
+      const double crosstalk = line.decoupling->crosstalk_db;
+      row.push_back(std::isinf(crosstalk) ? "-" : cell("%.1f", crosstalk));
     }
     table.add(row);
   }

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "core/model/prescribed.hpp"
 #include "core/node_moves.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
@@ -32,14 +33,6 @@ struct Page {
   Eigen::VectorXd e, sigma;       ///< n_e
 };
 
-/// "x", "y", "z", or the numbers of another direction.
-std::string direction_in_words(const Eigen::Vector3d& direction) {
-  for (Index i = 0; i < 3; ++i) {
-    if (direction == Eigen::Vector3d::Unit(i)) return std::string(1, "xyz"[i]);
-  }
-  return report::cell("[%.4g, %.4g, %.4g]", direction.x(), direction.y(), direction.z());
-}
-
 void add_held(const Scene& scene, const SceneConstraint& constraint,
               std::vector<SceneSignal>& held) {
   if (constraint.node.empty()) return;
@@ -64,8 +57,8 @@ Page solve(const Options& options) {
   Scene scene = read_scene(options.scene);
   if (scene.operating_point == OperatingPoint::as_written) {
     throw Refusal(
-        "the scene asks for a snapshot (operating_point: as_written), which is no equilibrium; take "
-        "that key out to look for one");
+        "the scene asks for a snapshot (operating_point: as_written), which is no equilibrium; "
+        "take that key out to look for one");
   }
   Model model = make_model(scene);
   patience.now("equilibrium");

@@ -4,6 +4,7 @@
 #include "core/yaml/input_error.hpp"
 #include "report/export/log_export.hpp"
 #include "report/table.hpp"
+#include "tools/given_files.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
@@ -67,6 +68,7 @@ int run(const Options& options) {
   if (!options.csv && !options.mat) {
     throw InputError("export: say where to, --csv FILE or --mat FILE");
   }
+  require_own_places({{"the log", options.log}}, {{"--csv", options.csv}, {"--mat", options.mat}});
   Patience patience("reading " + options.log.string());
   report::ExportSettings settings = options.settings;
   Json documents = Json::array();

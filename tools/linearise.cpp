@@ -7,6 +7,7 @@
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "report/table.hpp"
+#include "tools/given_files.hpp"
 #include "tools/linear_form.hpp"
 #include "tools/matrix_table.hpp"
 #include "tools/operating_point.hpp"
@@ -104,6 +105,7 @@ void print_certificates(const std::vector<BlockCertificate>& certificates) {
 }
 
 int run(const Options& options) {
+  require_own_places({{"the scene", options.scene}}, {{"--mat", options.mat}});
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
   const Model model = make_model(scene);
@@ -128,7 +130,8 @@ int run(const Options& options) {
     if (options.certify) print_certificates(certificates);
   }
   if (std::all_of(certificates.begin(), certificates.end(), is_certified)) return exit_done;
-  std::cerr << "stillframe: a block is further than 1e-9 from the nonlinear equations, and than these are known\n";
+  std::cerr << "stillframe: a block is further than 1e-9 from the nonlinear equations, and than "
+               "these are known\n";
   return exit_failed;
 }
 
@@ -147,7 +150,8 @@ constexpr const char* footer =
     "  state_space   A, B, C, D\n"
     "  x0, u0, y0    state, inputs and outputs of the operating point\n"
     "  nodal_displacements  {node, displacement (m), rotation (rad, angle times axis)}\n"
-    "  certificates  with --certify: {block, difference, known_to, size}; C_y and D_y are C and D of the\n"
+    "  certificates  with --certify: {block, difference, known_to, size}; C_y and D_y are C and D "
+    "of the\n"
     "                state space, C and D those of the second-order form\n"
     "Names in --mat: A, B, C, D; M_bar, C_bar, D_bar, K_bar, N_bar, G_bar, B_bar; M_r ... D_u; x0, "
     "u0,\n"
@@ -170,7 +174,8 @@ void add_linearise(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   verb->add_flag("--certify", options->certify,
                  "Compare every block with extrapolated differences of the nonlinear equations; "
-                 "exit code 4 if one is further than 1e-9 from them, and than their rounding lets them be known");
+                 "exit code 4 if one is further than 1e-9 from them, and than their rounding lets "
+                 "them be known");
   verb->footer(footer);
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "tools/given_files.hpp"
 #include "tools/robustness_file.hpp"
 #include "tools/robustness_text.hpp"
 #include "tools/verbs.hpp"
@@ -28,6 +29,9 @@ std::string missing_shards(const robustness::Record& record) {
 }
 
 int run(const Options& options) {
+  std::vector<GivenFile> read;
+  for (const auto& file : options.files) read.push_back({"a record", file});
+  require_own_places(read, {{"--out", options.out}});
   std::vector<robustness::NamedRecord> records;
   for (const auto& file : options.files) records.push_back({file.string(), read_record(file)});
   const robustness::Record all = merge_records(std::move(records));

@@ -1,9 +1,7 @@
 #include "tools/operating_point.hpp"
 
-#include <Eigen/Geometry>
-
-#include "core/elements/rotation.hpp"
 #include "core/model/local.hpp"
+#include "core/node_moves.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -24,14 +22,7 @@ std::vector<NodeDisplacement> node_displacements(const Model& model, const Eigen
     item.displacement = local.head<3>();
     if (node.has_rotation()) {
       gather({node.rotation}, x, local);
-      if (model.planar) {
-        item.rotation.z() = local(0);
-      } else {
-        const Vector4 lambda = euler_parameters(local).normalized();
-        const Eigen::AngleAxisd turn(
-            Eigen::Quaterniond(lambda(0), lambda(1), lambda(2), lambda(3)));
-        item.rotation = turn.angle() * turn.axis();
-      }
+      item.rotation = turn_of(local);
     }
     all.push_back(item);
   }

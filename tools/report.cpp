@@ -7,6 +7,7 @@
 #include "tools/analysis/page_of.hpp"
 #include "tools/analysis/verdict_of.hpp"
 #include "tools/exit_code.hpp"
+#include "tools/given_files.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
@@ -24,12 +25,16 @@ struct Options {
 };
 
 /// The logs of a run directory, or the log itself.
-std::vector<std::filesystem::path> logs_of(const std::vector<std::filesystem::path>& paths) {
+std::vector<std::filesystem::path> logs_of(const Options& options) {
   std::vector<std::filesystem::path> logs;
-  for (const auto& path : paths) {
+  for (const auto& path : options.paths) {
     if (!std::filesystem::is_directory(path)) {
       logs.push_back(path);
       continue;
+    }
+    if (options.run_id) {
+      throw InputError("--run-id: " + path.string() +
+                       " is a folder, whose loops are runs with a number each; allowed is a log");
     }
     const std::size_t before = logs.size();
     for (const char* name : {"passive.lcm", "active.lcm"}) {
@@ -52,9 +57,15 @@ std::filesystem::path place_of(const Options& options) {
 }
 
 int run(const Options& options) {
+  const std::vector<std::filesystem::path> logs = logs_of(options);
+  const std::filesystem::path place = place_of(options);
+  std::vector<GivenFile> read;
+  for (const auto& log : logs) read.push_back({"the log", log});
+  require_own_places(read, {{options.out ? "--out" : "the report without --out", place},
+                            {"--verdict", options.verdict}});
   Patience patience("reading");
   RunAnalyses runs;
-  for (const auto& log : logs_of(options.paths)) {
+  for (const auto& log : logs) {
     const std::string name = "reading " + log.filename().string();
     patience.now(name, 0);
     runs.add(
@@ -65,7 +76,6 @@ int run(const Options& options) {
   }
   patience.now("writing the report");
   const report::Verdict verdict = verdict_of(runs);
-  const auto place = place_of(options);
   page::write_page(page_of(runs, verdict), place);
   if (options.verdict) report::write_json(verdict, *options.verdict);
   std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
@@ -89,7 +99,8 @@ void add_report(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   verb->add_option("--verdict", options->verdict, "Write the verdict as JSON too")
       ->type_name("FILE");
-  verb->add_option("--run-id", options->run_id, "The run to take from a log that holds several");
+  verb->add_option("--run-id", options->run_id,
+                   "The run to take from a log that holds several; not for a folder");
   verb->add_option("--segment", options->segment_s,
                    "Broadband identification: s of what is transformed at once; longer is finer")
       ->check(positive_number())

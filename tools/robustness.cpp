@@ -10,6 +10,7 @@
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/plots/plot_robustness.hpp"
+#include "tools/given_files.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/patience.hpp"
 #include "tools/robustness_file.hpp"
@@ -210,6 +211,12 @@ void require_folder(const std::filesystem::path& file) {
 int run(Options options) {
   if (options.jobs == 0)
     options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  require_own_places({{"the scene", options.scene},
+                      {"the controller block", options.controller},
+                      {"the design scene", options.design_scene},
+                      {"the uncertainty block", options.uncertainty},
+                      {"the record", options.from}},
+                     {{"--out", options.out}, {"--plot", options.plot}});
   parse_shard(options.shard);
   if (options.out) require_folder(*options.out);
   Record record;

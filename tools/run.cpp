@@ -1,5 +1,6 @@
 #include <ctime>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "controller/policy.hpp"
@@ -18,6 +19,7 @@
 #include "tools/loop_design.hpp"
 #include "tools/run/judge.hpp"
 #include "tools/run/phase.hpp"
+#include "tools/run/run_files.hpp"
 #include "tools/run/single_process.hpp"
 #include "tools/verbs.hpp"
 
@@ -43,20 +45,41 @@ std::filesystem::path default_folder(const std::filesystem::path& scene) {
   return std::filesystem::path("runs") / (scene.stem().string() + "-" + stamp);
 }
 
-/// The processes of a run read what they are given themselves; a pipe would give it only once.
-void require_readable_again(const std::filesystem::path& file) {
-  if (std::filesystem::is_regular_file(file)) return;
-  throw InputError(file.string() +
-                   ": is no regular file, and two processes are to read it; allowed "
-                   "is a file, or --mode single_process");
-}
-
-/// What is to be run.
+/// What is to be run. The processes of a run read copies of these texts, in its folder.
 struct Checked {
   LoopDesign design;
   floor::FloorSpec spec;
   std::string floor_text;
+  std::filesystem::path floor_folder;  ///< of what the floor block names
+  std::optional<std::string> controller_text, policy_text;
+  RunFiles files;
 };
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
+/// The text of a file that has been read before; a pipe gives its text only once.
+std::optional<std::string> text_again(const std::filesystem::path& file, const std::string& mode) {
+  if (std::filesystem::is_regular_file(file)) return YamlReader::from_file(file).source_text();
+  if (mode == "single_process") return std::nullopt;
+  throw InputError(file.string() +
+                   ": is no regular file, and is to be read twice; allowed is a file, or --mode "
+                   "single_process");
+}
+
+/// The text of a controller block that does not stand in the scene itself.
+std::optional<std::string> controller_text(const Options& options, const Scene& scene) {
+  std::optional<std::filesystem::path> file = options.controller;
+  const auto block = YamlReader::from_text(scene.text, scene.file).find("controller");
+  if (!file && block && block->is_scalar()) file = folder_of(options.scene) / block->text();
+  if (!file) return std::nullopt;
+  auto text = text_again(*file, options.mode);
+  if (text && text_hash(scene.text + *text) != scene.hash) {
+    throw InputError(file->string() + ": was changed while it was read");
+  }
+  return text;
+}
 
 /// Everything that a person may have got wrong is found before anything is started or written.
 Checked check_input(const Options& options) {
@@ -75,16 +98,20 @@ Checked check_input(const Options& options) {
   }
   auto spec = floor::read_floor_block(block->reader, design.gains.sample_rate_hz,
                                       floor_input_names(design.scene));
+  RunFiles files(design.scene, spec);
   const Plant plant(design.scene, floor::make_floor_source(spec));
   run_length(design.scene, spec, plant.floor_samples(), options.duration_s);
-  if (options.mode != "single_process") {
-    for (const auto& file :
-         {std::optional(options.scene), options.floor, options.controller, options.policy}) {
-      if (file) require_readable_again(*file);
-    }
-    open_lcm(lcm_url(options.lcm_url));
-  }
-  return {std::move(design), std::move(spec), block->text};
+  auto controller = controller_text(options, design.scene);
+  std::optional<std::string> policy;
+  if (options.policy) policy = text_again(*options.policy, options.mode);
+  if (options.mode != "single_process") open_lcm(lcm_url(options.lcm_url));
+  return {.design = std::move(design),
+          .spec = std::move(spec),
+          .floor_text = block->text,
+          .floor_folder = block->reader.folder(),
+          .controller_text = std::move(controller),
+          .policy_text = std::move(policy),
+          .files = std::move(files)};
 }
 
 int fail(RunDirectory& directory, const PhaseResult& result) {
@@ -95,15 +122,19 @@ int fail(RunDirectory& directory, const PhaseResult& result) {
 }
 
 int run_into(RunDirectory& directory, const Options& options, const Checked& checked) {
-  const auto& [design, spec, floor_text] = checked;
-  directory.write("scene.yaml", design.scene.text);
-  directory.write("floor.yaml", floor_text);
-  directory.write("gains.yaml", to_yaml(design.gains));
-
-  PhaseOptions phase{.scene = options.scene,
-                     .gains = directory / "gains.yaml",
-                     .floor = options.floor,
-                     .controller = options.controller,
+  const LoopDesign& design = checked.design;
+  RunFiles files = checked.files;
+  const auto keep = [&](const std::string& name, const std::string& text) {
+    directory.write(name, text);
+    files.add(directory / name, text);
+    return directory / name;
+  };
+  PhaseOptions phase{.scene = keep("scene.yaml", design.scene.text),
+                     .gains = keep("gains.yaml", to_yaml(design.gains)),
+                     .floor = keep("floor.yaml", checked.floor_text),
+                     .scene_folder = folder_of(options.scene),
+                     .floor_folder = checked.floor_folder,
+                     .controller = {},
                      .mode = options.mode,
                      .loop = "",
                      .lcm_url = lcm_url(options.lcm_url),
@@ -111,15 +142,22 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
                      .duration_s = options.duration_s,
                      .sample_rate_hz = design.gains.sample_rate_hz,
                      .timeout_s = options.timeout_s,
-                     .policy = options.policy,
+                     .policy = {},
                      .realtime = options.realtime};
+  if (checked.controller_text) phase.controller = keep("controller.yaml", *checked.controller_text);
+  if (checked.policy_text) phase.policy = keep("policy.yaml", *checked.policy_text);
   RunAnalyses runs;
   for (const char* loop : {"passive", "active"}) {
     if (options.loop != "both" && options.loop != loop) continue;
     phase.loop = loop;
-    const PhaseResult result = options.mode == "single_process"
-                                   ? run_in_process(design, spec, floor_text, phase, directory)
-                                   : run_phase(phase, directory);
+    const PhaseResult result =
+        options.mode == "single_process"
+            ? run_in_process(design, checked.spec, checked.floor_text, phase, directory)
+            : run_phase(phase, directory);
+    if (const std::string changed = files.changed(); !changed.empty()) {
+      const std::string then = result.reason.empty() ? "" : " (" + result.reason + ")";
+      return fail(directory, {exit_failed, changed + then, ""});
+    }
     if (result.exit_code != exit_done) return fail(directory, result);
     if (!options.json) std::cout << loop << ": " << result.controller_line << "\n";
     runs.add(analyse_run(directory / (std::string(loop) + ".lcm"),
@@ -191,7 +229,8 @@ void add_run(CLI::App& app, int& exit_code) {
   verb->add_option("--run-id", options->run_id,
                    "Number that ties the messages of a run together (default: random; "
                    "the second loop has the next one)")
-      ->check(positive_number());
+      ->check(CLI::Range(std::int64_t{1}, std::numeric_limits<std::int64_t>::max() - 1))
+      ->type_name("ID");
   verb->add_option("--lcm-url", options->lcm_url,
                    "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
                    "udpm://239.255.76.67:7667?ttl=0)");
@@ -209,8 +248,12 @@ void add_run(CLI::App& app, int& exit_code) {
   verb->add_flag("--json", options->json, "Print the verdict as JSON, as in verdict.json");
   verb->footer(
       "The run directory holds report.html (everything in one file that opens anywhere),\n"
-      "passive.lcm and active.lcm (LCM logs), scene.yaml, floor.yaml, gains.yaml, verdict.json,\n"
-      "verdict.txt and the plots; in wall-clock mode LOOP_timing.json (histograms) and, after a\n"
+      "passive.lcm and active.lcm (LCM logs), scene.yaml, floor.yaml, gains.yaml (and\n"
+      "controller.yaml, policy.yaml if they are files of their own), verdict.json, verdict.txt "
+      "and\n"
+      "the plots. The run reads these copies; recordings stay where they are, and a run during "
+      "which\n"
+      "one is changed has failed. In wall-clock mode LOOP_timing.json (histograms) and, after a\n"
       "fault, flight-RUN-N.lcm (the last seconds; `stillframe replay` reads it). Until all is "
       "well\n"
       "it is called DIR.incomplete.\n"

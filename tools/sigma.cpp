@@ -15,6 +15,7 @@
 #include "report/plots/plots.hpp"
 #include "report/table.hpp"
 #include "tools/design_warnings.hpp"
+#include "tools/given_files.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
 #include "tools/operating_point.hpp"
@@ -167,13 +168,15 @@ FrequencyRange range_of(const Options& options, FrequencyRange range) {
   if (!options.from_hz) range.lowest_hz = std::min(range.lowest_hz, range.highest_hz / 10);
   if (!options.to_hz) range.highest_hz = std::max(range.highest_hz, range.lowest_hz * 10);
   if (!(range.lowest_hz < range.highest_hz)) {
-    throw InputError("--from: found " + std::to_string(range.lowest_hz) +
+    throw InputError("--from: found " + report::cell("%g", range.lowest_hz) +
                      ", allowed is below --to");
   }
   return range;
 }
 
 int run(const Options& options) {
+  require_own_places({{"the scene", options.scene}, {"the controller block", options.controller}},
+                     {{"--plot", options.plot}});
   Patience patience("linearising");
   const Scene scene = read_scene(options.scene, options.controller);
   std::optional<LoopDesign> design;

@@ -23,6 +23,7 @@ template <class Error>
 }  // namespace
 
 WholeFile::WholeFile(std::filesystem::path path) : path_(std::move(path)) {
+  if (path_.empty()) throw InputError("found '' to write to, allowed is the name of a file");
   std::error_code error;
   if (std::filesystem::is_symlink(path_, error)) {
     const auto target = std::filesystem::canonical(path_, error);

@@ -315,7 +315,8 @@ double diagonal_mu(const MatrixXcd& Z) {
       step /= 2;
     }
   }
-  return svd.singularValues()(0);
+  // Where several singular values are the largest the way down ends early; Z itself may be lower.
+  return std::min(svd.singularValues()(0), singular_values(Z)(0));
 }
 
 }  // namespace stillframe

@@ -62,8 +62,8 @@ class DiskSearch {
   Eigen::MatrixXcd here_;
 };
 
-/// Upper bound of the structured singular value of Z (m x m) for m complex scalars: the least
-/// 2-norm of D Z D^-1 over positive diagonal D.
+/// Upper bound of the structured singular value of Z (m x m) for m complex scalars: the 2-norm of
+/// D Z D^-1, no more than that of Z, at the least over positive diagonal D that a descent finds.
 double diagonal_mu(const Eigen::MatrixXcd& Z);
 
 }  // namespace stillframe

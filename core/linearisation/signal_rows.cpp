@@ -161,20 +161,15 @@ double rotational_output(const Model& model, const Data& data, const ResolvedSig
 
 /// e'' = D x'' + D2_x(x', x').
 double deformation_acceleration(const Model& model, const Data& data, Index row) {
-  for (size_t k = 0; k < model.elements.size(); ++k) {
-    const ModelElement& item = model.elements[k];
-    for (Index i = 0; i < data.D[k].rows(); ++i) {
-      if (item.row[static_cast<size_t>(i)] != row) continue;
-      LocalVector u, rate, acceleration;
-      LocalDeformation second(data.D[k].rows());
-      gather(item.parts, data.x, u);
-      gather(item.parts, data.x_dot, rate);
-      gather_in_node_axes(item.parts, data.x_ddot, acceleration);
-      item.element->second_derivative(u, rate, rate, second);
-      return data.D[k].row(i).dot(acceleration) + second(i);
-    }
-  }
-  return 0;
+  const auto [k, i] = model.owner_of_row(row);
+  const ModelElement& item = model.elements[k];
+  LocalVector u, rate, acceleration;
+  LocalDeformation second(data.D[k].rows());
+  gather(item.parts, data.x, u);
+  gather(item.parts, data.x_dot, rate);
+  gather_in_node_axes(item.parts, data.x_ddot, acceleration);
+  item.element->second_derivative(u, rate, rate, second);
+  return data.D[k].row(i).dot(acceleration) + second(i);
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
 #include "plant_sim/floor/block_values.hpp"
 
 #include <cmath>
+#include <cstdio>
 
 namespace stillframe::floor {
 
 std::string text_of(double value) {
-  std::string text = std::to_string(value);
-  while (text.ends_with('0')) text.pop_back();
-  if (text.ends_with('.')) text.pop_back();
+  char text[32];
+  std::snprintf(text, sizeof text, "%.12g", value);
   return text;
 }
 

@@ -22,7 +22,7 @@ T value_or(const YamlReader& block, const std::string& key, T otherwise,
   return value ? ((*value).*read)() : otherwise;
 }
 
-/// A number without the zeros at its end.
+/// A number as messages show it, with twelve digits at the most.
 std::string text_of(double value);
 
 /// Key high_pass_hz: a corner (Hz) below half the rate.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/held_acceleration.hpp"
 #include "plant_sim/floor/high_pass.hpp"
@@ -38,7 +39,7 @@ Eigen::MatrixXd cut_and_map(const RecordingSpec& spec, const RecordingFile& reco
   if (static_cast<double>(n) - first <= 2.0 * std::ceil(taper_s * fs)) {
     const auto start = spec.block.find("start_s");
     (start ? *start : spec.block)
-        .fail("found " + std::to_string(static_cast<double>(n) / fs - spec.start_s) + " s of " +
+        .fail("found " + text_of(static_cast<double>(n) / fs - spec.start_s) + " s of " +
               spec.file.string() + " from start_s on, allowed is more than 2 s");
   }
   const auto begin = static_cast<Eigen::Index>(first);
@@ -71,9 +72,9 @@ std::unique_ptr<FloorSource> make(const FloorSpec& floor, const RecordingSpec& s
   const RecordingFile recording = read_recording(spec.file, spec.turns() ? "rad/s^2" : "m/s^2");
   const auto ratio = rational_ratio(recording.sample_rate_hz, floor.sample_rate_hz);
   if (!ratio) {
-    file.fail("found a recording at " + std::to_string(recording.sample_rate_hz) +
+    file.fail("found a recording at " + text_of(recording.sample_rate_hz) +
               " Hz, allowed is a rate whose ratio to the control rate of " +
-              std::to_string(floor.sample_rate_hz) + " Hz is one of whole numbers up to 10000");
+              text_of(floor.sample_rate_hz) + " Hz is one of whole numbers up to 10000");
   }
   Eigen::MatrixXd piece = cut_and_map(spec, recording);
   taper_ends(piece, static_cast<Eigen::Index>(std::ceil(taper_s * recording.sample_rate_hz)));
@@ -114,9 +115,10 @@ std::unique_ptr<FloorSource> make(const FloorSpec& floor, const NoiseSpec& spec)
   shape.period = std::clamp<std::int64_t>(shape.period, 1, spec.n_samples);
   const auto fade = std::min(static_cast<std::int64_t>(std::ceil(2.0 * rate / spec.high_pass_hz)),
                              spec.n_samples / 4);
-  return std::make_unique<NoiseFloor>(rigid ? FloorChannels::rigid : FloorChannels::inputs,
-                                      std::move(patterns), periodic_noise(shape, rigid ? spec.axes : first_channels(noises), true),
-                                      rate, spec.n_samples, fade);
+  return std::make_unique<NoiseFloor>(
+      rigid ? FloorChannels::rigid : FloorChannels::inputs, std::move(patterns),
+      periodic_noise(shape, rigid ? spec.axes : first_channels(noises), true), rate, spec.n_samples,
+      fade);
 }
 
 std::unique_ptr<FloorSource> make(const FloorSpec& floor, const CourseSpec& spec) {

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "core/files/utf8.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe::floor {
@@ -16,6 +17,8 @@ namespace stillframe::floor {
 namespace {
 
 constexpr std::string_view time_column = "time_s";
+/// Of a text of the file a message shows so many bytes, as of one in YAML.
+constexpr std::size_t longest_shown = 80;
 
 struct Cell {
   std::string_view text;
@@ -34,6 +37,8 @@ class Lines {
     std::ostringstream all;
     all << file.rdbuf();
     text_ = std::move(all).str();
+    // With this mark some programs begin every UTF-8.
+    if (text_.starts_with("\xEF\xBB\xBF")) begin_ = 3;
   }
 
   bool next() {
@@ -82,10 +87,9 @@ std::optional<double> to_finite(std::string_view text) {
   return value;
 }
 
-std::string quoted(std::string_view text) {
-  std::string result(1, '\'');
-  return result.append(text).append(1, '\'');
-}
+std::string shown(std::string_view text) { return printable(text, longest_shown); }
+
+std::string quoted(std::string_view text) { return "'" + shown(text) + "'"; }
 
 /// What the comment lines say.
 struct Statements {
@@ -148,7 +152,7 @@ std::vector<std::string> read_head(Lines& lines, Statements& said) {
   }
   if (!said.columns.empty() && said.columns != lines.line()) {
     lines.fail(1, "header: found " + quoted(lines.line()) +
-                      ", but the comment says columns=" + said.columns);
+                      ", but the comment says columns=" + shown(said.columns));
   }
   return names;
 }
@@ -156,7 +160,8 @@ std::vector<std::string> read_head(Lines& lines, Statements& said) {
 double read_cell(const Lines& lines, const Cell& cell, const std::string& name) {
   const auto value = to_finite(cell.text);
   if (!value) {
-    lines.fail(cell.column, name + ": found " + quoted(cell.text) + ", allowed is a finite number");
+    lines.fail(cell.column,
+               shown(name) + ": found " + quoted(cell.text) + ", allowed is a finite number");
   }
   return *value;
 }

@@ -114,7 +114,7 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   }
   MinimalEquations minimal = equations();
   const Index size = minimal.size();
-  LinearEquations linear(minimal, scene, nominal, points);
+  LinearEquations linear(minimal, nominal, points);
   if (method == PlantMethod::linear) {
     return std::make_unique<LinearMotion>(std::move(linear), minimal.stress_scale(),
                                           minimal.n_filtered(), drive, durations);

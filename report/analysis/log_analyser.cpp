@@ -94,6 +94,7 @@ class Analyser : public LogVisitor {
   void begin(const run_info_t& info) override {
     plan_ = plan_of_(info);
     info_ = info;
+    floor_ = FloorSamples(info);
     for (const AxisPlan& axis : plan_.axes) {
       column_of(info.frame_names, axis.floor);  // an error now and not behind the first block
       column_of(info.frame_names, axis.frame);
@@ -108,6 +109,7 @@ class Analyser : public LogVisitor {
     if (block.first_seq > next_seq_ && started_) skip(block.first_seq - next_seq_);
     started_ = true;
     next_seq_ = block.first_seq + block.n_samples();
+    floor_.add(block);
     if (model_) add_unexplained(block, predicted);
     for (Axis& axis : axes_) {
       axis.floor.add(block.frame_acceleration.col(axis.floor_column));
@@ -132,11 +134,13 @@ class Analyser : public LogVisitor {
     ++n_periods_;
     // In the order of Defect in controller/policy.hpp: none, missing, then what was there and bad.
     if (record.defect > 1) ++n_discarded_;
+    if (record.sent) ++n_commanded_;
   }
 
   LogAnalysis finish(LogScan scan) {
     LogAnalysis result;
     result.scan = std::move(scan);
+    result.floor = std::move(floor_);
     for (const Axis& axis : axes_) {
       AxisAnalysis done{axis.name, axis.floor.finish(), axis.frame.finish(), {}, {}};
       if (has_unexplained()) done.unexplained = axis.unexplained.finish();
@@ -157,6 +161,7 @@ class Analyser : public LogVisitor {
     result.compute = std::move(compute_);
     result.n_periods = n_periods_;
     result.n_discarded = n_discarded_;
+    result.n_commanded = n_commanded_;
     return result;
   }
 
@@ -245,21 +250,23 @@ class Analyser : public LogVisitor {
       frames.col(static_cast<Index>(a)) = block.frame_acceleration.col(axes_[a].frame_column);
     }
     const bool about_model = model_ && !plan_.model->axes.empty();
-    axis_matrix_->add(block.first_seq, floors, frames,
-                      predicted.rightCols(about_model ? floors.cols() : 0));
+    if (!about_model) return axis_matrix_->add(block.first_seq, floors, frames);
+    axis_matrix_->add(block.first_seq, floors, frames, predicted.rightCols(floors.cols()),
+                      block.floor_acceleration * plan_.model->floors.transpose());
   }
 
   const std::function<AnalysisPlan(const run_info_t&)>& plan_of_;
   AnalysisPlan plan_;
   run_info_t info_;
   double first_time_s_ = 0;  ///< plant time
+  FloorSamples floor_;
   std::vector<Axis> axes_;
   std::vector<LegAnalyser> legs_;
   std::unique_ptr<ResponseAnalyser> matrix_, axis_matrix_;
   DurationHistogram wake_up_, compute_;
   std::optional<FloorResponse> model_;
   std::int64_t n_explained_ = 0, n_samples_ = 0;
-  std::int64_t next_seq_ = 0, n_periods_ = 0, n_discarded_ = 0;
+  std::int64_t next_seq_ = 0, n_periods_ = 0, n_discarded_ = 0, n_commanded_ = 0;
   bool started_ = false;
 };
 

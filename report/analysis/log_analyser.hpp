@@ -11,6 +11,7 @@
 #include "core/linear/multisine_plan.hpp"
 #include "core/linear/sampled_loop.hpp"
 #include "report/analysis/duration_histogram.hpp"
+#include "report/analysis/floor_samples.hpp"
 #include "report/analysis/level_track.hpp"
 #include "report/analysis/response_analyser.hpp"
 #include "report/analysis/signal_analyser.hpp"
@@ -32,6 +33,8 @@ struct RunModel {
   /// T at the frequencies of broadband identification: of the outputs, and from the floors to the
   /// frames of the axes; none if the floors of the axes do not tell how the floor moves.
   std::vector<Eigen::MatrixXcd> matrix, axes;
+  /// The floors of the axes as the floor inputs move them, axes x floor inputs, if axes are there.
+  Eigen::MatrixXd floors = {};
 };
 
 /// What is looked for in a log.
@@ -58,14 +61,16 @@ struct AxisAnalysis {
 /// Everything that one log tells.
 struct LogAnalysis {
   LogScan scan;
+  FloorSamples floor;
   std::vector<AxisAnalysis> axes;
   std::vector<LegAnalysis> legs;
   std::string unexplained_missing;                ///< why no axis has it
   std::optional<IdentifiedResponse> matrix;       ///< all floor inputs to the outputs
   std::optional<IdentifiedResponse> axis_matrix;  ///< floors to frames of all axes
   DurationHistogram wake_up, compute;             ///< wall-clock runs, of the controller
-  /// Wall-clock runs: periods of the controller, and those whose measurement it rejected.
-  std::int64_t n_periods = 0, n_discarded = 0;
+  /// Wall-clock runs: periods of the controller, those whose measurement it rejected, and those in
+  /// which it sent a command.
+  std::int64_t n_periods = 0, n_discarded = 0, n_commanded = 0;
 };
 
 /// Reads one run from a log in one pass. plan_of is asked once, when run_info is there. Errors: as

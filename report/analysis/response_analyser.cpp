@@ -1,9 +1,11 @@
 #include "report/analysis/response_analyser.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/yaml/input_error.hpp"
+#include "report/identification/confidence.hpp"
 #include "report/identification/multisine.hpp"
 #include "report/table.hpp"
 
@@ -25,10 +27,47 @@ ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const MultisinePlan&
 
 namespace {
 
-/// With a model, what it leaves of the outputs stands before the outputs.
+/// With a model, what it leaves of the outputs and of the inputs stands before the outputs.
 BroadbandPlan with_residual(BroadbandPlan plan, bool model) {
-  if (model) plan.n_outputs *= 2;
+  if (model) plan.n_outputs += plan.n_outputs + plan.n_inputs;
   return plan;
+}
+
+/// Whether inputs are the motion that the model follows.
+struct InputDifference {
+  std::vector<bool> shows;  ///< at a frequency, beyond its band and what is allowed
+  std::string why;          ///< they are not, if that shows at more than half of the frequencies
+};
+
+/// residual: as in about_model.
+InputDifference input_difference(const FrequencyResponse& residual,
+                                 const ResponseSignals& signals) {
+  const auto n_y = static_cast<Index>(signals.outputs.size());
+  const auto n_w = static_cast<Index>(signals.inputs.size());
+  const double allowed = std::pow(10, largest_input_difference_db / 20) - 1;
+  InputDifference result{std::vector<bool>(residual.T.size(), false), {}};
+  Index n_known = 0, n_shown = 0;
+  double largest = 0;
+  for (Index l = 0; l < residual.n_frequencies(); ++l) {
+    if (!(residual.input_condition(l) < largest_shown_condition)) continue;
+    ++n_known;
+    const auto at = static_cast<std::size_t>(l);
+    const MatrixXd size = residual.T[at].middleRows(n_y, n_w).cwiseAbs();
+    const MatrixXd beyond = size - entry_radii(residual, l, 0.95).middleRows(n_y, n_w);
+    Index input = 0, by = 0;
+    if (!(beyond.maxCoeff(&input, &by) > allowed)) continue;
+    ++n_shown;
+    result.shows[at] = true;
+    if (size(input, by) <= largest) continue;
+    largest = size(input, by);
+    result.why = signals.inputs[static_cast<std::size_t>(input)] +
+                 " is not the motion of the floor's inputs: " +
+                 cell("at %.4g Hz it differs from it by %.3g %%, ", residual.frequencies_hz[at],
+                      100 * largest) +
+                 cell("allowed are %.2g %% beyond its band", 100 * allowed);
+  }
+  if (2 * n_shown <= n_known) result.why.clear();
+  return result;
 }
 
 }  // namespace
@@ -43,12 +82,12 @@ ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const BroadbandPlan&
 }
 
 void ResponseAnalyser::add(std::int64_t first_seq, const MatrixXd& inputs, const MatrixXd& outputs,
-                           const MatrixXd& predicted) {
+                           const MatrixXd& predicted, const MatrixXd& followed) {
   if (auto* broadband = std::get_if<LocalPolynomial>(&method_)) {
     if (model_.empty()) return broadband->add(first_seq, inputs, outputs);
-    MatrixXd both(outputs.rows(), 2 * outputs.cols());
-    both << outputs - predicted, outputs;
-    return broadband->add(first_seq, inputs, both);
+    MatrixXd all(outputs.rows(), 2 * outputs.cols() + inputs.cols());
+    all << outputs - predicted, inputs - (followed.size() > 0 ? followed : inputs), outputs;
+    return broadband->add(first_seq, inputs, all);
   }
   auto& lines = std::get<Lines>(method_);
   const Index n = std::min<Index>(inputs.rows(), lines.inputs.rows() - first_seq);
@@ -79,7 +118,14 @@ IdentifiedResponse ResponseAnalyser::finish() {
   result.missing = broadband.missing();
   if (!result.missing.empty()) return result;
   FrequencyResponse response = broadband.estimate();
-  if (!model_.empty()) response = about_model(response, model_, density_);
+  std::vector<bool> other_motion(response.T.size(), false);
+  if (!model_.empty()) {
+    InputDifference difference = input_difference(response, result.signals);
+    result.missing = difference.why;
+    if (!result.missing.empty()) return result;
+    other_motion = std::move(difference.shows);
+    response = about_model(response, model_, density_);
+  }
   const double best = response.input_condition.minCoeff();
   if (!(best < largest_shown_condition)) {
     result.missing =
@@ -89,8 +135,9 @@ IdentifiedResponse ResponseAnalyser::finish() {
     return result;
   }
   for (Eigen::Index l = 0; l < response.n_frequencies(); ++l) {
-    if (response.input_condition(l) < largest_shown_condition) continue;
-    response.T[static_cast<std::size_t>(l)].setConstant(std::numeric_limits<double>::quiet_NaN());
+    const auto at = static_cast<std::size_t>(l);
+    if (response.input_condition(l) < largest_shown_condition && !other_motion[at]) continue;
+    response.T[at].setConstant(std::numeric_limits<double>::quiet_NaN());
     response.singular_values.row(l).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   result.response = std::move(response);

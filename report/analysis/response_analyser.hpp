@@ -42,9 +42,10 @@ class ResponseAnalyser {
                    std::vector<Eigen::MatrixXcd> model = {});
 
   /// Rows that follow one another; seq as LocalPolynomial::add. predicted: what the model makes of
-  /// the floor, as outputs, if there is one.
+  /// the floor, as outputs, if there is one. followed: the inputs as the floor that the model
+  /// follows moves them, as inputs; none: they are that floor.
   void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
-           const Eigen::MatrixXd& predicted = {});
+           const Eigen::MatrixXd& predicted = {}, const Eigen::MatrixXd& followed = {});
   IdentifiedResponse finish();
 
  private:
@@ -57,6 +58,10 @@ class ResponseAnalyser {
   double density_ = 0;  ///< output unit^2 / Hz, of noise of variance 1 in each equation
   std::variant<Lines, LocalPolynomial> method_;
 };
+
+/// dB, of how far an input may be from the motion that the model follows, beyond its band: what a
+/// model is taken to be known to (ComparisonRule).
+inline constexpr double largest_input_difference_db = 0.1;
 
 /// Inputs of a worse condition than this are not told apart: their response is not shown.
 inline constexpr double largest_shown_condition = 1e4;

@@ -13,6 +13,19 @@ using Eigen::Index;
 
 namespace {
 
+/// The commands that a controller gave, by its own account.
+std::optional<std::int64_t> commands_given(const LogAnalysis& log) {
+  const LogScan& scan = log.scan;
+  if (scan.info.mode != "wall_clock") {
+    // In step every measurement is answered, but for those that the controller has lost.
+    const std::int64_t lost = scan.controller_timing ? scan.controller_timing->n_lost : 0;
+    return scan.measurements.n_received + scan.measurements.n_lost - lost;
+  }
+  if (log.n_periods == 0) return std::nullopt;
+  const std::int64_t dropped = scan.last_status ? scan.last_status->n_commands_dropped : 0;
+  return log.n_commanded - dropped;
+}
+
 TimingSummary::Quantiles quantiles_of(const DurationHistogram& histogram) {
   return {.p50_us = histogram.quantile_us(0.5),
           .p99_us = histogram.quantile_us(0.99),
@@ -51,6 +64,10 @@ RunSummary run_summary(const LogAnalysis& log) {
   if (wall_time > 0) run.real_time_factor = plant_time / wall_time;
   run.n_periods = log.n_periods;
   run.n_discarded = log.n_discarded;
+  run.n_commands_given = commands_given(log);
+  run.n_not_finite = scan.faults.n_not_finite;
+  run.first_not_finite = scan.faults.first_not_finite;
+  run.n_repeats = scan.faults.n_repeats;
   return run;
 }
 

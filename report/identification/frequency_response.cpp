@@ -74,9 +74,11 @@ FrequencyResponse about_model(const FrequencyResponse& residual,
                               const std::vector<MatrixXcd>& model, double density) {
   FrequencyResponse response = residual;
   for (std::size_t l = 0; l < model.size(); ++l) {
-    const Index n_y = model[l].rows();
-    response.T[l] = model[l] + residual.T[l].topRows(n_y);
-    response.noise[l] = residual.noise[l].topLeftCorner(n_y, n_y);
+    const Index n_y = model[l].rows(), n = n_y + model[l].cols();
+    MatrixXcd answer(n_y, n);  // y less the model's answer to the inputs
+    answer << MatrixXcd::Identity(n_y, n_y), -model[l];
+    response.T[l] = model[l] + answer * residual.T[l].topRows(n);
+    response.noise[l] = answer * residual.noise[l].topLeftCorner(n, n) * answer.adjoint();
     response.output_power[l] = residual.output_power[l].bottomRightCorner(n_y, n_y);
   }
   complete(response, density);

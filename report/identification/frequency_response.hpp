@@ -42,9 +42,12 @@ void complete(FrequencyResponse& response, double density);
 
 /// A response that was identified about a model: what estimators leave of T where it bends, near
 /// resonances above all, they leave of the difference to the model alone, which is small where the
-/// model is right. residual: of the outputs less what the model makes of the inputs, the first half
-/// of its outputs, and of the outputs themselves, the second; model: its T at the frequencies;
-/// density: as in complete(). Answers T = model + residual T with the residual's noise.
+/// model is right. residual: of the n_y outputs less what the model makes of the motion that it
+/// follows, of the n_w inputs less that motion, and of the outputs themselves, in this order;
+/// model: its T at the frequencies, n_y x n_w; density: as in complete(). With d the inputs'
+/// difference, y less the model's answer to the inputs is r - model d: answers T = model + (R -
+/// model D) with the noise of that, so that an input which is not the motion that the model follows
+/// is measured as what it is.
 FrequencyResponse about_model(const FrequencyResponse& residual,
                               const std::vector<Eigen::MatrixXcd>& model, double density);
 

@@ -78,6 +78,7 @@ LocalPolynomial::LocalPolynomial(BroadbandPlan plan) : plan_(std::move(plan)) {
     e.factor.resize(0, n_terms * plan_.n_inputs + plan_.n_outputs);
     e.power.setZero(plan_.n_outputs, plan_.n_outputs);
     e.excitation.setZero(plan_.n_inputs);
+    e.filling.setZero(n_terms * plan_.n_inputs, n_terms * plan_.n_inputs);
   }
   input_power_.setZero(plan_.n_inputs);
 }
@@ -98,6 +99,7 @@ void LocalPolynomial::add(std::int64_t first_seq, const MatrixXd& inputs, const 
         take_segment();
       } else {
         const RowVectorXd before = segment_.row(n_rows_ - 1);
+        gaps_.push_back({n_rows_, static_cast<Index>(missing)});
         for (std::int64_t m = 1; m <= missing; ++m) {
           append(before +
                  (row - before) * (static_cast<double>(m) / static_cast<double>(missing + 1)));
@@ -131,6 +133,32 @@ void LocalPolynomial::finish() {
   finished_ = true;
 }
 
+MatrixXd LocalPolynomial::filling_error(Index n) const {
+  // What such a line errs by over samples that are there, the nearest ones: floors have shocks.
+  constexpr Index tried = 16;
+  MatrixXd sum = MatrixXd::Zero(plan_.n_inputs, plan_.n_inputs);
+  for (const Gap& gap : gaps_) {
+    MatrixXd squares = MatrixXd::Zero(plan_.n_inputs, plan_.n_inputs);
+    Index n_tried = 0;
+    for (Index shift = gap.n + 1; shift <= gap.n + tried; ++shift) {
+      for (const Index first : {gap.first - shift, gap.first + shift}) {
+        if (first < 1 || first + gap.n >= n) continue;
+        const auto rows = segment_.middleRows(first - 1, gap.n + 2).leftCols(plan_.n_inputs);
+        for (Index m = 1; m <= gap.n; ++m) {
+          const double share = static_cast<double>(m) / static_cast<double>(gap.n + 1);
+          const RowVectorXd error =
+              rows.row(m) - (1 - share) * rows.row(0) - share * rows.row(gap.n + 1);
+          squares += error.transpose() * error;
+        }
+        ++n_tried;
+      }
+    }
+    // The errors of one gap may all add up in a bin: gap.n times the sum of their squares at most.
+    if (n_tried > 0) sum += static_cast<double>(gap.n) / static_cast<double>(n_tried) * squares;
+  }
+  return sum / static_cast<double>(n);
+}
+
 void LocalPolynomial::take_segment() {
   n_longest_ = std::max<std::int64_t>(n_longest_, n_rows_);
   const Index n = fast_length(n_rows_);
@@ -147,8 +175,9 @@ void LocalPolynomial::take_segment() {
                         .colwise()
                         .sum()
                         .transpose();
+    const MatrixXd filling = filling_error(n);
     for (std::size_t l = 0; l < equations_.size(); ++l) {
-      take(equations_[l], plan_.frequencies_hz[l], spectra, resolution_hz);
+      take(equations_[l], plan_.frequencies_hz[l], spectra, filling, resolution_hz);
     }
     ++n_segments_;
     n_used_ += n;
@@ -158,11 +187,12 @@ void LocalPolynomial::take_segment() {
     n_left_out_ += n_rows_ - n_filled_here_;
   }
   n_rows_ = 0;
+  gaps_.clear();
   n_filled_here_ = 0;
 }
 
 void LocalPolynomial::take(Equations& equations, double frequency_hz, const MatrixXcd& spectra,
-                           double resolution_hz) const {
+                           const MatrixXd& filling, double resolution_hz) const {
   const Index n_w = plan_.n_inputs, n_y = plan_.n_outputs;
   // Bin 0 holds the means, and no phase.
   const auto first = std::max<Index>(
@@ -183,6 +213,12 @@ void LocalPolynomial::take(Equations& equations, double frequency_hz, const Matr
       rows.block(k, r * n_w, 1, n_w) = power * spectra.row(first + k).head(n_w);
     }
     rows.row(k).tail(n_y) = spectra.row(first + k).tail(n_y);
+  }
+  const MatrixXd moments = transient.real().transpose() * transient.real();
+  for (Index r = 0; r < n_terms; ++r) {
+    for (Index s = 0; s < n_terms; ++s) {
+      equations.filling.block(r * n_w, s * n_w, n_w, n_w) += moments(r, s) * filling;
+    }
   }
   const Eigen::HouseholderQR<MatrixXcd> qr(transient);
   const MatrixXcd free = (qr.householderQ().adjoint() * rows).bottomRows(n - n_terms);
@@ -224,6 +260,13 @@ std::string LocalPolynomial::missing() const {
   if (std::none_of(equations_.begin(), equations_.end(), known)) {
     return "the inputs do not move independently";
   }
+  const auto beside = [&](const Equations& e) {
+    return known(e) && filling_share(e) < largest_filling_share;
+  };
+  if (std::none_of(equations_.begin(), equations_.end(), beside)) {
+    return "at each of the frequencies lost samples that were filled in may take more than " +
+           cell("%g %% off the response", 100 * largest_filling_share);
+  }
   return {};
 }
 
@@ -232,6 +275,14 @@ double LocalPolynomial::condition_of(const Equations& equations) const {
   const MatrixXcd R = equations.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
   const VectorXd sizes = Eigen::JacobiSVD<MatrixXcd>(R.leftCols(plan_.n_inputs)).singularValues();
   return sizes(0) / sizes(plan_.n_inputs - 1);
+}
+
+double LocalPolynomial::filling_share(const Equations& equations) const {
+  const Index p = n_terms * plan_.n_inputs;
+  const auto R = equations.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
+  const MatrixXcd share =
+      R.solve(R.adjoint().solve(equations.filling.cast<std::complex<double>>()));
+  return Eigen::JacobiSVD<MatrixXcd>(share.topRows(plan_.n_inputs)).singularValues()(0);
 }
 
 FrequencyResponse LocalPolynomial::estimate() const {
@@ -253,6 +304,10 @@ FrequencyResponse LocalPolynomial::estimate() const {
     const auto R = e.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
     response.input_condition(l) = condition_of(e);
     if (!(response.input_condition(l) < largest_condition)) continue;
+    if (!(filling_share(e) < largest_filling_share)) {
+      response.input_condition(l) = std::numeric_limits<double>::infinity();  // as without motion
+      continue;
+    }
     const MatrixXcd theta = R.solve(e.factor.topRightCorner(p, n_y));
     const MatrixXcd inverse = R.solve(MatrixXcd::Identity(p, p));
     const MatrixXcd left = e.factor.bottomRightCorner(e.factor.rows() - p, n_y);

@@ -24,6 +24,11 @@ struct BroadbandPlan {
 /// between their neighbours; where more are missing, a new segment begins.
 inline constexpr std::int64_t largest_filled_gap = 3;
 
+/// Where filled samples of the inputs may err by so much that this share of T is lost to it, no
+/// response is given: 0.09 dB, within the 0.1 dB to which a model is taken to be known
+/// (ComparisonRule). What a whole record shows where nothing excites, a lost sample must not.
+inline constexpr double largest_filling_share = 0.01;
+
 /// An input whose power in 1 Hz is below this share of its whole power excites nothing there that a
 /// converter of 20 bits could tell from its own noise: no response is given.
 inline constexpr double least_excitation = 1e-12;
@@ -68,13 +73,19 @@ class LocalPolynomial {
     Eigen::Index n = 0;          ///< equations, those of the transients taken off
     Eigen::MatrixXcd power;      ///< sum of y y^H over these
     Eigen::VectorXd excitation;  ///< n_inputs, sum of |w|^2 over these
+    Eigen::MatrixXd filling;     ///< of regressors: the squares that filled samples may err by
   };
   void append(const Eigen::RowVectorXd& row);
   void take_segment();
+  /// n_inputs x n_inputs: what filled inputs of a segment of n rows may err by in each of its bins.
+  Eigen::MatrixXd filling_error(Eigen::Index n) const;
+  /// Of T, that errors of filled inputs take off it. Source: W. A. Fuller, Measurement Error Models
+  /// (1987), chapter 1.
+  double filling_share(const Equations& equations) const;
   bool excited(const Equations& equations) const;
   double condition_of(const Equations& equations) const;  ///< of the inputs
   void take(Equations& equations, double frequency_hz, const Eigen::MatrixXcd& spectra,
-            double resolution_hz) const;
+            const Eigen::MatrixXd& filling, double resolution_hz) const;
 
   BroadbandPlan plan_;
   double half_width_hz_ = 0;
@@ -86,6 +97,10 @@ class LocalPolynomial {
   std::int64_t n_segments_ = 0, n_used_ = 0, n_filled_ = 0, n_left_out_ = 0;
   std::int64_t n_longest_ = 0;  ///< rows of the longest stretch
   bool gap_ = false;            ///< a stretch ended before the record did
+  struct Gap {
+    Eigen::Index first, n;  ///< filled rows of the segment
+  };
+  std::vector<Gap> gaps_;  ///< of the segment
   std::int64_t n_filled_here_ = 0;
   Eigen::VectorXd input_power_;  ///< n_inputs, sum over segments of the mean square less the mean
   bool finished_ = false;

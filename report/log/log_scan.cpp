@@ -99,6 +99,7 @@ class Scanner {
     scan_.measurements = window_.measurements();
     scan_.commands = window_.commands();
     scan_.n_saturated = window_.n_saturated();
+    scan_.faults = window_.faults();
     scan_.first_us = clock_.first_us();
     scan_.n_clock_steps = clock_.n_steps();
     scan_.largest_clock_step_s = clock_.largest_step_s();

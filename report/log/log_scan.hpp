@@ -9,6 +9,7 @@
 #include <string>
 
 #include "report/log/channel_count.hpp"
+#include "report/log/sample_check.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/loop_record_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
@@ -58,6 +59,7 @@ struct LogScan {
   ChannelCount measurements, commands;
   std::int64_t n_too_late = 0;   ///< messages that came too late to be put in their place
   std::int64_t n_saturated = 0;  ///< commands in which a force was limited
+  SampleFaults faults;
   std::optional<stillframe_msgs::timing_t> plant_timing, controller_timing;
   std::optional<stillframe_msgs::controller_status_t> last_status;
   std::int64_t first_us = 0;  ///< since the UNIX epoch, by the logger's clock, when the run began

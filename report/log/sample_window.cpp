@@ -46,7 +46,8 @@ SampleWindow::SampleWindow(const stillframe_msgs::run_info_t& info, const ScanSe
       announced_(info.n_samples),
       capacity_(settings.reorder_samples),
       visitor_(visitor),
-      command_sink_(std::move(command_sink)) {
+      command_sink_(std::move(command_sink)),
+      check_(info) {
   require_positive(block_samples_, "block_samples");
   require_positive(capacity_, "reorder_samples");
   slots_.resize(static_cast<std::size_t>(capacity_));
@@ -81,11 +82,13 @@ void SampleWindow::hand_out(std::int64_t seq, Slot& slot) {
   const Index row = row_of(seq);
   if (slot.has_measurement) {
     measurements_.left(seq);
+    check_.measurement(seq, values_.row(row).data());
     append(seq, slot, row);
   }
   if (slot.has_command) {
     commands_.left(seq);
     if (slot.saturated) ++n_saturated_;
+    check_.command(seq, values_.row(row).data() + values_.cols() - n_legs_);
     if (command_sink_) command_sink_(seq, values_.row(row).tail(n_legs_).transpose());
   }
   slot = {};

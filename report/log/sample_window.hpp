@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "report/log/log_scan.hpp"
+#include "report/log/sample_check.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 
@@ -59,6 +60,7 @@ class SampleWindow {
   const ChannelCount& measurements() const { return measurements_.count; }
   const ChannelCount& commands() const { return commands_.count; }
   std::int64_t n_saturated() const { return n_saturated_; }
+  SampleFaults faults() const { return check_.faults(); }
 
  private:
   /// A place for one measurement and the command that answers it.
@@ -91,6 +93,7 @@ class SampleWindow {
   SampleBlock block_;
   Eigen::Index filled_ = 0;
   SeqTally measurements_, commands_;
+  SampleCheck check_;
   std::int64_t n_saturated_ = 0;
 };
 

@@ -27,6 +27,15 @@ Judgement judge(const Eigen::VectorXd& band_velocity, const std::vector<OctaveBa
   return judgement;
 }
 
+std::vector<OctaveBand> bands_of(const Eigen::VectorXd& band_velocity) {
+  const std::vector<OctaveBand> bands = third_octave_bands();
+  if (band_velocity.size() != static_cast<Eigen::Index>(bands.size())) {
+    throw std::invalid_argument("vibration_class: expected " + std::to_string(bands.size()) +
+                                " bands, got " + std::to_string(band_velocity.size()));
+  }
+  return bands;
+}
+
 }  // namespace
 
 bool VibrationCriterion::applies(double frequency_hz) const {
@@ -48,11 +57,7 @@ const std::vector<VibrationCriterion>& vibration_criteria() {
 }
 
 std::string vibration_class(const Eigen::VectorXd& band_velocity) {
-  const std::vector<OctaveBand> bands = third_octave_bands();
-  if (band_velocity.size() != static_cast<Eigen::Index>(bands.size())) {
-    throw std::invalid_argument("vibration_class: expected " + std::to_string(bands.size()) +
-                                " bands, got " + std::to_string(band_velocity.size()));
-  }
+  const std::vector<OctaveBand> bands = bands_of(band_velocity);
   std::string met = "above VC-A";
   for (const VibrationCriterion& criterion : vibration_criteria()) {
     const Judgement judgement = judge(band_velocity, bands, criterion);
@@ -61,6 +66,14 @@ std::string vibration_class(const Eigen::VectorXd& band_velocity) {
     met = criterion.name;
   }
   return met;
+}
+
+bool exceeds(const Eigen::VectorXd& band_velocity, const std::string& criterion) {
+  const std::vector<OctaveBand> bands = bands_of(band_velocity);
+  for (const VibrationCriterion& one : vibration_criteria()) {
+    if (one.name == criterion) return judge(band_velocity, bands, one) == Judgement::exceeded;
+  }
+  throw std::out_of_range("exceeds: " + criterion + " is no vibration criterion");
 }
 
 }  // namespace stillframe::report

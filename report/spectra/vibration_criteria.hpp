@@ -33,4 +33,8 @@ const std::vector<VibrationCriterion>& vibration_criteria();
 /// Errors: std::invalid_argument for another number of bands.
 std::string vibration_class(const Eigen::VectorXd& band_velocity);
 
+/// Whether a band that was observed is above the limit of a criterion, VC-A to VC-G. band_velocity
+/// and errors as for vibration_class; std::out_of_range for a name that is none.
+bool exceeds(const Eigen::VectorXd& band_velocity, const std::string& criterion);
+
 }  // namespace stillframe::report

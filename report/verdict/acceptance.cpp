@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "report/log/sample_check.hpp"
 #include "report/spectra/spectra.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 #include "report/table.hpp"
@@ -18,6 +19,14 @@ namespace {
 constexpr double beyond_doubt = 10;
 
 std::string percent(double share) { return cell("%.3g %%", 100 * share); }
+
+/// As the first word of a sentence.
+std::string capital(std::string text) {
+  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+std::string most_of(double share) { return share > 0 ? "at most " + percent(share) : "none"; }
 
 std::string hz_range(const AxisAcceptance& asked) {
   return cell("from %.4g to %.4g Hz", asked.from_hz, asked.to_hz);
@@ -75,6 +84,53 @@ class Judge {
                .of_what = "measurements",
                .subject = Subject::record},
               accept_.lost_share, default_log_loss_share);
+    if (&run == active_) commands_of(run);
+    if (run.n_not_finite > 0) {
+      const std::string many = std::to_string(run.n_not_finite);
+      add({.subject = Subject::record,
+           .what = "values that are not finite in the log of " + of,
+           .asked = "none",
+           .found = many,
+           .outcome = Outcome::failed,
+           .reason = "Values in the log of " + of + " that are not finite, or beyond " +
+                     cell("%g", largest_value) + " (N, m/s^2): " + many + ", the first at " +
+                     run.first_not_finite + "."});
+    }
+    if (run.n_repeats > 0) {
+      add_share({.what = "measurements of " + of + " that repeat the one before in every channel",
+                 .n = run.n_repeats,
+                 .of = run.n_samples,
+                 .of_what = "measurements",
+                 .subject = Subject::record},
+                accept_.lost_share, default_log_loss_share);
+    }
+  }
+
+  void commands_of(const RunSummary& run) {
+    const std::string what = "commands that the log of the active run lacks";
+    if (!run.n_commands_given) {
+      unknown(Subject::record, what, accept_.lost_share, default_log_loss_share,
+              "the log holds no record of what the controller sent");
+      return;
+    }
+    add_share({.what = what,
+               .n = std::max<std::int64_t>(0, *run.n_commands_given - run.n_commands),
+               .of = std::max(*run.n_commands_given, run.n_commands),
+               .of_what = "commands",
+               .subject = Subject::record},
+              accept_.lost_share, default_log_loss_share);
+  }
+
+  /// A share of which the log does not tell.
+  void unknown(Subject subject, const std::string& what, std::optional<double> by_scene,
+               double otherwise, const std::string& why) {
+    add({.subject = subject,
+         .what = what,
+         .asked = most_of(by_scene.value_or(otherwise)),
+         .found = "",
+         .outcome = Outcome::not_judged,
+         .reason = capital(what) + ": " + why + ".",
+         .by_scene = by_scene.has_value()});
   }
 
   struct Share {
@@ -87,10 +143,9 @@ class Judge {
     const double allowed = by_scene.value_or(otherwise);
     const double found =
         share.of > 0 ? static_cast<double>(share.n) / static_cast<double>(share.of) : std::nan("");
-    const std::string most = allowed > 0 ? "at most " + percent(allowed) : "none";
+    const std::string most = most_of(allowed);
     const std::string many = std::to_string(share.n) + " of " + std::to_string(share.of);
-    std::string what = share.what;
-    what.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(what.front())));
+    const std::string what = capital(share.what);
     add({.subject = share.subject,
          .what = share.what,
          .asked = most,
@@ -105,17 +160,10 @@ class Judge {
   void effort_of(const RunSummary& run) {
     add_share({.what = "commands with a limited force",
                .n = run.n_saturated,
-               .of = run.n_commands,
+               .of = std::max(run.n_commands, run.n_commands_given.value_or(0)),
                .of_what = "commands"},
               accept_.limited_share, default_limited_share);
-    for (const TimingSummary& timing : verdict_.timing) {
-      if (timing.loop != run.loop || timing.source != "controller") continue;
-      add_share({.what = "measurements that the controller never answered",
-                 .n = timing.n_lost,
-                 .of = run.n_samples + run.n_lost,
-                 .of_what = "measurements"},
-                accept_.lost_share, default_unanswered_share);
-    }
+    unanswered(run);
     if (run.n_periods == 0) {
       if (accept_.discarded_share) {
         add({.subject = Subject::effort,
@@ -135,6 +183,23 @@ class Judge {
                .of = run.n_periods,
                .of_what = "periods"},
               accept_.discarded_share, default_discarded_share);
+  }
+
+  void unanswered(const RunSummary& run) {
+    const std::string what = "measurements that the controller never answered";
+    const auto timing =
+        std::find_if(verdict_.timing.begin(), verdict_.timing.end(),
+                     [&](const auto& t) { return t.loop == run.loop && t.source == "controller"; });
+    if (timing == verdict_.timing.end()) {
+      unknown(Subject::effort, what, accept_.lost_share, default_unanswered_share,
+              "the log holds no account of the controller's");
+      return;
+    }
+    add_share({.what = what,
+               .n = timing->n_lost,
+               .of = run.n_samples + run.n_lost,
+               .of_what = "measurements"},
+              accept_.lost_share, default_unanswered_share);
   }
 
   /// otherwise: something else than motion is judged.
@@ -198,7 +263,7 @@ class Judge {
     }
     if (a.rms_of_passive) {
       ratio({&axis, &motion, "passive frame", "rms"},
-            {motion.active, motion.active_jumps, 0, !motion.passive || *motion.passive > 0},
+            {motion.active, motion.active_jumps, 0, !motion.passive || !(*motion.passive <= 0)},
             motion.passive, motion.passive_jumps, *a.rms_of_passive);
     }
     if (a.band_of_floor && motion.why_not.empty()) {
@@ -209,9 +274,11 @@ class Judge {
     }
   }
 
+  /// What is no number is not said to rest.
   static bool floor_moves(const AxisLevels& axis, const AskedMotion& motion) {
-    return axis.floor && motion.floor && *motion.floor > 0 &&
-           *motion.floor >= least_floor_share * axis.floor->rms_acceleration;
+    return axis.floor && motion.floor &&
+           !(*motion.floor <= 0 ||
+             *motion.floor < least_floor_share * axis.floor->rms_acceleration);
   }
 
   /// Why averages of a range say too little, or nothing.
@@ -342,6 +409,17 @@ class Judge {
                           asked + ".",
                 .by_scene = motion.by_scene};
     const std::string open = too_short(lowest_judged_hz);
+    if (met == "not known") {
+      const auto& v = axis.active_spectra->velocity;
+      if (exceeds(Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)), asked)) {
+        check.reason = "Axis " + axis.axis + ": the active frame is above " + asked +
+                       ", which is asked, in bands below half the sample rate.";
+      } else {
+        check.outcome = Outcome::not_judged;
+        check.reason =
+            "Axis " + axis.axis + ": bands of " + asked + " reach beyond half the sample rate.";
+      }
+    }
     if (met.empty() || !open.empty()) {
       check.outcome = Outcome::not_judged;
       check.reason = "Axis " + axis.axis + ": " +

@@ -26,6 +26,8 @@ struct RunSummary {
   std::int64_t n_lost = 0;     ///< measurements that the log should hold and does not
   std::int64_t n_duplicates = 0;
   std::int64_t n_commands = 0;
+  /// What the controller gave by its own account; none: the log holds no such account.
+  std::optional<std::int64_t> n_commands_given = {};
   std::int64_t n_saturated = 0;  ///< commands in which a force was limited
   std::int64_t n_damaged = 0, unread_bytes = 0;
   std::int64_t n_other_version = 0;  ///< messages of another version of our types
@@ -35,6 +37,10 @@ struct RunSummary {
   /// Periods of a wall-clock controller in the log, and those of them whose measurement it rejected
   /// as late, not finite or out of range.
   std::int64_t n_periods = 0, n_discarded = 0;
+  std::int64_t n_not_finite = 0;      ///< values in the log (SampleFaults)
+  std::string first_not_finite = {};  ///< where
+  std::int64_t n_repeats =
+      0;  ///< measurements that are the one before to the bit on a moving floor
   std::string unreadable = {};  ///< why scene, gains or floor cannot be read; empty: they can
 };
 
@@ -183,7 +189,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///   warnings[], isolates_above_hz (null: unknown), disturbed
 ///   runs[]: scene_name scene_hash program_version mode loop sample_rate_hz delay_samples n_samples
 ///   n_lost
-///     n_duplicates n_commands n_saturated n_damaged unread_bytes n_other_version n_foreign
+///     n_duplicates n_commands n_commands_given (null: unknown) n_not_finite n_repeats n_saturated
+///     n_damaged unread_bytes n_other_version n_foreign
 ///     n_clock_steps real_time_factor (null if unknown) n_periods n_discarded
 ///     unreadable
 ///   timing[]: loop source n_periods n_late n_lost n_duplicates n_listened worst_wake_up_us

@@ -69,13 +69,24 @@ TEST_F(Processes, StopWhenTheControllerDies) {
 TEST_F(Processes, StopWhenThePlantDies) {
   const auto run = start_long_run();
   kill(id_of("stillframe-plant"), SIGKILL);
-  expect_failed_run(*run, "stillframe-plant ended with code 137");
+  expect_failed_run(*run, "stillframe-plant ended with code 137\n");
 }
 
 TEST_F(Processes, StopWhenTheLoggerDies) {
   const auto run = start_long_run();
   kill(id_of("lcm-logger"), SIGKILL);
   expect_failed_run(*run, "lcm-logger ended with code 137");
+}
+
+TEST_F(Processes, ALogThatCannotGrowIsNamedWithTheReason) {
+  // A limit on the size of a file stops the logger as a full disk does.
+  const Said said = shell(
+      "cd '" + folder_.string() + "'\ntrap '' XFSZ\nulimit -f 400\nexec $BIN/stillframe run '" +
+      config("scenes/metrology_frame.yaml").string() + "' --loop active --duration 10 --out run");
+  EXPECT_EQ(said.exit_code, 4);
+  EXPECT_NE(said.error.find("(run.incomplete/active.lcm: cannot be written: File too large)"),
+            std::string::npos)
+      << said.error;
 }
 
 TEST_F(Processes, WallClockRunAccountsForEveryPeriod) {

@@ -79,6 +79,8 @@ TEST_F(WholeFiles, AFullDiskLeavesTheOlderFileAndNothingElse) {
   EXPECT_THROW(write_whole_file("/dev/full", "x"), OutputError);
 }
 
+TEST_F(WholeFiles, OfNoNameIsNone) { EXPECT_THROW(WholeFile(""), InputError); }
+
 TEST_F(WholeFiles, WhatIsNoRegularFileIsWrittenToAndStays) {
   fs::create_symlink("b", folder_ / "link");
   fs::create_symlink("/dev/null", folder_ / "device");

@@ -26,5 +26,26 @@ TEST(RunLength, OtherFloorsSayItThemselves) {
   EXPECT_THROW(run_length(scene, still, 3000, 4.0), InputError);
 }
 
+std::string refused(const floor::FloorSpec& floor, std::optional<double> duration_s) {
+  try {
+    Scene scene = test::frame_scene();
+    scene.file = "frame.yaml";
+    run_length(scene, floor, 50000, duration_s);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RunLength, IsNamedAfterWhoAskedForIt) {
+  const auto recording = spec("recording: {file: a.csv, axes: {a: x}}");
+  const std::string allowed =
+      " s, allowed is from 0.001 s, one sample, to 50 s, the length of the floor";
+  EXPECT_EQ(refused(recording, std::nullopt),
+            "frame.yaml: simulation.duration_s: found 60" + allowed);
+  EXPECT_EQ(refused(recording, 4e-4), "--duration: found 0.0004" + allowed);
+  EXPECT_EQ(refused(recording, 1e300), "--duration: found 1e+300" + allowed);
+}
+
 }  // namespace
 }  // namespace stillframe

@@ -30,6 +30,7 @@ struct MadeUp {
                               .sample_rate_hz = 1000,
                               .n_samples = 60001,
                               .n_commands = 60001,
+                              .n_commands_given = 60001,
                               .n_periods = 60001});
       verdict.timing.push_back({.loop = loop, .source = "controller"});
     }
@@ -69,14 +70,25 @@ struct Change {
 
 TEST(Acceptance, FailsForEachThingThatIsNotAsItShouldBe) {
   ASSERT_EQ(MadeUp().judged().outcome, Outcome::passed) << MadeUp().judged().reason;
-  EXPECT_EQ(MadeUp().judged().reason, "All 11 checks that could be made passed.");
+  EXPECT_EQ(MadeUp().judged().reason, "All 12 checks that could be made passed.");
   const Change changes[] = {
       {"damaged in 1 places", [](MadeUp& m) { m.verdict.runs[0].n_damaged = 1; }},
       {"9 bytes at its end", [](MadeUp& m) { m.active().unread_bytes = 9; }},
       {"K_P: missing", [](MadeUp& m) { m.active().unreadable = "K_P: missing"; }},
       {"1 of 60002 ", [](MadeUp& m) { m.active().n_lost = 1; }},
       {"601 of 60001 (1 %), allowed: at most 1 %", [](MadeUp& m) { m.active().n_saturated = 601; }},
-      {"holds no commands", [](MadeUp& m) { m.active().n_commands = 0; }},
+      {"holds no commands",
+       [](MadeUp& m) { m.active().n_commands = *(m.active().n_commands_given = 0); }},
+      {"Commands that the log of the active run lacks: 6923 of 60001",
+       [](MadeUp& m) { m.active().n_commands -= 6923; }},
+      {"the passive run that are not finite, or beyond 1e+12 (N, m/s^2): 2, the first at seq 3, "
+       "sigma of leg_1",
+       [](MadeUp& m) {
+         m.verdict.runs[0].n_not_finite = 2;
+         m.verdict.runs[0].first_not_finite = "seq 3, sigma of leg_1";
+       }},
+      {"repeat the one before in every channel: 19999 of 60001",
+       [](MadeUp& m) { m.active().n_repeats = 19999; }},
       {"never answered: 601 of 60001", [](MadeUp& m) { m.verdict.timing[1].n_lost = 601; }},
       {"rejected: 16200 of 60001 (27 %)", [](MadeUp& m) { m.active().n_discarded = 16200; }},
       {"moves 1147 times as much as the passive frame",
@@ -138,6 +150,14 @@ TEST(Acceptance, WithoutAnythingToJudgeByNothingPasses) {
   MadeUp slow;
   for (AxisLevels& axis : slow.verdict.axes) axis.asked[1].floor = 1e-4;
   EXPECT_EQ(slow.judged().outcome, Outcome::passed);
+  // What nothing tells is not passed, nor is it left out.
+  MadeUp silent;
+  silent.verdict.timing.clear();
+  silent.active().n_commands_given.reset();
+  EXPECT_EQ(silent.judged().reason, "All 10 checks that could be made passed.");
+  EXPECT_EQ(silent.judged().checks.size(), 12u);
+  silent.accept.lost_share = 0.1;
+  EXPECT_EQ(silent.judged().outcome, Outcome::not_judged);
   // Without a passive run there is the floor, and with forces on the frame there is not.
   MadeUp alone;
   alone.verdict.runs.erase(alone.verdict.runs.begin());
@@ -205,6 +225,11 @@ TEST(Acceptance, EndsOfRecordsNeitherPassNorFail) {
   MadeUp none;
   none.asked()[1].floor = nan;
   EXPECT_EQ(none.judged().outcome, Outcome::failed) << "a floor that is no number";
+  for (AxisLevels& axis : none.verdict.axes) axis.floor->rms_acceleration = nan;
+  none.asked()[0].passive = nan;
+  for (const Check& check : none.judged().checks) {
+    EXPECT_EQ(check.reason.find("hardly moves"), std::string::npos) << check.reason;
+  }
 }
 
 TEST(Acceptance, FloorsThatMoveApartLeaveThePassiveFrame) {
@@ -218,6 +243,22 @@ TEST(Acceptance, FloorsThatMoveApartLeaveThePassiveFrame) {
   asked.verdict.floors_apart = true;
   asked.ask();
   EXPECT_EQ(asked.judged().outcome, Outcome::not_judged);
+}
+
+// At 125 Hz no band of 63 Hz and above was observed, and what was rules VC-A in and VC-E out.
+TEST(Acceptance, AClassThatBandsBeyondHalfTheRateDecideIsNotJudged) {
+  const auto outcome = [](const char* asked) {
+    MadeUp m({.axes = {{.axis = "z", .vibration_class = asked}}});
+    AxisLevels& z = m.verdict.axes[1];
+    z.active->vibration_class = "not known";
+    z.active_spectra = flat(10e-6);
+    z.active_spectra->velocity.back() = nan;
+    return m.judged();
+  };
+  EXPECT_EQ(outcome("VC-A").outcome, Outcome::not_judged);
+  EXPECT_NE(outcome("VC-A").reason.find("half the sample rate"), std::string::npos);
+  EXPECT_EQ(outcome("VC-E").outcome, Outcome::failed);
+  EXPECT_NE(outcome("VC-E").reason.find("is above VC-E"), std::string::npos);
 }
 
 TEST(Acceptance, WhatTheSceneNamesTakesThePlaceOfTheDefault) {
@@ -252,6 +293,8 @@ TEST(Acceptance, WhatTheSceneNamesTakesThePlaceOfTheDefault) {
   shares.active().n_saturated = 30000;
   shares.active().n_lost = 6000;
   shares.active().n_discarded = 16200;
+  shares.active().n_commands -= 6000;
+  shares.active().n_repeats = 6000;
   EXPECT_EQ(shares.judged().outcome, Outcome::passed) << shares.judged().reason;
 }
 

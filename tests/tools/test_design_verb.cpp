@@ -108,6 +108,15 @@ TEST_F(DesignVerb, ANarrowResonanceIsInTheMargin) {
   EXPECT_EQ(document["frequencies_hz"].back(), 500.0);
 }
 
+// One output: nothing of it reaches another.
+TEST_F(DesignVerb, ACrosstalkOfNothingIsNoNumber) {
+  const auto scene = write("scene.yaml", two_masses("0.7"));
+  const Said said = run({"design", scene});
+  EXPECT_NE(said.output.find("crosstalk dB"), std::string::npos) << said.output;
+  EXPECT_EQ(said.output.find("-inf"), std::string::npos) << said.output;
+  EXPECT_TRUE(json({"design", scene})["crosstalk_db"][0].is_null());
+}
+
 // One leg: the orders of the matrices are one, also where damping parts the poles.
 TEST_F(DesignVerb, OrdersThatCoincideAreNotWarnedOf) {
   const Json document = json({"design", write("scene.yaml", two_masses("1.2"))});

@@ -112,9 +112,10 @@ TEST_F(FullDisk, EndsARunThatSaysWhy) {
                           "exec $BIN/stillframe run " +
                           frame_ + " --mode single_process --loop active --duration 2 --out run");
   EXPECT_EQ(said.exit_code, 4);
-  EXPECT_NE(said.error.find("the log cannot be written"), std::string::npos) << said.error;
+  const std::string why = "run.incomplete/active.lcm: cannot be written: File too large";
+  EXPECT_NE(said.error.find(why), std::string::npos) << said.error;
   EXPECT_FALSE(fs::exists(folder_ / "run"));
-  EXPECT_EQ(text_of(folder_ / "run.incomplete/FAILED.txt"), "the log cannot be written\n");
+  EXPECT_EQ(text_of(folder_ / "run.incomplete/FAILED.txt"), why + "\n");
 }
 
 TEST_F(FullDisk, IsSaidByTheFilesOfTheController) {

@@ -108,6 +108,9 @@ TEST_F(LogVerbs, WhatCannotBeReadIsSaidInOneLine) {
   expect_refused({"report", folder_ / "text.lcm"}, 2, "text.lcm");
   const auto folder = recorded("active", "2");
   expect_refused({"report", folder / "active.lcm", folder / "active.lcm"}, 2, "a second log");
+  // Each loop of a run has a number of its own.
+  expect_refused({"report", folder, "--run-id", "7"}, 2,
+                 "--run-id: " + folder.string() + " is a folder, whose loops are runs");
   expect_refused({"report", folder / "active.lcm", "--out", folder_ / "no/such/page.html"}, 2,
                  "page.html");
 }

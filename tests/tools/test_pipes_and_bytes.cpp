@@ -25,7 +25,7 @@ TEST_F(PipesAndBytes, ASceneThroughAPipeIsTheSceneOfItsFile) {
   EXPECT_NE(hashes[0], hashes[1]);
 }
 
-TEST_F(PipesAndBytes, ARunInOneProcessTakesAPipeAndARunOfTwoRefusesIt) {
+TEST_F(PipesAndBytes, ARunTakesASceneThroughAPipeButNothingThatItReadsTwice) {
   std::string text = text_of(config("scenes/metrology_frame.yaml"));
   const std::string controller = "../controllers/force_feedback_5hz.yaml",
                     floor = "../floors/vc_d.yaml";
@@ -33,17 +33,20 @@ TEST_F(PipesAndBytes, ARunInOneProcessTakesAPipeAndARunOfTwoRefusesIt) {
                config("controllers/force_feedback_5hz.yaml"));
   text.replace(text.find(floor), floor.size(), "{white: {rms: 1e-3, duration_s: 2}}");
   const auto scene = write("scene.yaml", text);
-  const auto piped = [&](const std::string& mode) {
-    return shell("cd '" + folder_.string() +
-                 "'\ncat scene.yaml | $BIN/stillframe run /dev/stdin --loop active --duration 2 "
-                 "--out " +
-                 mode + " --mode " + mode);
+  const auto piped = [&](const std::string& file, const std::string& arguments) {
+    return shell("cd '" + folder_.string() + "'\ncat '" + file + "' | $BIN/stillframe run " +
+                 arguments + " --loop active --duration 2 --out single_process");
   };
-  const Said said = piped("single_process");
+  const auto controller_file = config("controllers/force_feedback_5hz.yaml").string();
+  const Said said = piped(scene, "/dev/stdin --mode single_process");
   EXPECT_EQ(said.exit_code, 0) << said.error;
   EXPECT_EQ(text_of(folder_ / "single_process/scene.yaml"), text);
   EXPECT_NE(text_of(folder_ / "single_process/floor.yaml").find("white"), std::string::npos);
-  const Said refused = piped("lock_step");
+  EXPECT_EQ(text_of(folder_ / "single_process/controller.yaml"), text_of(controller_file));
+  std::filesystem::remove_all(folder_ / "single_process");
+  const std::string by_pipe = "scene.yaml --controller /dev/stdin --mode ";
+  EXPECT_EQ(piped(controller_file, by_pipe + "single_process").exit_code, 0);
+  const Said refused = piped(controller_file, by_pipe + "lock_step");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.error.find("/dev/stdin: is no regular file"), std::string::npos)
       << refused.error;

@@ -91,6 +91,27 @@ TEST_F(RunDirectories, ManyThatWantOneNameGetOneEach) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 17);
 }
 
+/// Both loops of a run have a number that can be said.
+TEST_F(RunDirectories, TheSecondLoopHasTheNextNumber) {
+  const auto numbered = [&](const std::string& id, const std::string& out) {
+    return run({"run", config("scenes/metrology_frame.yaml"), "--mode", "single_process",
+                "--duration", "2", "--run-id", id, "--out", folder_ / out});
+  };
+  for (const char* id : {"0", "-1", "9223372036854775807", "9223372036854775808"}) {
+    const Said said = numbered(id, "none");
+    EXPECT_EQ(said.exit_code, 2) << id;
+    EXPECT_NE(said.error.find("1 to 9223372036854775806"), std::string::npos) << said.error;
+  }
+  EXPECT_EQ(numbered("9223372036854775806", "run").exit_code, 0);
+  const auto number_in = [&](const char* log) {
+    return json({"export", folder_ / "run" / log, "--csv",
+                 folder_ / "signals.csv"})["files"][0]["run_id"]
+        .get<std::int64_t>();
+  };
+  EXPECT_EQ(number_in("passive.lcm"), 9223372036854775806);
+  EXPECT_EQ(number_in("active.lcm"), 9223372036854775807);
+}
+
 TEST_F(RunDirectories, OfTwoRunsIntoOneFolderOneIsRefusedAtOnce) {
   const fs::path scene = config("scenes/metrology_frame.yaml");
   std::string text = text_of(scene);
@@ -118,6 +139,19 @@ TEST_F(RunDirectories, OfTwoRunsIntoOneFolderOneIsRefusedAtOnce) {
     EXPECT_EQ(verdict.at("runs").at(0).at("scene_hash"), kept.hash);
     EXPECT_EQ(kept.text, text_of(*code_a == 0 ? scene : other));
   }
+}
+
+TEST_F(RunDirectories, AreWholeWithoutTheirPlotsWhereGnuplotIsMissing) {
+  const Said said = shell("PATH=/nowhere exec $BIN/stillframe run '" +
+                          config("scenes/metrology_frame.yaml").string() +
+                          "' --mode single_process --loop active --duration 2 --out '" +
+                          (folder_ / "run").string() + "'");
+  EXPECT_EQ(said.exit_code, 0);
+  EXPECT_NE(said.error.find("warning: plots: the program gnuplot cannot be started"),
+            std::string::npos)
+      << said.error;
+  EXPECT_TRUE(fs::exists(folder_ / "run/report.html") && fs::exists(folder_ / "run/verdict.json"));
+  EXPECT_FALSE(fs::exists(folder_ / "run/accelerations.png"));
 }
 
 TEST_F(RunDirectories, DefaultNamesOfOneSecondDiffer) {

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <random>
@@ -5,6 +6,7 @@
 
 #include "msgs/channels.hpp"
 #include "report/page/sections.hpp"
+#include "stillframe_msgs/measurement_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "tests/tools/verb.hpp"
 #include "tools/analysis/page_tables_of.hpp"
@@ -264,6 +266,100 @@ TEST_F(VerdictVerbs, LogsOfDifferentFloorsAreSetEachAgainstItsOwn) {
             3u);
 }
 
+// The text of a recorded floor names a file, and what stands in that may change.
+TEST_F(VerdictVerbs, ARecordingOfTheSameNameNeedNotBeTheSameFloor) {
+  const auto scene = write("scene.yaml", mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
+                                                         "floor: {recording: {file: rec.csv, "
+                                                         "axes: {z: z}}}\n"));
+  for (const auto& [name, rms] : {std::pair("weak", 1e-3), {"strong", 1e-1}}) {
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal(0, rms);
+    std::string csv = "# units=m/s^2\n# fs_hz=500\n# n=10000\nz\n";
+    for (int k = 0; k < 10000; ++k) csv += std::to_string(normal(random)) + "\n";
+    write("rec.csv", csv);
+    ASSERT_EQ(run({"run", scene, "--mode", "single_process", "--out", folder_ / name}).exit_code,
+              0);
+  }
+  const auto verdict_of = [&](const char* passive, const char* active) {
+    return Json::parse(
+        run({"report", folder_ / passive / "passive.lcm", folder_ / active / "active.lcm", "--out",
+             folder_ / "page.html", "--json"})
+            .output);
+  };
+  const Json same = verdict_of("weak", "weak"), other = verdict_of("strong", "weak");
+  EXPECT_TRUE(same.at("warnings").empty());
+  EXPECT_TRUE(same.at("axes")[0].contains("ratio_active_to_passive"));
+  ASSERT_EQ(other.at("warnings").size(), 1u);
+  EXPECT_NE(other.at("warnings")[0].get<std::string>().find("floors of their own"),
+            std::string::npos);
+  EXPECT_FALSE(other.at("axes")[0].contains("ratio_active_to_passive"));
+}
+
+TEST_F(VerdictVerbs, WhatALogLacksOrHoldsThatIsNoMeasurementFails) {
+  ASSERT_EQ(simulate(folder_ / "run", {"--duration", "12", "--loop", "active"}).exit_code, 0);
+  using stillframe_msgs::measurement_t;
+  /// The log with measurements changed and other messages left out; what the verdict is.
+  const auto verdict_of = [&](auto&& change, auto&& leave_out) {
+    lcm::LogFile from((folder_ / "run/active.lcm").string(), "r");
+    {
+      lcm::LogFile to((folder_ / "damaged.lcm").string(), "w");
+      int n = 0;
+      while (const lcm::LogEvent* event = from.readNextEvent()) {
+        if (leave_out(event->channel, n++)) continue;
+        lcm::LogEvent copy = *event;
+        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(event->datalen));
+        if (measurement_t m; event->channel == channels::measurement) {
+          EXPECT_GE(m.decode(event->data, 0, event->datalen), 0);
+          change(m);
+          m.encode(bytes.data(), 0, event->datalen);
+          copy.data = bytes.data();
+        }
+        to.writeEvent(&copy);
+      }
+    }
+    return Json::parse(run({"report", folder_ / "damaged.lcm", "--json"}).output);
+  };
+  const auto as_it_is = [](measurement_t&) {};
+  const auto whole = [](const std::string&, int) { return false; };
+  EXPECT_EQ(verdict_of(as_it_is, whole).at("outcome"), "passed");
+  const auto expect_failed = [](const Json& verdict, const std::string& part) {
+    EXPECT_EQ(verdict.at("outcome"), "failed");
+    const auto reason = verdict.at("reason").get<std::string>();
+    EXPECT_NE(reason.find(part), std::string::npos) << reason;
+  };
+  expect_failed(
+      verdict_of(as_it_is, [](const std::string& channel,
+                              int n) { return channel == channels::command && n % 3 == 0; }),
+      "Commands that the log of the active run lacks: ");
+  expect_failed(
+      verdict_of(
+          [](measurement_t& m) {
+            if (m.seq == 5000) m.sigma[2] = std::nan("");
+          },
+          whole),
+      "that are not finite, or beyond 1e+12 (N, m/s^2): 1, the first at seq 5000, sigma of ");
+  measurement_t kept;
+  expect_failed(verdict_of(
+                    [&](measurement_t& m) {
+                      if (m.seq <= 6000) kept = m;
+                      if (m.seq <= 6000 || m.seq > 8000) return;
+                      const auto seq = m.seq, time_ns = m.time_ns;
+                      m = kept;
+                      m.seq = seq, m.time_ns = time_ns;
+                    },
+                    whole),
+                "that repeat the one before in every channel: 2000 of 12001");
+  const Json silent = verdict_of(
+      as_it_is, [](const std::string& channel, int) { return channel == channels::timing; });
+  EXPECT_EQ(silent.at("outcome"), "passed");
+  bool said = false;
+  for (const Json& check : silent.at("checks")) {
+    said = said || (check.at("what") == "measurements that the controller never answered" &&
+                    check.at("outcome") == "not judged");
+  }
+  EXPECT_TRUE(said);
+}
+
 TEST_F(VerdictVerbs, ALogWhoseGainsOrSceneCannotBeReadFails) {
   ASSERT_EQ(simulate(folder_ / "run", {"--duration", "12", "--loop", "active"}).exit_code, 0);
   const auto damage = [&](const std::string& name, auto&& change) {
@@ -297,6 +393,12 @@ TEST_F(VerdictVerbs, ALogWhoseGainsOrSceneCannotBeReadFails) {
               std::string::npos)
         << verdict.at("reason");
   }
+  const Said said =
+      run({"report", damage("hash.lcm", [](Info& i) { i.scene_hash = "0"; }), "--json"});
+  EXPECT_EQ(said.exit_code, 4);
+  EXPECT_NE(Json::parse(said.output).at("reason").get<std::string>().find("scene_hash: found 0"),
+            std::string::npos)
+      << said.output;
 }
 
 TEST(VerdictAgreement, TextJsonBadgeAndExitCodeSayTheSame) {

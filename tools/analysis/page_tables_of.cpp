@@ -183,7 +183,7 @@ page::Table response_table(const std::vector<report::ResponseSummary>& responses
 page::Table shock_table(const std::vector<report::ShockSummary>& shocks) {
   page::Table table{
       "Shocks: largest rms of a tenth of a second, and the time until the frame is "
-      "quiet again (below 3 times its quietest tenth or 5 % of its largest)",
+      "quiet again (below 4 times its rms before, or 5 % of its largest)",
       {"axis", "loop", "at s", "floor mm/s\u00b2", "frame mm/s\u00b2", "settled after s"},
       {}};
   constexpr std::size_t most = 50;
@@ -192,6 +192,10 @@ page::Table shock_table(const std::vector<report::ShockSummary>& shocks) {
     table.rows.push_back({s.axis, s.loop, cell("%.1f", s.time_s), milli(s.floor_level),
                           milli(s.frame_level),
                           s.settling_s ? cell("%.1f", *s.settling_s) : "never"});
+  }
+  if (shocks.size() > most) {
+    table.rows.push_back({"and " + std::to_string(shocks.size() - most) + " more"});
+    table.rows.back().resize(table.columns.size());
   }
   return table;
 }

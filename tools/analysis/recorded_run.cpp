@@ -68,6 +68,7 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
     return;
   }
   try {
+    plan.model->floors = floors_of_inputs(design.scene, axes.inputs);
     plan.model->axes = ResponsePrediction(design, axes).at(plan.frequencies_hz, active).sampled;
   } catch (const InputError&) {
     // The floors of the axes do not say how the floor moves; the verdict tells.
@@ -111,6 +112,12 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::str
   try {
     const controller::Gains gains =
         controller::parse_gains(info.gains_text, source_name + ": gains_text");
+    // No controller begins a run with gains of another scene.
+    if (gains.scene_hash != info.scene_hash) {
+      throw InputError(source_name + ": scene_hash: found " + info.scene_hash +
+                       ", allowed is that of gains_text, " + gains.scene_hash +
+                       ": the run was of the scene that its gains were designed for");
+    }
     run.design = loop_design_of(info.scene_text, gains, source_name + ": scene_text");
   } catch (const std::exception& error) {
     run.unreadable = error.what();

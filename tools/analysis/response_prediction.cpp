@@ -73,6 +73,16 @@ std::vector<SceneSignal> floor_signals(const Scene& scene, const std::vector<std
 
 }  // namespace
 
+MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names) {
+  MatrixXd D_w = directions_of(scene.inputs);
+  for (Index i = 0; i < D_w.rows(); ++i) {
+    const Quantity quantity = scene.inputs[static_cast<std::size_t>(i)].quantity;
+    if (quantity != Quantity::acceleration) D_w.row(i).setZero();
+  }
+  return directions_of(floor_signals(scene, names)) *
+         D_w.completeOrthogonalDecomposition().pseudoInverse();
+}
+
 ResponsePrediction::ResponsePrediction(const LoopDesign& design,
                                        const report::ResponseSignals& signals) {
   Scene scene = design.scene;

@@ -15,6 +15,10 @@ struct PredictedResponse {
   std::vector<Eigen::MatrixXcd> continuous;  ///< of the continuous loop, without sampling
 };
 
+/// Accelerations of floor nodes as the scene's inputs have them on a floor that does not turn,
+/// names x inputs: D_m D_w^+, D the rows of their directions. Errors: as ResponsePrediction.
+Eigen::MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names);
+
 /// Predicts T between accelerations of a loop's scene. Inputs are either the scene's inputs, all of
 /// them in their order, or accelerations of floor nodes; the latter speak for a floor that does not
 /// turn, whose translation a follows from them, m = D a, D the rows of their directions. Set-up.

@@ -64,7 +64,8 @@ bool RunAnalyses::same_floor() const {
   if (!passive || !active) return true;
   const auto &a = passive->data.scan.info, &b = active->data.scan.info;
   return a.floor_text == b.floor_text && a.n_samples == b.n_samples &&
-         a.floor_names == b.floor_names && a.frame_names == b.frame_names;
+         a.floor_names == b.floor_names && a.frame_names == b.frame_names &&
+         passive->data.floor.agrees(active->data.floor);
 }
 
 std::vector<AxisPair> RunAnalyses::axes() const {

@@ -1,6 +1,7 @@
 #include "tools/run/judge.hpp"
 
 #include <algorithm>
+#include <iostream>
 
 #include "core/frequency_response.hpp"
 #include "core/yaml/input_error.hpp"
@@ -94,12 +95,17 @@ void plot_motion(const LoopDesign& design, const RunAnalyses& runs, const RunDir
 report::Verdict judge(const LoopDesign& design, const RunAnalyses& runs,
                       const RunDirectory& directory) {
   report::Verdict verdict = verdict_of(runs);
-  if (verdict.identification) {
-    plot_errors(design, runs, directory);
-  } else if (!runs.any().run.multisine) {
-    plot_motion(design, runs, directory);
+  try {
+    if (verdict.identification) {
+      plot_errors(design, runs, directory);
+    } else if (!runs.any().run.multisine) {
+      plot_motion(design, runs, directory);
+    }
+    plot_singular_values(design, runs, directory);
+  } catch (const InputError& error) {
+    // The logs, and what they are judged by, do not need them.
+    std::cerr << "stillframe: warning: " << error.what() << "; the run goes without its plots\n";
   }
-  plot_singular_values(design, runs, directory);
   return verdict;
 }
 

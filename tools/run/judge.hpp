@@ -10,8 +10,9 @@ namespace stillframe::tools {
 
 /// From analysed logs to the verdict, and the plots that go with it into the run directory:
 /// singular values always; where the floor was a multisine and both loops ran, identified against
-/// predicted; else histories and one-third-octave velocities of the scene's comparisons. Errors:
-/// InputError of the parts.
+/// predicted; else histories and one-third-octave velocities of the scene's comparisons. Where they
+/// cannot be drawn, as without gnuplot, standard error says so. Errors: InputError of verdict_of,
+/// OutputError.
 report::Verdict judge(const LoopDesign& design, const RunAnalyses& runs,
                       const RunDirectory& directory);
 

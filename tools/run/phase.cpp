@@ -5,6 +5,7 @@
 #include <memory>
 #include <sstream>
 
+#include "core/files/whole_file.hpp"
 #include "core/yaml/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
@@ -26,13 +27,35 @@ std::uintmax_t size_of(const std::filesystem::path& file) {
   return error ? 0 : size;
 }
 
-std::string last_line(const std::filesystem::path& file) {
+/// What a process said last that is an error, or else what another one did: all write into one
+/// file. Of the logger, which names no levels, any line.
+std::string last_error(const std::filesystem::path& file, const std::string& process) {
   std::ifstream stream(file);
-  std::string line, last;
+  std::string line, own, other, unnamed;
   while (std::getline(stream, line)) {
-    if (!line.empty()) last = line;
+    const bool is_error = line.find(": error: ") != std::string::npos;
+    const std::string name = "stillframe-" + line.substr(0, line.find(':'));
+    if (is_error) (name == process ? own : other) = line;
+    if (!line.empty() && name != "stillframe-plant" && name != "stillframe-controller") {
+      unnamed = line;
+    }
   }
-  return last;
+  return !own.empty() ? own : !other.empty() ? other : unnamed;
+}
+
+/// What the system has against a longer log, which lcm-logger does not say: tried beside the log,
+/// in a file that is never saved. Empty: nothing.
+std::string why_unwritable(const std::filesystem::path& log) {
+  try {
+    const auto size = static_cast<std::int64_t>(size_of(log));
+    WholeFile beside(log);
+    beside.leave(size);
+    // More than a logger has at hand when it fails.
+    beside.write_at(size, std::string(1 << 16, ' '));
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
 }
 
 class Phase {
@@ -73,7 +96,7 @@ class Phase {
             "lcm-logger is not installed; scripts/setup installs it (Debian: liblcm-bin)");
       }
       if (logger_->exit_code() || monotonic_ns() - begin > 10'000 * ms) {
-        throw InputError("lcm-logger does not write: " + last_line(text_));
+        throw InputError("lcm-logger does not write: " + last_error(text_, "lcm-logger"));
       }
       lcm->publish(channels::logger_check, "", 0);
       sleep_until(monotonic_ns() + 20 * ms);
@@ -127,6 +150,8 @@ class Phase {
     };
     // Below the controller, and above whatever else the machine does.
     if (options_.realtime.value_or("") != "off") add("--priority", "40");
+    add("--scene-folder", options_.scene_folder.string());
+    add("--floor-folder", options_.floor_folder.string());
     if (options_.floor) add("--floor", options_.floor->string());
     if (options_.controller) add("--controller", options_.controller->string());
     if (options_.duration_s) {
@@ -171,9 +196,10 @@ class Phase {
 
   PhaseResult died(ChildProcess& process, int code) {
     std::string reason = process.name() + " ended with code " + std::to_string(code);
-    const std::string said = last_line(text_);
-    if (!said.empty()) reason += " (" + said + ")";
     const bool known = code == exit_bad_input || code == exit_refused;
+    std::string said = known ? "" : why_unwritable(log_);
+    if (said.empty()) said = last_error(text_, process.name());
+    if (!said.empty()) reason += " (" + said + ")";
     return {known ? code : exit_failed, reason, ""};
   }
 

@@ -12,7 +12,9 @@ namespace stillframe::tools {
 /// What one run of plant, controller and logger needs to know.
 struct PhaseOptions {
   std::filesystem::path scene, gains;
-  std::optional<std::filesystem::path> floor, controller;
+  std::optional<std::filesystem::path> floor;
+  std::filesystem::path scene_folder, floor_folder;  ///< of what the scene and the floor name
+  std::optional<std::filesystem::path> controller;
   std::string mode, loop, lcm_url;
   std::int64_t run_id = 0;
   std::optional<double> duration_s;

@@ -38,6 +38,9 @@ fs::path RunDirectory::claim(const std::string& name) {
   present_ = name_.string() + ".incomplete";
   std::error_code error;
   if (name_.has_parent_path()) fs::create_directories(name_.parent_path(), error);
+  if (error) {
+    throw InputError(name_.parent_path().string() + ": cannot be made: " + error.message());
+  }
   // Whoever makes it owns it, also if two try at once.
   if (mkdir(present_.c_str(), 0777) != 0) {
     if (errno == EEXIST) return present_;

@@ -1,5 +1,8 @@
 #include "tools/run/single_process.hpp"
 
+#include <cerrno>
+#include <cstring>
+
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/log_writer.hpp"
@@ -21,27 +24,32 @@ using namespace stillframe_msgs;
 /// The messages of a run around its samples, as in lock-step.
 class RunLogFile {
  public:
-  RunLogFile(const std::filesystem::path& file, const run_info_t& info) : file_(file) {
+  RunLogFile(std::filesystem::path path, const run_info_t& info)
+      : path_(std::move(path)), file_(path_) {
     state_.run_id = timing_.run_id = info.run_id;
     state_.plant_instance = state_.instance = state_.sent_ns = 0;
     timing_.n_late = timing_.n_lost = timing_.n_duplicate = timing_.n_listened = 0;
     timing_.n_foreign = 0;
     timing_.worst_wake_up_ns = 0;
-    sound_ = file_.write(channels::run_info, info);
+    keep(file_.write(channels::run_info, info));
     say("controller", run_state_t::READY, "");
     say("plant", run_state_t::RUNNING, "");
   }
   bool sample(const ClosedLoop& loop) {
-    sound_ = sound_ && file_.write(channels::measurement, loop.measurement()) &&
-             file_.write(channels::command, loop.command());
-    return sound_;
+    if (error_ != 0) return false;
+    return keep(file_.write(channels::measurement, loop.measurement())) &&
+           keep(file_.write(channels::command, loop.command()));
+  }
+  /// Why it takes no more.
+  std::string failure() const {
+    return path_.string() + ": cannot be written: " + std::strerror(error_);
   }
   void say(const char* source, std::int32_t state, const std::string& text) {
     state_.source = source;
     state_.state = state;
     state_.start_monotonic_ns = 0;
     state_.text = text;
-    sound_ = file_.write(channels::run_state, state_) && sound_;
+    keep(file_.write(channels::run_state, state_));
   }
   bool finish(std::int64_t n, const ClosedLoop& loop, std::int64_t wall_ns) {
     say("plant", run_state_t::ENDED, "");
@@ -49,20 +57,26 @@ class RunLogFile {
     timing_.wall_time_ns = wall_ns;
     tell("plant", loop.worst_plant_ns());
     tell("controller", loop.worst_answer_ns());
-    return file_.finish() && sound_;
+    return keep(file_.finish());
   }
 
  private:
+  /// Of all that fails the first says why.
+  bool keep(bool written) {
+    if (!written && error_ == 0) error_ = errno != 0 ? errno : EIO;
+    return error_ == 0;
+  }
   void tell(const char* source, std::int64_t worst_ns) {
     timing_.source = source;
     timing_.worst_compute_ns = worst_ns;
-    sound_ = file_.write(channels::timing, timing_) && sound_;
+    keep(file_.write(channels::timing, timing_));
   }
 
+  std::filesystem::path path_;
   LogWriter file_;
   run_state_t state_;
   timing_t timing_;
-  bool sound_ = true;
+  int error_ = 0;
 };
 
 }  // namespace
@@ -92,7 +106,7 @@ PhaseResult run_in_process(const LoopDesign& design, const floor::FloorSpec& flo
   };
   for (std::int64_t k = 0; k < n; ++k) {
     const std::string reason = loop.step();
-    if (!log.sample(loop)) return fail("the log cannot be written");
+    if (!log.sample(loop)) return fail(log.failure());
     if (!reason.empty()) return fail(reason);
     now = monotonic_ns();
     if (now - shown < show_every_ns) continue;
@@ -101,7 +115,7 @@ PhaseResult run_in_process(const LoopDesign& design, const floor::FloorSpec& flo
     if (stop_requested()) return fail("interrupted");
   }
   const std::int64_t wall = now - begin;
-  if (!log.finish(n, loop, wall)) return fail("the log cannot be written");
+  if (!log.finish(n, loop, wall)) return fail(log.failure());
   const auto& answer = loop.answer();
   if (answer.n_fallback() > 0) {
     return {exit_failed,

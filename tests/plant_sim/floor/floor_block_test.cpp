@@ -269,14 +269,20 @@ TEST_F(RecordingBlock, AColumnThatIsNotThereIsNamed) {
 
 TEST_F(RecordingBlock, AStartTooNearTheEndIsRefused) {
   EXPECT_EQ(refused("recording: {file: a.csv, start_s: 2, axes: {ax: x}}"),
-            "1:35: recording.start_s: found 1.100000 s of " + csv.string() +
+            "1:35: recording.start_s: found 1.1 s of " + csv.string() +
                 " from start_s on, allowed is more than 2 s");
 }
 
 TEST_F(RecordingBlock, ARateOfNoSimpleRatioIsRefused) {
   EXPECT_EQ(refused("recording: {file: a.csv, axes: {ax: x}}", 100.0001),
-            "1:19: recording.file: found a recording at 10.000000 Hz, allowed is a rate whose "
-            "ratio to the control rate of 100.000100 Hz is one of whole numbers up to 10000");
+            "1:19: recording.file: found a recording at 10 Hz, allowed is a rate whose "
+            "ratio to the control rate of 100.0001 Hz is one of whole numbers up to 10000");
+}
+
+TEST_F(RecordingBlock, ARateBeyondAllMeasureIsShort) {
+  folder.write("a.csv", "# fs_hz=1e300 n=1 units=m/s^2\nax\n1\n");
+  EXPECT_NE(refused("recording: {file: a.csv, axes: {ax: x}}").find("a recording at 1e+300 Hz"),
+            std::string::npos);
 }
 
 TEST_F(RecordingBlock, AnUnsoundRecordingIsRefusedWithItsOwnPlace) {

@@ -29,6 +29,14 @@ TEST(RecordingFile, ReadsWhatItSays) {
   EXPECT_EQ(file.acceleration, expected);
 }
 
+TEST(RecordingFile, MayBeginWithTheMarkOfUtf8) {
+  const ScratchFolder folder;
+  const auto file =
+      read_recording(folder.write("a.csv", "\xEF\xBB\xBF# fs_hz=10 n=1 units=m/s^2\nax\n1\n"));
+  EXPECT_EQ(file.sample_rate_hz, 10.0);
+  EXPECT_EQ(file.columns, std::vector<std::string>{"ax"});
+}
+
 TEST(RecordingFile, ATimeColumnIsCheckedAndLeftOut) {
   const ScratchFolder folder;
   const auto file = read_recording(folder.write("a.csv", good_head + "time_s,ax\n5.0,1\n5.1,2\n"));
@@ -107,6 +115,17 @@ INSTANTIATE_TEST_SUITE_P(
                 ":4:1: ax: found '-inf', allowed is a finite number"},
         BadFile{"word", good_head + "ax,ay\n1,2\n3,4x\n",
                 ":5:3: ay: found '4x', allowed is a finite number"},
+        BadFile{"nothing_that_a_terminal_obeys", good_head + "a\x1b[2J\n1\n4\x1b[2J\n",
+                ":5:1: a\\x1b[2J: found '4\\x1b[2J', allowed is a finite number"},
+        BadFile{"a_byte_that_is_zero", good_head + "ax\n1\n" + std::string(1, '\0') + "7\n",
+                ":5:1: ax: found '\\x007', allowed is a finite number"},
+        BadFile{"long_cell", good_head + "ax\n1\n" + std::string(1 << 20, 'z') + "\n",
+                ":5:1: ax: found '" + std::string(80, 'z') + "...', allowed is a finite number"},
+        BadFile{"long_names",
+                "# fs_hz=10 n=2 units=m/s^2 columns=" + std::string(1 << 20, 'y') + "\n" +
+                    std::string(1 << 20, 'z') + "\n1\n2\n",
+                ":2:1: header: found '" + std::string(80, 'z') +
+                    "...', but the comment says columns=" + std::string(80, 'y') + "..."},
         BadFile{"hole", good_head + "ax,ay\n1,2\n,4\n",
                 ":5:1: ax: found '', allowed is a finite number"},
         BadFile{"short_row", good_head + "ax,ay,az\n1,2,3\n4,5\n",

@@ -51,18 +51,18 @@ void check_limit(Draws& draws, const Stable& at, double beside, const std::strin
 class Sensitivity {
  public:
   /// On angles about those of all poles, as far as they are from the unit circle (where a narrow
-  /// peak is, a pole is near), and on a grid of thirty a decade.
+  /// peak is, a pole is near; of a slow one at almost no angle), and on a grid of thirty a decade.
   Sensitivity(const LoopSettings& settings, const Eigen::VectorXcd& poles)
       : plant_(sample_and_hold(feedback_part(settings.plant), settings.sampling)),
         law_(law_of(settings)) {
     for (const auto& pole : poles) {
       const double distance = std::abs(1 - std::abs(pole));
-      for (const double offset : {0.0, 0.3, -0.3, 1.0, -1.0, 3.0, -3.0}) {
+      for (const double offset : {0.0, 1e-3, 0.3, -0.3, 1.0, -1.0, 3.0, -3.0}) {
         angles_.push_back(std::abs(std::arg(pole)) + offset * distance);
       }
     }
     for (int i = 0; i <= 180; ++i) angles_.push_back(std::numbers::pi * std::pow(10, -i / 30.0));
-    std::erase_if(angles_, [](double angle) { return angle < 1e-7 || angle > std::numbers::pi; });
+    std::erase_if(angles_, [](double angle) { return angle < 1e-12 || angle > std::numbers::pi; });
     std::sort(angles_.begin(), angles_.end());
     for (const double angle : angles_) values_.push_back(at(angle));
   }

@@ -50,6 +50,7 @@ class ToyLog : public ::testing::Test {
       message.floor_acceleration[at] = message.frame_acceleration[at + 3] = record_.inputs(k, i);
       message.frame_acceleration[at] = record_.outputs(k, i);
     }
+    message.frame_acceleration[5] *= floor_z_;
     return message;
   }
   std::filesystem::path write(const std::function<bool(Index)>& lost) const {
@@ -79,6 +80,7 @@ class ToyLog : public ::testing::Test {
       model.matrix.push_back(transfer(loop, 2 * toy::pi * f));
     }
     model.axes = model.matrix;
+    model.floors = MatrixXd::Identity(3, 3);
     what.model = std::move(model);
     return what;
   }
@@ -93,6 +95,7 @@ class ToyLog : public ::testing::Test {
   SampledLoop loop_ =
       close_loop(plant_, frame_.law(2 * toy::pi * 5, 0.7, 2 * toy::pi * 0.05, 1 / rate));
   toy::Record record_;
+  double floor_z_ = 1;  ///< the channel's factor
 };
 
 TEST_F(ToyLog, TellsEverythingInOnePass) {
@@ -152,6 +155,16 @@ TEST_F(ToyLog, NoNoiseIsNone) {
       }
     }
   }
+}
+
+/// A monitor of the floor that shows something else is none of the floor's response.
+TEST_F(ToyLog, AFloorChannelThatIsNotTheFloorIsRefused) {
+  floor_z_ = -1;
+  const LogAnalysis log = analyse(write([](Index) { return false; }), plan_with_model(loop_));
+  EXPECT_TRUE(log.matrix->response.has_value()) << log.matrix->missing;
+  EXPECT_FALSE(log.axis_matrix->response.has_value());
+  EXPECT_EQ(log.axis_matrix->missing.find("floor_z is not the motion of the floor's inputs"), 0u)
+      << log.axis_matrix->missing;
 }
 
 TEST_F(ToyLog, NoiseApartFromTheFloorIsMeasured) {
@@ -226,6 +239,36 @@ TEST_F(ToyLog, PeriodsWhoseMeasurementWasRejectedAreCounted) {
   const RunSummary run = run_summary(analyse(folder_ / "run.lcm", {}));
   EXPECT_EQ(run.n_periods, 5);
   EXPECT_EQ(run.n_discarded, 3);
+}
+
+// In step all measurements are answered but those that the controller says it lost; by the clock
+// the controller's periods tell, where the log holds them.
+TEST_F(ToyLog, WhatTheControllerCommandedIsItsOwnAccount) {
+  const auto given = [&](const char* mode, std::int32_t n_records) {
+    stillframe_msgs::loop_records_t records{};
+    records.run_id = 5;
+    records.n_records = n_records;
+    records.records.resize(static_cast<std::size_t>(n_records));
+    for (std::size_t i = 0; i < records.records.size(); ++i) records.records[i].sent = i != 2;
+    auto head = info();
+    head.mode = mode;
+    head.n_samples = 100;
+    stillframe_msgs::timing_t timing{};
+    timing.run_id = 5;
+    timing.source = "controller";
+    timing.n_lost = 7;
+    {
+      LogWriter log(folder_ / "run.lcm");
+      log.write(channels::run_info, head);
+      for (Index k = 0; k < 90; ++k) log.write(channels::measurement, measurement(k));
+      if (n_records > 0) log.write(channels::loop, records);
+      log.write(channels::timing, timing);
+    }
+    return run_summary(analyse(folder_ / "run.lcm", {})).n_commands_given;
+  };
+  EXPECT_EQ(given("lock_step", 0), 93);
+  EXPECT_EQ(given("wall_clock", 6), 5);
+  EXPECT_FALSE(given("wall_clock", 0).has_value());
 }
 
 TEST_F(ToyLog, LostSamplesLeaveGapsAndAreSaid) {
