@@ -13,7 +13,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double share_s = 1;
-// No floor makes a sound loop hurry, so it is soon believed: six samples in a row are a quarter.
+// No floor makes a sound loop hurry, so it is soon believed: three samples in a row are more than
+// the part that is allowed.
 constexpr double hurried_samples = 20;
 constexpr std::int64_t most_catching_up = 50;
 // Over which forces are smoothed that a fault holds: longer than the swings of a loop that has too

@@ -35,7 +35,7 @@ class CommandWatch {
   }
 
  private:
-  static constexpr double restless_part = 0.25;  ///< six of twenty in a row
+  static constexpr double restless_part = 0.12;  ///< three of twenty in a row
 
   double keep_, keep_hurried_, force_limit_, limited_part_;
   Eigen::VectorXd weights_, steady_;

@@ -4,7 +4,6 @@
 #include <numbers>
 #include <set>
 
-#include "controller/gains_bounds.hpp"
 #include "core/yaml/instruments_block.hpp"
 #include "core/yaml/loop_numbers.hpp"
 #include "core/yaml/ranges.hpp"
@@ -170,6 +169,26 @@ Sampling Gains::sampling() const {
           .instruments = instruments,
           .leg_gains = {},
           .leg_delays = {}};
+}
+
+LoopPlant Gains::feedback_plant() const {
+  const Index n = plant.A.rows();
+  return {.A = plant.A,
+          .B_w = Eigen::MatrixXd::Zero(n, 0),
+          .B_u = plant.B,
+          .C_y = Eigen::MatrixXd::Zero(0, n),
+          .D_yw = Eigen::MatrixXd::Zero(0, 0),
+          .D_yu = Eigen::MatrixXd::Zero(0, n_legs()),
+          .C_sigma = plant.C};
+}
+
+LoopPlant Gains::loop_plant() const {
+  LoopPlant with_floor = feedback_plant();
+  with_floor.B_w = plant.B_w;
+  with_floor.C_y = plant.C;
+  with_floor.D_yw = Eigen::MatrixXd::Zero(n_legs(), plant.B_w.cols());
+  with_floor.D_yu = Eigen::MatrixXd::Identity(n_legs(), n_legs());
+  return with_floor;
 }
 
 Gains read_gains(const std::filesystem::path& path) { return read(YamlReader::from_file(path)); }

@@ -48,7 +48,24 @@ struct Gains {
   ForceFeedback feedback() const;
   LawSampling law_sampling() const;
   Sampling sampling() const;
+  /// What the loop is closed around: no floor and no outputs, which stability does not ask for.
+  LoopPlant feedback_plant() const;
+  /// The same with its floor; y: what the force sensors read.
+  LoopPlant loop_plant() const;
 };
+
+/// More states of a loop take minutes to be judged, the time being their cube.
+inline constexpr Eigen::Index largest_loop = 400;
+
+/// Accelerations of a floor: for each the loop is followed when a controller starts.
+inline constexpr Eigen::Index most_floor_channels = 64;
+
+/// States of the sampled loop that gains are judged by, at most: plant, law, instruments, and what
+/// is under way.
+Eigen::Index most_loop_states(const Gains& gains);
+
+/// Of the legs, the scene's hash and the matrices of the plant: 16 hexadecimal digits.
+std::string plant_hash(const Gains& gains);
 
 /// Reads a gains file. Errors: InputError (missing file, unknown or missing key, size, not finite).
 Gains read_gains(const std::filesystem::path& path);

@@ -1,9 +1,9 @@
+#include "controller/gains.hpp"
+
 #include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
-
-#include "controller/gains_bounds.hpp"
 
 namespace stillframe::controller {
 

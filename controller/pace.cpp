@@ -2,11 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
-
-#include "controller/law.hpp"
-#include "core/linear/sampled_plant.hpp"
 
 namespace stillframe::controller {
 
@@ -22,6 +18,10 @@ namespace {
 // ask for needs no such margin: real floors ask for a quarter of it.
 constexpr double sure = 9;
 constexpr double forgotten_s = 3;
+// By how much of what any floor may ask for a sound loop differs from the designed one: no floor
+// that was met asks for more, so that a frame with other masses, stiffnesses, calibrations and
+// clocks than the model's stays within it whatever it does.
+constexpr double not_as_designed = 0.25;
 // Responses are followed in pieces, of a quarter of a second or a quarter of the slowest target's
 // period, two at least, until what swings in a piece is so small a part of all. A drift, which the
 // leak makes, counts no further: floors do not go on being accelerated one way.
@@ -32,53 +32,26 @@ constexpr int most_samples = 50'000;
 // The sum of squares of 1, -4, 6, -4, 1.
 constexpr double squares_of_a_difference = 70;
 
-/// The designed loop, sample by sample, from rest.
-class DesignedLoop {
- public:
-  explicit DesignedLoop(const Gains& gains)
-      : plant_(sample_and_hold({.A = gains.plant.A,
-                                .B_w = gains.plant.B_w,
-                                .B_u = gains.plant.B,
-                                .C_y = MatrixXd::Zero(0, gains.plant.A.rows()),
-                                .D_yw = MatrixXd::Zero(0, gains.plant.B_w.cols()),
-                                .D_yu = MatrixXd::Zero(0, gains.n_legs()),
-                                .C_sigma = gains.plant.C},
-                               gains.sampling())),
-        law_(law_from_gains(gains)),
-        x_(VectorXd::Zero(plant_.Phi.rows())),
-        u_(VectorXd::Zero(gains.n_legs())) {
-    // A gains file has one delay for all legs.
-    commands_.assign(static_cast<std::size_t>(plant_.whole_delay.maxCoeff()) + 1, u_);
-    reports_.assign(static_cast<std::size_t>(plant_.report_age) + 1, u_);
+/// The smallest memory with which 2 max |h| memory^k is at least |h[k]| for every sample k and leg.
+double memory_of(const MatrixXd& changes, Index n) {
+  double memory = 0;
+  for (Index i = 0; i < changes.rows(); ++i) {
+    const double peak = changes.row(i).head(n).cwiseAbs().maxCoeff();
+    if (!(peak > 0)) continue;
+    for (Index k = 1; k < n; ++k) {
+      memory = std::max(
+          memory, std::pow(std::abs(changes(i, k)) / (2 * peak), 1 / static_cast<double>(k)));
+    }
   }
-
-  /// One sample under w, with noise v on the sensors; the change of the command.
-  VectorXd step(const VectorXd& w, const VectorXd& v) {
-    const VectorXd before = commands_.back(), last = u_;
-    reports_.push_front(plant_.C_report * x_ + plant_.D_report * before);
-    reports_.pop_back();
-    law_.step(plant_.C_sigma * x_ + plant_.D_sigma * before + v, reports_.back(), u_);
-    commands_.push_front(u_);
-    commands_.pop_back();
-    const VectorXd& now = commands_.back();
-    x_ = (plant_.Phi * x_ + plant_.Gamma_w * w + plant_.Gamma_0 * before + plant_.Gamma_u * now)
-             .eval();
-    return u_ - last;
-  }
-
- private:
-  SampledPlant plant_;
-  Law law_;
-  VectorXd x_, u_;
-  std::deque<VectorXd> commands_, reports_;  ///< newest first
-};
+  return memory;
+}
 
 }  // namespace
 
 Pace::Pace(const Gains& gains, double free)
-    : free_(free), keep_(std::exp(-gains.sample_time() / forgotten_s)) {
-  const Index m = gains.n_legs(), p = gains.plant.B_w.cols();
-  per_floor_ = MatrixXd::Zero(m, p);
+    : designed_(gains), free_(free), keep_(std::exp(-gains.sample_time() / forgotten_s)) {
+  const Index m = gains.n_legs(), p = designed_.n_floor();
+  per_floor_ = per_lost_ = MatrixXd::Zero(m, p);
   per_noise_ = per_offset_ = MatrixXd::Zero(m, m);
   const double slowest_hz = gains.target_hz.empty()
                                 ? std::numeric_limits<double>::infinity()
@@ -87,14 +60,18 @@ Pace::Pace(const Gains& gains, double free)
       1,
       static_cast<int>(std::min<double>(
           most_samples / 2, std::max(piece_s, piece_periods / slowest_hz) * gains.sample_rate_hz)));
+  const VectorXd rest_w = VectorXd::Zero(p), rest_v = VectorXd::Zero(m);
+  MatrixXd changes;
   for (Index j = 0; j < p + m; ++j) {
-    DesignedLoop loop(gains);
-    const VectorXd rest_w = VectorXd::Zero(p), rest_v = VectorXd::Zero(m);
+    designed_.reset();
     VectorXd after = rest_v, before = rest_v, all = rest_v, of_piece = rest_v;
-    for (int k = 0; k < most_samples; ++k) {
+    Index n = 0;
+    while (n < most_samples) {
       VectorXd w = rest_w, v = rest_v;
-      if (k == 0) (j < p ? w(j) : v(j - p)) = 1;
-      const VectorXd change = loop.step(w, v);
+      if (n == 0) (j < p ? w(j) : v(j - p)) = 1;
+      const VectorXd change = designed_.step(1, w, v, 1);
+      if (n == changes.cols()) changes.conservativeResize(m, n + piece);
+      changes.col(n++) = change;
       after += change;
       of_piece += change.cwiseAbs();
       if (j < p) {
@@ -103,18 +80,22 @@ Pace::Pace(const Gains& gains, double free)
         per_noise_.col(j - p) += change.cwiseAbs2();
         per_offset_.col(j - p) = per_offset_.col(j - p).cwiseMax(after.cwiseAbs());
       }
-      if ((k + 1) % piece != 0) continue;
+      if (n % piece != 0) continue;
       all += of_piece;
       // What goes one way is as much as it gets anywhere.
       const VectorXd swings = of_piece - (after - before).cwiseAbs();
-      if (k >= piece && (swings.array() <= still * all.array()).all()) break;
+      if (n > piece && (swings.array() <= still * all.array()).all()) break;
       before = after;
       of_piece.setZero();
     }
+    if (j < p) {
+      per_lost_.col(j) = 2 * changes.leftCols(n).cwiseAbs().rowwise().maxCoeff();
+      keep_lost_ = std::max(keep_lost_, memory_of(changes, n));
+    }
   }
-  largest_ = before_ = VectorXd::Zero(p);
+  largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
-  squares_ = swing_ = doubt_ = most_ = VectorXd::Zero(m);
+  squares_ = swing_ = doubt_ = most_ = wanted_ = lost_ = quiet_ = VectorXd::Zero(m);
   restart();
 }
 
@@ -144,6 +125,9 @@ void Pace::listen(std::int64_t seq, const Ref<const VectorXd>& sigma) noexcept {
 
 void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
   doubt_.noalias() = per_offset_ * doubt;
+  designed_.reset();
+  wanted_.setZero();
+  lost_.setZero();
 }
 
 void Pace::forget(std::int64_t n_elapsed) noexcept {
@@ -158,9 +142,28 @@ void Pace::floor(const Ref<const VectorXd>& w) noexcept {
   if (!floor_known_) return;
   largest_ = largest_.cwiseMax(w.cwiseAbs().cwiseMin(before_));
   before_ = w.cwiseAbs();
+  doubted_ = believed_;
+  believed_ = w.cwiseMin(largest_).cwiseMax(-largest_);
+  // Between two samples that were heard a floor is on the line between them but for about as much
+  // as they differ.
+  doubted_ = (doubted_ - believed_).cwiseAbs();
+  beyond_ = (w - believed_).cwiseAbs();
 }
 
-const VectorXd& Pace::most() noexcept {
+void Pace::expect(std::int64_t n, double gain) noexcept {
+  if (!floor_known_) return;
+  wanted_ = designed_.step(n, believed_, quiet_, gain).cwiseAbs();
+  lost_ *= n == 1 ? keep_lost_ : std::pow(keep_lost_, static_cast<double>(n));
+  if (n > DesignedLoop::longest_step) return lose_track();
+  lost_.noalias() += per_lost_ * beyond_;
+  if (n > 1) lost_.noalias() += static_cast<double>(n - 1) * (per_lost_ * doubted_);
+}
+
+void Pace::lose_track() noexcept {
+  if (floor_known_) lost_.noalias() = per_floor_ * largest_;
+}
+
+const VectorXd& Pace::most(std::int64_t n) noexcept {
   if (n_squares_ < fewest_differences) {
     most_.setConstant(std::numeric_limits<double>::infinity());
     return most_;
@@ -176,8 +179,16 @@ const VectorXd& Pace::most() noexcept {
       square += per_noise_(i, k) * (noise + converter * converter / 12);
     }
     most_(i) = sure * std::sqrt(square) + doubt_(i) + free_;
-    most_(i) += floor_known_ ? per_floor_.row(i).dot(largest_) + 2 * swing_(i) : 4 * swing_(i);
+    if (!floor_known_) {
+      most_(i) += 4 * swing_(i);
+      continue;
+    }
+    const double any_floor = per_floor_.row(i).dot(largest_);
+    most_(i) += 2 * swing_(i) +
+                std::min(any_floor, wanted_(i) + not_as_designed * any_floor + lost_(i));
   }
+  // After a longer gap the loop has let go meanwhile, and nothing is to be caught up with.
+  if (n > 1 && n <= DesignedLoop::longest_step) most_ *= static_cast<double>(n);
   return most_;
 }
 

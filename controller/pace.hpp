@@ -3,24 +3,28 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "controller/designed_loop.hpp"
 #include "controller/gains.hpp"
 
 namespace stillframe::controller {
 
-/// How fast the forces of a loop that is as designed ever change: what the floor that is measured
-/// may ask of it, what the noise of its sensors does, and what a frame asks that swung freely
-/// before. A loop that wants more has a broken sensor, actuator or cable, whatever else it looks
-/// like. Of leg i and a sample:
-///   most_i = sum_j L_ij W_j + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i + sum_k B_ik d_k + free,
-/// L_ij: the sum of |change of command i| after one sample of unit acceleration of the floor, until
-/// it no longer swings, so that no floor with |w_j| <= W_j makes the designed loop meet it, but one
-/// that is accelerated one way for as long as the leak remembers; W_j the largest |w_j|, forgotten
-/// within seconds; N_ik: the root of the sum of squares after a unit reading of sensor k; v_k its
-/// noise, from the fourth differences of what it reads while arming; S_i the largest change of its
-/// reading then; B_ik: the largest change after a step of sensor k, d_k the doubt about its offset;
-/// both forgotten within seconds. Where the floor is not measured, or what it does is not known by
-/// its acceleration alone, S_i counts four times and is kept. Construction is set-up; the rest is
-/// hot: noexcept, no allocation.
+/// How fast the forces of a loop that is as designed change: what the floor that is measured asks
+/// of it, what the noise of its sensors does, and what a frame asks that swung freely before. A
+/// loop that wants more has a broken sensor, actuator or cable, whatever else it looks like. Of leg
+/// i and a sample:
+///   most_i = min(F_i, |c_i| + F_i / 4 + D_i) + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i
+///            + sum_k B_ik d_k + free,   F_i = sum_j L_ij W_j.
+/// c: what the designed loop, which is followed sample by sample, changes its command by now; L_ij:
+/// the sum of |change of its command i| after one sample of unit acceleration of the floor, until
+/// it no longer swings, so that no floor with |w_j| <= W_j makes it meet F, but one that is
+/// accelerated one way for as long as the leak remembers; W_j the largest |w_j|, forgotten within
+/// seconds; D_i: what samples of the floor that were lost or not believed may still do; N_ik: the
+/// root of the sum of squares after a unit reading of sensor k; v_k its noise, from the fourth
+/// differences of what it reads while arming; S_i the largest change of its reading then; B_ik: the
+/// largest change after a step of sensor k, d_k the doubt about its offset; both forgotten within
+/// seconds. Where the floor is not measured, or what it does is not known by its acceleration
+/// alone, S_i counts four times and is kept. Construction is set-up; the rest is hot: noexcept, no
+/// allocation.
 class Pace {
  public:
   /// free: N a sample, that is always allowed. Errors: as law_from_gains and sample_and_hold.
@@ -37,9 +41,14 @@ class Pace {
   /// The floor (p, m/s^2; empty: not measured) as a measurement has it. One sample alone is not
   /// believed.
   void floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
-  /// The largest change of each force from one command to the next now (m, N); infinite where too
-  /// few samples came one after the other while arming.
-  const Eigen::VectorXd& most() noexcept;
+  /// The law has answered that measurement, n samples after the one before; its force is commanded
+  /// times gain.
+  void expect(std::int64_t n, double gain) noexcept;
+  /// The loop is not where the designed one is: it met a limit of its actuators, or was let go of.
+  void lose_track() noexcept;
+  /// The largest change of each force now (m, N) from the last command, n samples ago; infinite
+  /// where too few samples came one after the other while arming.
+  const Eigen::VectorXd& most(std::int64_t n) noexcept;
 
   /// L (m x p, N per m/s^2) and N (m x m, N per N) above.
   const Eigen::MatrixXd& per_floor() const noexcept { return per_floor_; }
@@ -49,17 +58,29 @@ class Pace {
   void visit(Archive& archive) {
     archive(largest_), archive(before_), archive(last_), archive(squares_), archive(smallest_),
         archive(swing_), archive(doubt_);
+    archive(believed_), archive(wanted_), archive(lost_);
     archive(seq_), archive(n_in_row_), archive(n_squares_), archive(floor_known_);
+    designed_.visit(archive);
   }
 
  private:
+  DesignedLoop designed_;
   Eigen::MatrixXd per_floor_, per_noise_, per_offset_;
+  /// m x p, N per m/s^2: no change after one sample of the floor is more than this, and after k
+  /// samples no more than keep_lost_^k of it.
+  Eigen::MatrixXd per_lost_;
+  double keep_lost_ = 0;
   double free_, keep_;
   Eigen::VectorXd largest_, before_;    ///< p, m/s^2, W and the last |w|
   Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring by seq
   Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
   Eigen::VectorXd swing_;               ///< m, N, S
   Eigen::VectorXd doubt_;               ///< m, N, what is still felt of doubtful offsets, B d
+  Eigen::VectorXd believed_;            ///< p, m/s^2, the floor as far as it is believed
+  Eigen::VectorXd doubted_, beyond_;    ///< p, m/s^2, its change, and what was not believed
+  Eigen::VectorXd wanted_;              ///< m, N, |c|
+  Eigen::VectorXd lost_;                ///< m, N, D
+  Eigen::VectorXd quiet_;               ///< m, N, zero
   Eigen::VectorXd most_;
   std::int64_t seq_ = -1, n_in_row_ = 0, n_squares_ = 0;
   bool floor_known_ = false;

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <utility>
 
-#include "controller/gains_bounds.hpp"
 #include "controller/law.hpp"
 #include "core/linear/eigenvalues.hpp"
 #include "core/linear/sampled_loop.hpp"
@@ -33,17 +32,6 @@ std::string shown(double value, const char* format = "%.4g") {
 }
 
 std::string shown_radius(double radius) { return shown(radius, radius < 2 ? "%.9f" : "%.4g"); }
-
-LoopPlant loop_plant(const Gains& gains) {
-  const Index n = gains.plant.A.rows(), m = gains.n_legs();
-  return {.A = gains.plant.A,
-          .B_w = MatrixXd::Zero(n, 0),
-          .B_u = gains.plant.B,
-          .C_y = MatrixXd::Zero(0, n),
-          .D_yw = MatrixXd::Zero(0, 0),
-          .D_yu = MatrixXd::Zero(0, m),
-          .C_sigma = gains.plant.C};
-}
 
 /// Leaks worth a try, Hz: from 0.05 up in steps to what the slowest mode of the law bears, 2 zeta
 /// omega_d, the eigenvalues of (I + K_P)^-1 K_I; and a tenth of the present one.
@@ -141,12 +129,12 @@ std::string no_remedy(Gains gains) {
 }  // namespace
 
 double closed_loop_radius(const Gains& gains) {
-  const SampledPlant plant = sample_and_hold(loop_plant(gains), gains.sampling());
+  const SampledPlant plant = sample_and_hold(gains.feedback_plant(), gains.sampling());
   return spectral_radius(close_loop(plant, law_from_gains(gains)));
 }
 
 double ramp_radius(const Gains& gains) {
-  const SampledPlant plant = sample_and_hold(loop_plant(gains), gains.sampling());
+  const SampledPlant plant = sample_and_hold(gains.feedback_plant(), gains.sampling());
   const DiscreteLaw whole = law_from_gains(gains);
   double largest = 0;
   for (int i = 1; i < 20; ++i) {
@@ -159,7 +147,7 @@ double ramp_radius(const Gains& gains) {
 }
 
 double require_stable_ramp(const Gains& gains) {
-  const double alone = spectral_radius(sample_and_hold(loop_plant(gains), gains.sampling()).Phi);
+  const double alone = spectral_radius(sample_and_hold(gains.feedback_plant(), gains.sampling()).Phi);
   // A frame that moves freely has double poles at 1, which rounding spreads by its square root.
   if (!(alone < 1 + 1e-6)) {
     throw Refusal(

@@ -208,7 +208,8 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   command.time_ns = static_cast<std::int64_t>(time_ns_);
   Limits::Passed passed;
   if (send) {
-    passed = engaged() ? limits_.pass(force_, pace_.most()) : limits_.pass(force_);
+    passed = engaged() ? limits_.pass(force_, pace_.most(n_samples_)) : limits_.pass(force_);
+    if (passed.limited && !passed.hurried) pace_.lose_track();
     n_saturated_ += passed.limited ? 1 : 0;
     watch_.command(force_, engaged(), passed.hurried);
   }
@@ -270,6 +271,7 @@ void Supervisor::watch(const Event& event) noexcept {
     fade_from(force_);
   } else if (state_ == State::fading && event.measurement != nullptr &&
              event.measurement->seq - law_seq_ <= Law::longest_gap) {
+    pace_.lose_track();
     p_ = smooth_step_inverse(smooth_step(p_) * smooth_step(q_));
     state_ = wanted_ ? State::ramp_in : State::ramp_out;
   }
@@ -374,15 +376,17 @@ void Supervisor::arm(const Event& event) noexcept {
 
 void Supervisor::run_law(const Event& event) noexcept {
   const Measurement& now = *event.measurement;
-  const std::int64_t n_samples = law_ran_ ? now.seq - law_seq_ : 1;
+  n_samples_ = law_ran_ ? now.seq - law_seq_ : 1;
   law_ran_ = true;
   law_seq_ = now.seq;
   sigma_ = now.sigma - offset_;
-  law_.step_over(n_samples, sigma_, now.applied, u_);
+  law_.step_over(n_samples_, sigma_, now.applied, u_);
   if (!u_.allFinite() || !law_.state().allFinite()) return let_go(Fault::law_not_finite, event);
   move_gain(event.n_elapsed);
   if (!engaged()) return;
-  force_ = smooth_step(p_) * u_;
+  const double gain = smooth_step(p_);
+  force_ = gain * u_;
+  pace_.expect(n_samples_, gain);
 }
 
 void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {
@@ -395,7 +399,7 @@ void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {
     if (p_ > 0) return;
     state_ = State::idle;
     // The last gate may have held it back by more than a step.
-    const bool held = (limits_.last().array().abs() > pace_.most().array()).any();
+    const bool held = (limits_.last().array().abs() > pace_.most(1).array()).any();
     if (!held) force_.setZero();
     fade_from(held ? limits_.last() : force_);
     force_ = base_;

@@ -104,6 +104,7 @@ class Supervisor {
   double p_ = 0, q_ = 0;
   Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_;  ///< m, N
   std::int64_t seq_ = -1, law_seq_ = -1;
+  std::int64_t n_samples_ = 1;  ///< that the law has made up for now
   double time_ns_ = 0;
   std::int64_t n_faults_ = 0, n_rejoins_ = 0, n_saturated_ = 0;
   std::size_t memory_size_ = 0;

@@ -34,7 +34,7 @@ class Rig {
   Rig(const Policy& policy, bool active, const Gains& gains, const Gains& frame)
       : period_ns(std::llround(1e9 / gains.sample_rate_hz)),
         gains_(gains),
-        plant_(sampled(frame)),
+        plant_(sample_and_hold(frame.loop_plant(), frame.sampling())),
         io_(gains.n_legs(), 64, plant_.Gamma_w.cols()),
         supervisor_(gains, policy, active),
         loop_(io_, supervisor_, policy,
@@ -117,19 +117,6 @@ class Rig {
   bool sent_any = false;    ///< in the last sample
 
  private:
-  static SampledPlant sampled(const Gains& gains) {
-    const auto& plant = gains.plant;
-    const Eigen::Index m = gains.n_legs(), p = plant.B_w.cols();
-    return sample_and_hold({.A = plant.A,
-                            .B_w = plant.B_w,
-                            .B_u = plant.B,
-                            .C_y = plant.C,
-                            .D_yw = Eigen::MatrixXd::Zero(m, p),
-                            .D_yu = Eigen::MatrixXd::Identity(m, m),
-                            .C_sigma = plant.C},
-                           gains.sampling());
-  }
-
   /// Noise through a low-pass of 10 Hz: a floor has little at high frequencies.
   void shake(Eigen::VectorXd& w) {
     const double part = 1 - std::exp(-toy::two_pi * 10 * gains_.sample_time());

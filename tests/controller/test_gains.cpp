@@ -8,7 +8,6 @@
 #include <regex>
 #include <string>
 
-#include "controller/gains_bounds.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/controller/toy_plant.hpp"
 

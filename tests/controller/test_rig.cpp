@@ -37,17 +37,7 @@ Gains gains_of(const Case& c) {
 }
 
 SampledLoop designed(const Gains& gains) {
-  const auto& plant = gains.plant;
-  const Eigen::Index m = gains.n_legs();
-  return close_loop(sample_and_hold({.A = plant.A,
-                                     .B_w = plant.B_w,
-                                     .B_u = plant.B,
-                                     .C_y = plant.C,
-                                     .D_yw = MatrixXd::Zero(m, plant.B_w.cols()),
-                                     .D_yu = MatrixXd::Identity(m, m),
-                                     .C_sigma = plant.C},
-                                    gains.sampling()),
-                    law_from_gains(gains));
+  return close_loop(sample_and_hold(gains.loop_plant(), gains.sampling()), law_from_gains(gains));
 }
 
 /// Quick to the active state, and nothing of the policy in the way of a linear loop.

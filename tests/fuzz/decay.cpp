@@ -17,14 +17,7 @@ namespace {
 class Simulation {
  public:
   explicit Simulation(const controller::Gains& gains)
-      : plant_(sample_and_hold({.A = gains.plant.A,
-                                .B_w = MatrixXd::Zero(gains.plant.A.rows(), 0),
-                                .B_u = gains.plant.B,
-                                .C_y = MatrixXd::Zero(0, gains.plant.A.rows()),
-                                .D_yw = MatrixXd::Zero(0, 0),
-                                .D_yu = MatrixXd::Zero(0, gains.n_legs()),
-                                .C_sigma = gains.plant.C},
-                               gains.sampling())),
+      : plant_(sample_and_hold(gains.feedback_plant(), gains.sampling())),
         law_(controller::law_from_gains(gains)),
         n_(plant_.Phi.rows()),
         m_(gains.n_legs()),

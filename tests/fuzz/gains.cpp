@@ -1,4 +1,3 @@
-#include "controller/gains_bounds.hpp"
 #include "controller/start_check.hpp"
 #include "core/linear/sampled_loop.hpp"
 #include "core/yaml/input_error.hpp"

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "controller/gains.hpp"
+#include "controller/law.hpp"
+#include "core/linear/sampled_plant.hpp"
+
+namespace stillframe::controller {
+
+/// The loop as it was designed, frame and law, sample by sample under the floor that is measured:
+/// what a sound loop would command now. Its frame begins at rest. Construction is set-up; the rest
+/// is hot: noexcept, no allocation.
+class DesignedLoop {
+ public:
+  /// Samples that it goes through at most at once.
+  static constexpr std::int64_t longest_step = 20;
+
+  /// Errors: as law_from_gains and sample_and_hold.
+  explicit DesignedLoop(const Gains& gains);
+
+  void reset() noexcept;
+  /// The next command after n samples, of which the last had the floor's acceleration w (p, m/s^2),
+  /// those between the one before and it what lies between; commands were held meanwhile. v: m, N,
+  /// beside what the sensors read; gain: of the law in the command. Returns the change of the
+  /// command, m, N. A loop that has run away, as none that is stable does, begins again at rest.
+  const Eigen::VectorXd& step(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w,
+                              const Eigen::Ref<const Eigen::VectorXd>& v, double gain) noexcept;
+
+  Eigen::Index n_floor() const noexcept { return plant_.Gamma_w.cols(); }
+
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(x_), archive(w_), archive(before_), archive(commands_), archive(reports_);
+    archive(newest_command_), archive(newest_report_);
+    law_.visit(archive);
+  }
+
+ private:
+  void sample(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
+  void push(const Eigen::VectorXd& command) noexcept;
+
+  SampledPlant plant_;
+  Law law_;
+  Eigen::VectorXd x_, x_next_;         ///< of the plant
+  Eigen::VectorXd w_, w_now_;          ///< p, the last floor, and the one of a sample
+  Eigen::VectorXd before_, u_, last_;  ///< m, N
+  Eigen::VectorXd sigma_, change_;     ///< m, N
+  Eigen::MatrixXd commands_;           ///< m x (whole delay + 1), a ring
+  Eigen::MatrixXd reports_;            ///< m x (report age + 1), a ring
+  Eigen::Index newest_command_ = 0, newest_report_ = 0;
+};
+
+}  // namespace stillframe::controller
