@@ -1,7 +1,9 @@
 #include "controller/lcm_io.hpp"
 
 #include <algorithm>
+#include <future>
 
+#include "controller/realtime.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
@@ -20,14 +22,24 @@ constexpr const char* controller_source = "controller";
 
 constexpr std::size_t most_announced = 16;
 
+/// The thread of liblcm that reads the socket has the priority of the one that makes it: requests to
+/// stop come through it.
+std::unique_ptr<lcm::LCM> open_served(const std::string& url, const Policy& policy) {
+  return std::async(std::launch::async, [&] {
+           prepare_servant(policy);
+           auto lcm = open_lcm(url);
+           require_hearing(*lcm);
+           return lcm;
+         }).get();
+}
+
 }  // namespace
 
-LcmIo::LcmIo(const std::string& url)
-    : lcm_(open_lcm(url)),
+LcmIo::LcmIo(const std::string& url, const Policy& policy)
+    : lcm_(open_served(url, policy)),
       instance_(new_instance()),
       command_channel_(channels::command),
       last_heard_ns_(monotonic_ns()) {
-  require_hearing(*lcm_);
   lcm_->subscribe(channels::run_info, &LcmIo::on_run_info, this);
   lcm_->subscribe(channels::run_state, &LcmIo::on_run_state, this);
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or

@@ -8,6 +8,7 @@
 
 #include "controller/measurement_decoder.hpp"
 #include "controller/outcome.hpp"
+#include "controller/policy.hpp"
 #include "controller/requests.hpp"
 #include "msgs/clock.hpp"
 #include "stillframe_msgs/command_t.hpp"
@@ -35,9 +36,9 @@ struct Heard {
 /// functions are hot: noexcept, and for measurements without allocation of their own.
 class LcmIo {
  public:
-  /// url: an LCM provider, as in udpm://239.255.76.67:7667?ttl=0.
+  /// url: an LCM provider, as in udpm://239.255.76.67:7667?ttl=0; policy: how its thread is served.
   /// Errors: InputError if LCM cannot be opened, with the commands that mend it.
-  explicit LcmIo(const std::string& url);
+  explicit LcmIo(const std::string& url, const Policy& policy = {});
 
   /// Waits up to timeout_ms for one message, takes it and says what it was; a message of another
   /// run or one that does not decode is none. A signal ends the wait early.

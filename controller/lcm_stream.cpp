@@ -31,10 +31,6 @@ Command command_of(std::int32_t m) {
   return command;
 }
 
-void prepare(const Policy& policy) noexcept {
-  if (policy.realtime != Policy::Realtime::off) prepare_thread(policy.priority - 1, {});
-}
-
 }  // namespace
 
 LcmStream::LcmStream(const std::string& url, const stillframe_msgs::run_info_t& info,
@@ -89,7 +85,7 @@ void LcmStream::send(const Command& command) noexcept {
 }
 
 void LcmStream::run_receiver(const Policy& policy) noexcept {
-  prepare(policy);
+  prepare_servant(policy);
   // Here, because LCM starts its own reading thread now, which inherits the priority.
   deaf_ = in_->getFileno() < 0;
   if (!deaf_) {
@@ -133,7 +129,7 @@ void LcmStream::note_obeyed(std::int64_t controller, std::int64_t now_ns) noexce
 }
 
 void LcmStream::run_sender(const Policy& policy) noexcept {
-  prepare(policy);
+  prepare_servant(policy);
   while (!stop_) {
     // Interrupted by a signal it looks, finds nothing, and waits again.
     sem_wait(&something_to_send_);

@@ -225,7 +225,7 @@ class WallClock {
                         .warn = [](const std::string& text) { spdlog::warn(text); }};
     io.stop_measurements();
     // Stop and interlock are not to wait for their turn behind ordinary programs.
-    if (policy.realtime != Policy::Realtime::off) prepare_thread(policy.priority - 1, {});
+    prepare_servant(policy);
   }
 
   int serve(Start start) {
@@ -330,7 +330,7 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
           const std::string& policy_text, const std::string& no_ramp, Outside& outside) {
   catch_stop_signals();
   ignore_write_signals();
-  LcmIo io(lcm_url(options.lcm_url));
+  LcmIo io(lcm_url(options.lcm_url), policy);
   spdlog::info("waiting for a plant");
   const Start start = shake_hands(io, gains, options.run_id, options.timeout_s);
   const auto& info = io.run_info();

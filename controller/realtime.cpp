@@ -123,4 +123,8 @@ RealtimeReport prepare_thread(std::int64_t priority, std::optional<std::int64_t>
   return report;
 }
 
+void prepare_servant(const Policy& policy) noexcept {
+  if (policy.realtime != Policy::Realtime::off) prepare_thread(policy.priority - 1, {});
+}
+
 }  // namespace stillframe::controller

@@ -23,4 +23,8 @@ RealtimeReport prepare_process(const Policy& policy);
 /// inherit the priority.
 RealtimeReport prepare_thread(std::int64_t priority, std::optional<std::int64_t> cpu);
 
+/// For a thread without which the loop hears and says nothing: it does not wait for its turn behind
+/// ordinary programs, and comes after the loop. Set-up.
+void prepare_servant(const Policy& policy) noexcept;
+
 }  // namespace stillframe::controller

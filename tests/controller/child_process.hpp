@@ -16,6 +16,7 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
+  pid_t pid() const { return pid_; }
   void signal(int number) const;
   /// Stops it with SIGSTOP and returns once it stands still; SIGCONT lets it go on.
   void suspend() const;

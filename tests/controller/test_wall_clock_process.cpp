@@ -1,5 +1,9 @@
+#include <sched.h>
+
 #include <csignal>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "controller/supervisor.hpp"
@@ -105,6 +109,44 @@ TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
   EXPECT_EQ(plant.timing->n_duplicate, 0);
   EXPECT_EQ(plant.timing->n_periods, static_cast<std::int64_t>(listener.records.size()));
   EXPECT_EQ(plant.timing->n_periods + plant.timing->n_late, listener.records.back().period + 1);
+}
+
+/// Threads of a process, name and scheduling policy.
+std::vector<std::string> ordinary_threads(pid_t pid) {
+  std::vector<std::string> ordinary;
+  const auto tasks = std::filesystem::path("/proc") / std::to_string(pid) / "task";
+  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+    std::string name;
+    std::getline(std::ifstream(task.path() / "comm"), name);
+    if (sched_getscheduler(std::stoi(task.path().filename())) != SCHED_FIFO) {
+      ordinary.push_back(name);
+    }
+  }
+  return ordinary;
+}
+
+// Whatever a stop or a measurement comes through must not wait for its turn.
+TEST_F(ControllerProcess, OnlyTerminalAndDiskWaitBehindOrdinaryPrograms) {
+  const sched_param fifo{.sched_priority = 1};
+  if (sched_setscheduler(0, SCHED_FIFO, &fifo) != 0) GTEST_SKIP() << "no right to SCHED_FIFO here";
+  const sched_param other{.sched_priority = 0};
+  ASSERT_EQ(sched_setscheduler(0, SCHED_OTHER, &other), 0);
+  const Gains gains = toy::gains(5, 1000, 1);
+  toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", 1'000'000));
+  Listener listener(plant);
+  ChildProcess controller(command_line(gains));
+  ASSERT_EQ(plant.announce(), run_state_t::READY);
+  const std::int64_t start = monotonic_ns();
+  plant.publish_state(run_state_t::RUNNING, start);
+  for (std::int64_t k = 0; listener.status.n_periods < 200 && k < 10'000; ++k) {
+    publish_at(plant, k, start + k * 1'000'000);
+    while (plant.take(0)) {
+    }
+  }
+  const std::vector<std::string> ordinary = ordinary_threads(controller.pid());
+  EXPECT_EQ(ordinary.size(), 2U) << testing::PrintToString(ordinary);
+  plant.publish_state(run_state_t::ENDED);
+  controller.wait();
 }
 
 /// What ends a controller while the plant goes on measuring.
