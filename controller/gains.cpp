@@ -39,15 +39,7 @@ Realisation read_realisation(const YamlReader& reader) {
 }
 
 Eigen::MatrixXd read_matrix(const YamlReader& reader, Index rows, Index cols) {
-  const Eigen::MatrixXd matrix = reader.matrix(rows, cols);
-  for (Index i = 0; i < rows; ++i) {
-    for (Index j = 0; j < cols; ++j) {
-      if (std::abs(matrix(i, j)) <= largest_entry) continue;
-      const auto row = reader.items()[static_cast<size_t>(i)].items();
-      number_within(row[static_cast<size_t>(j)], -largest_entry, largest_entry);
-    }
-  }
-  return matrix;
+  return reader.matrix(rows, cols, largest_entry);
 }
 
 PassivePlant read_plant(const YamlReader& reader, Index n_legs) {

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "controller/designed_loop.hpp"
 #include "controller/gains.hpp"
+#include "controller/pace_scale.hpp"
 
 namespace stillframe::controller {
 
@@ -22,7 +24,8 @@ namespace stillframe::controller {
 /// root of the sum of squares after a unit reading of sensor k; v_k its noise, from the fourth
 /// differences of what it reads while arming; S_i the largest change of its reading then; B_ik: the
 /// largest change after a step of sensor k, d_k the doubt about its offset; both forgotten within
-/// seconds. Where the floor is not measured, or what it does is not known by its acceleration
+/// seconds. The same holds of what a loop changes within some milliseconds, every change remembered
+/// for so long (pace_scale.hpp): what grows slowly is seen there. Where the floor is not measured, or what it does is not known by its acceleration
 /// alone, S_i counts four times and is kept. Construction is set-up; the rest is hot: noexcept, no
 /// allocation.
 class Pace {
@@ -49,41 +52,38 @@ class Pace {
   /// The largest change of each force now (m, N) from the last command, n samples ago; infinite
   /// where too few samples came one after the other while arming.
   const Eigen::VectorXd& most(std::int64_t n) noexcept;
+  /// Commanded is so much more (m, N) than n samples ago. True if the loop has changed its forces
+  /// by more than it may within some milliseconds.
+  bool command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
 
-  /// L (m x p, N per m/s^2) and N (m x m, N per N) above.
-  const Eigen::MatrixXd& per_floor() const noexcept { return per_floor_; }
-  const Eigen::MatrixXd& per_noise() const noexcept { return per_noise_; }
+  /// L (m x p, N per m/s^2) and the squares of N (m x m, 1) above.
+  const Eigen::MatrixXd& per_floor() const noexcept { return scales_.front().per_floor(); }
+  const Eigen::MatrixXd& per_noise() const noexcept { return scales_.front().per_noise(); }
 
   template <class Archive>
   void visit(Archive& archive) {
-    archive(largest_), archive(before_), archive(last_), archive(squares_), archive(smallest_),
-        archive(swing_), archive(doubt_);
-    archive(believed_), archive(wanted_), archive(lost_);
-    archive(seq_), archive(n_in_row_), archive(n_squares_), archive(floor_known_);
+    archive(largest_), archive(before_), archive(believed_), archive(last_), archive(squares_);
+    archive(smallest_), archive(seq_), archive(n_in_row_), archive(n_squares_);
+    archive(floor_known_), archive(whole_);
+    for (PaceScale& scale : scales_) scale.visit(archive);
     designed_.visit(archive);
   }
 
  private:
+  bool knows_noise() const noexcept;
+  const Eigen::VectorXd* known_floor() const noexcept { return floor_known_ ? &largest_ : nullptr; }
+
   DesignedLoop designed_;
-  Eigen::MatrixXd per_floor_, per_noise_, per_offset_;
-  /// m x p, N per m/s^2: no change after one sample of the floor is more than this, and after k
-  /// samples no more than keep_lost_^k of it.
-  Eigen::MatrixXd per_lost_;
-  double keep_lost_ = 0;
-  double free_, keep_;
+  std::vector<PaceScale> scales_;       ///< the first: of single changes
+  double keep_;
   Eigen::VectorXd largest_, before_;    ///< p, m/s^2, W and the last |w|
-  Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring by seq
-  Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
-  Eigen::VectorXd swing_;               ///< m, N, S
-  Eigen::VectorXd doubt_;               ///< m, N, what is still felt of doubtful offsets, B d
   Eigen::VectorXd believed_;            ///< p, m/s^2, the floor as far as it is believed
   Eigen::VectorXd doubted_, beyond_;    ///< p, m/s^2, its change, and what was not believed
-  Eigen::VectorXd wanted_;              ///< m, N, |c|
-  Eigen::VectorXd lost_;                ///< m, N, D
-  Eigen::VectorXd quiet_;               ///< m, N, zero
-  Eigen::VectorXd most_;
+  Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring by seq
+  Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
+  Eigen::VectorXd most_, change_, quiet_;
   std::int64_t seq_ = -1, n_in_row_ = 0, n_squares_ = 0;
-  bool floor_known_ = false;
+  bool floor_known_ = false, whole_ = false;
 };
 
 }  // namespace stillframe::controller

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdio>
 #include <functional>
 #include <numbers>
@@ -17,8 +18,12 @@ namespace stillframe::controller {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Complex = std::complex<double>;
 
 namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
 
 struct Change {
   std::string text;
@@ -41,7 +46,7 @@ std::vector<double> candidate_leaks(const Gains& gains) {
   const Index m = gains.n_legs();
   const MatrixXd X = MatrixXd::Identity(m, m) + gains.K_P;
   const double bound =
-      spectral_radius(MatrixXd(X.partialPivLu().solve(gains.K_I))) / (2 * std::numbers::pi);
+      spectral_radius(MatrixXd(X.partialPivLu().solve(gains.K_I))) / two_pi;
   for (double decade = 0.01; decade < 1e3; decade *= 10) {
     for (const double step : {1.0, 2.0, 3.0, 5.0, 7.0}) {
       const double leak = decade * step;
@@ -95,7 +100,74 @@ void try_changes(Gains gains, const std::vector<const Change*>& changes,
   if (radius < largest_stable_radius) found.push_back({text, radius});
 }
 
-std::string reason(const Gains& gains, double radius) {
+/// Poles count as one and the same within this: rounding spreads double ones by its square root.
+constexpr double apart = 1e-7;
+
+/// Poles of the feedback part of the loop with the law's force taken `weight` times. None where they
+/// are not known.
+VectorXcd loop_poles(const Gains& gains, const SampledPlant& plant, double weight) {
+  DiscreteLaw law = law_from_gains(gains);
+  law.C *= weight;
+  law.D *= weight;
+  const SampledLoop loop = close_loop(plant, law);
+  const Index n = loop.A.rows() - loop.n_exogenous;
+  return eigenvalues(MatrixXd(loop.A.bottomRightCorner(n, n))).value_or(VectorXcd(0));
+}
+
+bool is_among(Complex pole, const VectorXcd& poles) {
+  return (poles.array() - pole).abs().minCoeff() < apart;
+}
+
+/// Why a loop is not stable.
+struct Causes {
+  std::vector<double> unreached_hz;  ///< as unreached_motions_hz
+  bool drifts = false;               ///< a pole at 1 that the law makes
+  bool others = false;
+};
+
+Causes causes_of(const Gains& gains) {
+  const SampledPlant plant = sample_and_hold(gains.feedback_plant(), gains.sampling());
+  const VectorXcd whole = loop_poles(gains, plant, 1), half = loop_poles(gains, plant, 0.5);
+  const VectorXcd own = eigenvalues(gains.plant.A).value_or(VectorXcd(0));
+  Causes causes;
+  if (whole.size() == 0 || half.size() == 0 || own.size() == 0) return {{}, false, true};
+  const VectorXcd held = (own * gains.sample_time()).array().exp();
+  for (const Complex pole : whole) {
+    if (std::abs(pole) < largest_stable_radius || pole.imag() < 0) continue;
+    // A pole of the plant that stays where it is whatever part of its force the law puts in.
+    if (is_among(pole, half) && is_among(pole, held)) {
+      Index nearest = 0;
+      (held.array() - pole).abs().minCoeff(&nearest);
+      const double hz = std::abs(own(nearest).imag()) / two_pi;
+      // Two of one frequency, and the double pole of a free motion, are named once.
+      if (causes.unreached_hz.empty() || hz - causes.unreached_hz.back() > 1e-6 * hz) {
+        causes.unreached_hz.push_back(hz);
+      }
+      std::sort(causes.unreached_hz.begin(), causes.unreached_hz.end());
+    } else if (std::abs(pole - 1.0) < 10 * apart) {
+      causes.drifts = true;
+    } else {
+      causes.others = true;
+    }
+  }
+  return causes;
+}
+
+std::string of_unreached(const std::vector<double>& motions_hz) {
+  constexpr size_t most_named = 4;
+  std::string text;
+  for (size_t i = 0; i < std::min(motions_hz.size(), most_named); ++i) {
+    text += (i > 0 ? ", " : "") + shown(motions_hz[i]);
+  }
+  if (motions_hz.size() > most_named) {
+    text += " and " + std::to_string(motions_hz.size() - most_named) + " more";
+  }
+  return "The law does not reach what moves at " + text +
+         " Hz, and nothing else damps it: no gains and no settings mend that. It needs damping in "
+         "the scene, or a leg that acts on it.";
+}
+
+std::string of_the_law(const Gains& gains, const Causes& causes) {
   if (gains.realisation == Realisation::naive_pi) {
     const double gain = spectral_radius(gains.K_P);
     if (gain >= 1) {
@@ -106,7 +178,7 @@ std::string reason(const Gains& gains, double radius) {
              ", at every sample rate.";
     }
   }
-  if (gains.leak_hz == 0 && gains.high_pass_hz == 0 && std::abs(radius - 1) < 1e-6) {
+  if (gains.leak_hz == 0 && gains.high_pass_hz == 0 && causes.drifts && !causes.others) {
     return "With leak_hz: 0 the integrator cancels the static stiffness of the legs: a constant "
            "force "
            "makes the frame drift for ever, which is a pole at 1.";
@@ -200,11 +272,23 @@ std::vector<Remedy> find_remedies(const Gains& gains) {
   return found;
 }
 
+std::vector<double> unreached_motions_hz(const Gains& gains) {
+  return causes_of(gains).unreached_hz;
+}
+
 double require_stable(const Gains& gains) {
   const double radius = closed_loop_radius(gains);
   if (radius < largest_stable_radius) return radius;
   std::string text = "the sampled closed loop is not stable: its spectral radius is " +
-                     shown_radius(radius) + ", and below 1 is needed. " + reason(gains, radius);
+                     shown_radius(radius) + ", and below 1 is needed.";
+  const Causes causes = causes_of(gains);
+  const bool of_law = causes.drifts || causes.others || causes.unreached_hz.empty();
+  if (of_law) text += " " + of_the_law(gains, causes);
+  if (!causes.unreached_hz.empty()) {
+    // No change of the gains file makes this loop stable, so none is tried.
+    throw Refusal(text + (of_law ? " And that is not all. " : " ") +
+                  of_unreached(causes.unreached_hz));
+  }
   const auto remedies = find_remedies(gains);
   if (remedies.empty()) text += no_remedy(gains);
   for (size_t i = 0; i < std::min<size_t>(remedies.size(), 3); ++i) {

@@ -117,12 +117,12 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       arming_(gains.n_legs(), policy, gains.sample_rate_hz),
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
       pace_(gains,
-            policy.free_rate_n_per_s.value_or(force_limit(gains, policy)) * gains.sample_time()),
+            policy.free_rate_n_per_s.value_or(0.1 * force_limit(gains, policy)) * gains.sample_time()),
       sample_time_(gains.sample_time()),
       active_(active),
       wanted_(active && policy.start_at_once),
       quiet_(std::llround(quiet_s / sample_time_)) {
-  base_ = step_ = force_ = u_ = offset_ = sigma_ = VectorXd::Zero(law_.n_legs());
+  change_ = base_ = step_ = force_ = u_ = offset_ = sigma_ = VectorXd::Zero(law_.n_legs());
   Counter counter;
   visit(counter);
   memory_size_ = counter.n;
@@ -208,8 +208,15 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   command.time_ns = static_cast<std::int64_t>(time_ns_);
   Limits::Passed passed;
   if (send) {
-    passed = engaged() ? limits_.pass(force_, pace_.most(n_samples_)) : limits_.pass(force_);
-    if (passed.limited && !passed.hurried) pace_.lose_track();
+    if (engaged()) {
+      change_ = -limits_.last();
+      passed = limits_.pass(force_, pace_.most(n_samples_));
+      change_ += force_;
+      if (passed.limited && !passed.hurried) pace_.lose_track();
+      passed.hurried |= pace_.command(n_samples_, change_);
+    } else {
+      passed = limits_.pass(force_);
+    }
     n_saturated_ += passed.limited ? 1 : 0;
     watch_.command(force_, engaged(), passed.hurried);
   }

@@ -102,7 +102,7 @@ class Supervisor {
   double rejoins_ = 0;          ///< of the last minute
   bool passing_fault_ = false;  ///< since the last arming
   double p_ = 0, q_ = 0;
-  Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_;  ///< m, N
+  Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_, change_;  ///< m, N
   std::int64_t seq_ = -1, law_seq_ = -1;
   std::int64_t n_samples_ = 1;  ///< that the law has made up for now
   double time_ns_ = 0;

@@ -33,7 +33,7 @@ Gains shipped_gains(const std::string& controller) {
 }
 
 Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
-                    std::uint64_t seed) {
+                    std::uint64_t seed, Told told) {
   const auto samples = [&](double seconds) {
     return static_cast<int>(seconds * gains.sample_rate_hz);
   };
@@ -60,7 +60,7 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
     for (double& value : m.sigma) value += noise * normal(random);
     damage(Part::sensor, m.sigma);
     damage(Part::read_back, m.applied);
-    return true;
+    return !is_broken || told == Told::by_its_watch;
   };
   Episode episode;
   if (!rig.reaches(State::active, samples(3), wire)) {

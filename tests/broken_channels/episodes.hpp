@@ -21,10 +21,14 @@ struct Episode {
   bool latched = false;
 };
 
+/// When the controller learns that something broke: when its own watch finds it, or, as no real one
+/// can, at once; then it holds its forces and lets them go.
+enum class Told { by_its_watch, at_once };
+
 /// Lets a loop become active on a floor of millimetres per second squared with 1 mN of sensor
 /// noise, breaks what is to break (nothing: how it goes without) and looks on for four seconds.
 /// Legs, moment and noise by seed. Source: docs/safety.md.
 Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
-                    std::uint64_t seed);
+                    std::uint64_t seed, Told told = Told::by_its_watch);
 
 }  // namespace stillframe::controller

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "core/worst.hpp"
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "tests/broken_channels/episodes.hpp"
 
 // Whatever breaks between the sensors and the law, or between the law and the leg, of the frame as
@@ -8,39 +11,50 @@
 namespace stillframe::controller {
 namespace {
 
-/// The peak that is promised, over the passive one. Before forces had a pace it was 15 to 60.
+/// The peak that is promised, over the passive one; before forces had a pace it was 15 to 60.
 double promised(const Broken& broken) {
-  // The force that an actuator holds is gone, turned or shaken at once: no command can hold it.
-  if (broken.part == Part::actuator) return 4;
-  // What grows slowly stays within the pace for longer, and offsets are believed: 2.1 is reached.
+  const bool too_large = broken.damage == Damage::scaled && broken.size > 1;
+  // What it holds acts at once: the more, the more it is too large. 1.66 was reached in ten seeds.
+  if (broken.part == Part::actuator && too_large) return 1.9;
+  // What grows slowly stays within the pace for longer, and drifts of a tenth of a newton a second
+  // are believed. 1.22 was reached in ten seeds.
   const bool drifts = broken.damage == Damage::drifts || broken.damage == Damage::offset;
-  const bool too_large = broken.part == Part::read_back && broken.damage == Damage::scaled;
-  return drifts || (too_large && broken.size > 1) ? 2.2 : 1.1;
+  return drifts || (broken.part == Part::read_back && too_large) ? 1.25 : 1.1;
+}
+
+/// No more than is promised of the worse of the two; or than a loop does that is told at once, but
+/// for what the law does until it knows: an actuator that drops, turns or shakes the force that
+/// it holds does so before anything can be known of it.
+void expect_promised(const Gains& gains, const std::vector<Broken>& broken, std::uint64_t seed) {
+  double most = 0;
+  std::string names;
+  for (const Broken& each : broken) {
+    most = std::max(most, promised(each));
+    names += each.name() + " ";
+  }
+  const Episode episode = run_episode(gains, {}, broken, seed);
+  EXPECT_EQ(episode.latched, episode.found_s >= 0) << names;
+  if (episode.peak < most) return;
+  const Episode told = run_episode(gains, {}, broken, seed, Told::at_once);
+  // Until it is found the law answers what it sees of it: 1.19 was reached.
+  EXPECT_LT(episode.peak, 1.25 * told.peak) << names;
 }
 
 class BrokenChannels : public testing::TestWithParam<const char*> {};
 
 TEST_P(BrokenChannels, DriveTheFrameNoHarderThanIsPromised) {
   const Gains gains = shipped_gains(GetParam());
-  for (const Broken& broken : all_broken()) {
-    const Episode episode = run_episode(gains, {}, {broken}, 1);
-    EXPECT_LT(episode.peak, promised(broken)) << broken.name();
-    EXPECT_EQ(episode.latched, episode.found_s >= 0) << broken.name();
-  }
+  for (const Broken& broken : all_broken()) expect_promised(gains, {broken}, 1);
 }
 
 TEST_P(BrokenChannels, InPairs) {
   const Gains gains = shipped_gains(GetParam());
   const std::vector<Broken> all = all_broken();
   std::mt19937_64 random(9);
-  double worst = 0;
   for (int trial = 0; trial < 40; ++trial) {
     const Broken &a = all[random() % all.size()], &b = all[random() % all.size()];
-    const Episode episode = run_episode(gains, {}, {a, b}, random());
-    EXPECT_LT(episode.peak, std::max(promised(a), promised(b))) << a.name() << ", " << b.name();
-    worst = worst_of(worst, episode.peak);
+    expect_promised(gains, {a, b}, random());
   }
-  RecordProperty("worst_peak", std::to_string(worst));
 }
 
 // What cannot do its work and does harm is found at once, whichever leg it is.

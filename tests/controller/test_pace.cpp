@@ -1,13 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <memory>
 #include <utility>
 
 #include "controller/pace.hpp"
 #include "controller/start_check.hpp"
 #include "core/worst.hpp"
-#include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
 
 // What a loop may hurry, and that a sound one never does.
@@ -257,60 +255,6 @@ TEST(Pace, WithoutAFloorItIsThatOfTheFrame) {
   }));
   EXPECT_EQ(rig.fault(), Fault::restless);
 }
-
-// Hours of floors as they are, with sensors as they are: a fault is a false alarm, and a command
-// that hurries or a measurement that is not answered is one that was not needed.
-struct Sound {
-  const char* name;
-  double noise = 1e-3, step = 0, calibration = 0.02, loud = 1, quiet = 1, rate_hz = 1000;
-};
-
-class NoFalseAlarm : public testing::TestWithParam<Sound> {};
-
-TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
-  const Sound& sound = GetParam();
-  // scripts/false_alarms asks for a day in all.
-  const char* asked = std::getenv("STILLFRAME_SIMULATED_HOURS");
-  const double hours = asked != nullptr ? std::stod(asked) : 0.02;
-  const Gains gains = toy::damped_gains(5, sound.rate_hz);
-  const auto n = static_cast<std::int64_t>(hours * 3600 * sound.rate_hz);
-  std::mt19937_64 random(17);
-  std::normal_distribution<double> normal;
-  VectorXd scale = VectorXd::Ones(4);
-  for (double& value : scale) value += random() % 2 == 0 ? sound.calibration : -sound.calibration;
-  Rig rig({}, true, gains);
-  MadeUpFloor floor(sound.rate_hz, 18);
-  // Three loud seconds in every twenty.
-  rig.floor = [&](std::int64_t k, VectorXd& w) {
-    const auto phase = k % std::llround(20 * sound.rate_hz);
-    const double size = static_cast<double>(phase) > 17 * sound.rate_hz ? sound.loud : sound.quiet;
-    floor(size, w);
-  };
-  const auto wire = [&](Measurement& m) {
-    for (Index i = 0; i < 4; ++i) {
-      m.sigma(i) = scale(i) * m.sigma(i) + sound.noise * normal(random);
-      if (sound.step > 0) m.sigma(i) = sound.step * std::round(m.sigma(i) / sound.step);
-    }
-    return true;
-  };
-  ASSERT_TRUE(rig.reaches(State::active, static_cast<int>(4 * sound.rate_hz), wire))
-      << to_text(rig.fault());
-  for (std::int64_t k = 0; k < n; ++k) rig.step(wire);
-  EXPECT_EQ(rig.state(), State::active);
-  EXPECT_EQ(rig.supervisor().n_faults(), 0) << to_text(rig.fault());
-  EXPECT_EQ(rig.supervisor().n_saturated(), 0);
-  EXPECT_EQ(rig.loop().counters().n_missing, 0);
-}
-
-INSTANTIATE_TEST_SUITE_P(Sounds, NoFalseAlarm,
-                         testing::Values(Sound{"AsItIs"}, Sound{"NoNoise", 0},
-                                         Sound{"LoudNoise", 0.02},
-                                         Sound{"SixteenBits", 1e-3, 0.015},
-                                         Sound{"TwelveBits", 1e-3, 0.24},
-                                         Sound{"Earthquakes", 1e-3, 0.015, 0.02, 1, 0.1},
-                                         Sound{"Quiet", 1e-3, 0, 0.02, 0.01, 0.01},
-                                         Sound{"FiveKilohertz", 1e-3, 0.015, 0.02, 1, 1, 5000}),
-                         [](const auto& sound) { return sound.param.name; });
 
 }  // namespace
 }  // namespace stillframe::controller

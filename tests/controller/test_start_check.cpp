@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include "controller/law.hpp"
@@ -178,6 +179,45 @@ TEST(StartCheck, RefusalSaysWhyAndWhatMends) {
   hopeless.K_P = -30 * MatrixXd::Identity(4, 4);
   text = refusal(hopeless);
   EXPECT_TRUE(contains(text, "None of the changes of one or two settings that were tried")) << text;
+}
+
+/// The toy with one motion more, of frequency hz, beside the legs.
+Gains with_motion_beside(Gains gains, double hz, double damping = 0) {
+  const Eigen::Index n = gains.plant.A.rows(), m = gains.n_legs();
+  const double w = toy::two_pi * hz;
+  gains.plant.A.conservativeResizeLike(MatrixXd::Zero(n + 2, n + 2));
+  gains.plant.A(n, n + 1) = 1;
+  gains.plant.A(n + 1, n) = -w * w;
+  gains.plant.A(n + 1, n + 1) = -damping;
+  gains.plant.B.conservativeResizeLike(MatrixXd::Zero(n + 2, m));
+  gains.plant.C.conservativeResizeLike(MatrixXd::Zero(m, n + 2));
+  gains.plant.B_w.conservativeResizeLike(MatrixXd::Zero(n + 2, gains.plant.B_w.cols()));
+  return gains;
+}
+
+// Every pole of modulus 1 is not one at 1. 700 Hz is above half the rate.
+TEST(StartCheck, AMotionThatTheLawDoesNotReachIsNamedByItsFrequency) {
+  for (const double leak : {0.05, 0.0}) {
+    for (const double hz : {0.1, 27.57, 700.0}) {
+      const Gains gains = with_motion_beside(toy::gains(5, 1000, 1, leak), hz);
+      const std::string text = refusal(gains);
+      char words[64];
+      std::snprintf(words, sizeof words, "does not reach what moves at %.4g Hz", hz);
+      EXPECT_TRUE(contains(text, words)) << text;
+      ASSERT_EQ(unreached_motions_hz(gains).size(), 1u) << hz;
+      EXPECT_NEAR(unreached_motions_hz(gains).front(), hz, 1e-9 * hz);
+      // The toy has no other springs: without a leak it drifts besides.
+      EXPECT_EQ(contains(text, "drift for ever"), leak == 0) << text;
+      EXPECT_FALSE(contains(text, "mends it: ")) << text;
+      EXPECT_FALSE(contains(text, "anew")) << text;
+      EXPECT_EQ(refusal(with_motion_beside(toy::gains(5), hz, 1)), "") << hz;
+    }
+  }
+  // On its own nothing holds it: a double pole at 1 that the law did not make.
+  const std::string text = refusal(with_motion_beside(toy::gains(5), 0));
+  EXPECT_TRUE(contains(text, "does not reach what moves at 0 Hz")) << text;
+  EXPECT_FALSE(contains(text, "integrator")) << text;
+  EXPECT_TRUE(unreached_motions_hz(toy::gains(5, 1000, 1, 0)).empty());
 }
 
 // What is named must really mend: apply each remedy by hand and simulate.

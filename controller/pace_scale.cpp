@@ -1,0 +1,126 @@
+#include "controller/pace_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillframe::controller {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Ref;
+using Eigen::VectorXd;
+
+namespace {
+
+// Standard deviations: six are met once in days by one leg at 1 kHz, and calibrations, masses and
+// stiffnesses, by which more noise may come back, are not those of the model. What the floor may
+// ask for needs no such margin: real floors ask for a quarter of it.
+constexpr double sure = 9;
+// By how much of what any floor may ask for a sound loop differs from the designed one: as no floor
+// that was met asks for more, a frame with other masses, stiffnesses, calibrations and clocks than
+// the model's stays within it.
+constexpr double not_as_designed = 0.25;
+
+/// The smallest memory with which 2 max |h| memory^k is at least |h[k]| for every sample k and leg.
+double memory_of(const MatrixXd& h) {
+  double memory = 0;
+  for (Index i = 0; i < h.rows(); ++i) {
+    const double peak = h.row(i).cwiseAbs().maxCoeff();
+    if (!(peak > 0)) continue;
+    for (Index k = 1; k < h.cols(); ++k) {
+      memory =
+          std::max(memory, std::pow(std::abs(h(i, k)) / (2 * peak), 1 / static_cast<double>(k)));
+    }
+  }
+  return memory;
+}
+
+double power(double base, std::int64_t n) noexcept {
+  return n == 1 ? base : std::pow(base, static_cast<double>(n));
+}
+
+}  // namespace
+
+PaceScale::PaceScale(Index m, Index p, double keep, double free)
+    : keep_(keep),
+      free_(free / (1 - keep)),
+      per_floor_(MatrixXd::Zero(m, p)),
+      per_noise_(MatrixXd::Zero(m, m)),
+      per_offset_(MatrixXd::Zero(m, m)),
+      per_lost_(MatrixXd::Zero(m, p)) {
+  reading_ = swing_ = doubt_ = noise_ = designed_ = lost_ = force_ = VectorXd::Zero(m);
+}
+
+void PaceScale::learn(const Ref<const MatrixXd>& changes, Index j) {
+  MatrixXd z = changes;
+  for (Index k = 1; k < z.cols(); ++k) z.col(k) += keep_ * z.col(k - 1);
+  const Index p = per_floor_.cols();
+  if (j < p) {
+    per_floor_.col(j) = z.cwiseAbs().rowwise().sum();
+    per_lost_.col(j) = 2 * z.cwiseAbs().rowwise().maxCoeff();
+    keep_lost_ = std::max(keep_lost_, memory_of(z));
+    return;
+  }
+  per_noise_.col(j - p) = z.cwiseAbs2().rowwise().sum();
+  for (Index k = 1; k < z.cols(); ++k) z.col(k) += z.col(k - 1);
+  per_offset_.col(j - p) = z.cwiseAbs().rowwise().maxCoeff();
+}
+
+void PaceScale::restart() noexcept {
+  swing_.setZero();
+  reading_.setZero();
+}
+
+void PaceScale::listen(const Ref<const VectorXd>& change, bool first) noexcept {
+  if (first) {
+    reading_.setZero();
+    return;
+  }
+  reading_ = keep_ * reading_ + change;
+  swing_ = swing_.cwiseMax(reading_.cwiseAbs());
+}
+
+void PaceScale::begin(const Ref<const VectorXd>& doubt, const Ref<const VectorXd>& variance) noexcept {
+  doubt_.noalias() = per_offset_ * doubt;
+  noise_.noalias() = per_noise_ * variance;
+  noise_ = sure * noise_.cwiseSqrt();
+  designed_.setZero();
+  lost_.setZero();
+  force_.setZero();
+}
+
+void PaceScale::forget(double kept, std::int64_t n, bool whole, bool floor_known) noexcept {
+  doubt_ *= kept;
+  if (floor_known) swing_ *= whole ? std::min(kept, power(keep_lost_, n)) : kept;
+}
+
+void PaceScale::expect(std::int64_t n, const Ref<const VectorXd>& change) noexcept {
+  designed_ = power(keep_, n) * designed_ + change;
+  lost_ *= power(keep_lost_, n);
+}
+
+void PaceScale::doubt_floor(const Ref<const VectorXd>& w) noexcept {
+  lost_.noalias() += per_lost_ * w;
+}
+
+void PaceScale::lose_track(const Ref<const VectorXd>& largest) noexcept {
+  lost_.noalias() = per_floor_ * largest;
+}
+
+double PaceScale::most(Index i, const VectorXd* largest) const noexcept {
+  const double beside = noise_(i) + doubt_(i) + free_;
+  if (largest == nullptr) return beside + 4 * swing_(i);
+  const double any_floor = per_floor_.row(i).dot(*largest);
+  return beside + 2 * swing_(i) +
+         std::min(any_floor, std::abs(designed_(i)) + not_as_designed * any_floor + lost_(i));
+}
+
+bool PaceScale::command(std::int64_t n, const Ref<const VectorXd>& change,
+                        const VectorXd& largest) noexcept {
+  force_ = power(keep_, n) * force_ + change;
+  bool beyond = false;
+  for (Index i = 0; i < force_.size(); ++i) beyond |= !(std::abs(force_(i)) <= most(i, &largest));
+  return beyond;
+}
+
+}  // namespace stillframe::controller

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+namespace stillframe::controller {
+
+/// What a sound loop does within some time: the changes of its commands, each remembered for so
+/// long, z[k] = a z[k-1] + change[k]; a = 0: the change alone. All is linear in what makes the
+/// changes, so that of leg i
+///   |z_i| <= min(F_i, |c_i| + q F_i + D_i) + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i
+///            + (B d)_i + free / (1 - a),   F = L W,
+/// with L, N2, B, D and S as in pace.hpp, of z in place of the change, and c the z of the designed
+/// loop. Set-up: construction and learn; the rest is hot: noexcept, no allocation.
+class PaceScale {
+ public:
+  /// m legs, p channels of the floor; keep: a.
+  PaceScale(Eigen::Index m, Eigen::Index p, double keep, double free);
+
+  /// The changes (m x n, N) of the designed loop's commands after one sample of floor channel j, or
+  /// of sensor j - p.
+  void learn(const Eigen::Ref<const Eigen::MatrixXd>& changes, Eigen::Index j);
+
+  /// Arming begins.
+  void restart() noexcept;
+  /// While arming, the change of what the sensors read (m, N); first: none came before it.
+  void listen(const Eigen::Ref<const Eigen::VectorXd>& change, bool first) noexcept;
+  /// The loop is closed. doubt: m, N; variance: m, N^2, of the noise of the sensors.
+  void begin(const Eigen::Ref<const Eigen::VectorXd>& doubt,
+             const Eigen::Ref<const Eigen::VectorXd>& variance) noexcept;
+  /// Of what passes within seconds so much is left, after n samples. whole: with the whole gain the
+  /// loop has soon forgotten how its frame swung.
+  void forget(double kept, std::int64_t n, bool whole, bool floor_known) noexcept;
+  /// n samples after the command before, the designed loop has changed its own (m, N).
+  void expect(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
+  /// Of the floor so much (p, m/s^2) was lost or not believed for a sample.
+  void doubt_floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
+  /// The loop is not where the designed one is. largest: p, m/s^2, W.
+  void lose_track(const Eigen::Ref<const Eigen::VectorXd>& largest) noexcept;
+  /// The bound of leg i; largest: p, m/s^2, W, none where the floor is not known.
+  double most(Eigen::Index i, const Eigen::VectorXd* largest) const noexcept;
+  /// n samples after the command before, it was changed by that much (m, N). True if any z is
+  /// beyond its bound.
+  bool command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change,
+               const Eigen::VectorXd& largest) noexcept;
+
+  /// L (m x p, N per m/s^2) and N2 (m x m, 1).
+  const Eigen::MatrixXd& per_floor() const noexcept { return per_floor_; }
+  const Eigen::MatrixXd& per_noise() const noexcept { return per_noise_; }
+
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(reading_), archive(swing_), archive(doubt_), archive(noise_), archive(designed_);
+    archive(lost_), archive(force_);
+  }
+
+ private:
+  double keep_, free_;
+  Eigen::MatrixXd per_floor_, per_noise_, per_offset_;
+  /// m x p, N per m/s^2: after one sample of the floor z is never more than this, and k samples
+  /// later no more than keep_lost_^k of it.
+  Eigen::MatrixXd per_lost_;
+  double keep_lost_ = 0;
+  Eigen::VectorXd reading_;   ///< m, N, z of what the sensors read while arming
+  Eigen::VectorXd swing_;     ///< m, N, S
+  Eigen::VectorXd doubt_;     ///< m, N, B d
+  Eigen::VectorXd noise_;     ///< m, N
+  Eigen::VectorXd designed_;  ///< m, N, c
+  Eigen::VectorXd lost_;      ///< m, N, D
+  Eigen::VectorXd force_;     ///< m, N, z of what is commanded
+};
+
+}  // namespace stillframe::controller
