@@ -17,17 +17,15 @@ constexpr double slowest_hz = 13.9055;
 
 struct Options {
   double periods = 1e6, tolerance = 1e-8, push_n = 1000, part_s = 1e-3;
-  std::string method = "exponential";
+  std::string method = method_name(PlantMethod::exponential);
 };
 
-PlantMethod method_of(const std::string& name) {
-  return name == "exponential" ? PlantMethod::exponential
-         : name == "fehlberg"  ? PlantMethod::fehlberg
-                               : PlantMethod::dormand_prince;
-}
+/// Those whose state the rig knows the energy of.
+const std::vector<std::string> methods{method_name(PlantMethod::exponential),
+                                       method_name(PlantMethod::dormand_prince)};
 
 void run(const Options& options) {
-  const PlantMethod method = method_of(options.method);
+  const PlantMethod method = method_named(options.method).value();
   Scene scene = test::with_method(test::frame_scene(), method, options.tolerance);
   test::MotionRig rig(scene, method, Eigen::MatrixXd::Zero(6, 1));
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(6);
@@ -68,9 +66,7 @@ int main(int argc, char** argv) {
   app.add_option("--part", options.part_s, "Length of the parts that are stepped, s")
       ->check(CLI::Range(1e-5, 1e-1))
       ->capture_default_str();
-  app.add_option("--method", options.method)
-      ->check(CLI::IsMember({"exponential", "fehlberg", "dormand_prince"}))
-      ->capture_default_str();
+  app.add_option("--method", options.method)->check(CLI::IsMember(methods))->capture_default_str();
   app.add_option("--push", options.push_n, "N in each leg, at most")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/scene/plant_methods.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_style.hpp"
 #include "report/table.hpp"
@@ -18,6 +19,9 @@ namespace {
 constexpr const char* colours[] = {"'#000000'", "'#D55E00'", "'#0072B2'", "'#009E73'", "'#CC79A7'",
                                    "'#E69F00'", "'#56B4E9'", "'#6E6E6E'", "'#882255'", "'#117733'"};
 
+const std::string automatic = method_name(PlantMethod::automatic);
+const std::string linear = method_name(PlantMethod::linear);
+
 double error_of(const json& point) {
   return std::max(point.at("error_acceleration").get<double>(),
                   point.at("error_sigma").get<double>());
@@ -28,12 +32,12 @@ std::string envelope_line(const json& scene) {
   const json *standard = nullptr, *best = nullptr;
   for (const json& point : scene.at("points")) {
     if (point.contains("skipped")) continue;
-    if (point.at("method") == "auto" && point.at("setting") == 1e-5) standard = &point;
+    if (point.at("method") == automatic && point.at("setting") == 1e-5) standard = &point;
   }
   if (standard == nullptr) return "The default could not be run.\n";
   for (const json& point : scene.at("points")) {
-    if (point.contains("skipped") || point.at("method") == "auto") continue;
-    if (point.at("method") == "linear" || error_of(point) > error_of(*standard)) continue;
+    if (point.contains("skipped") || point.at("method") == automatic) continue;
+    if (point.at("method") == linear || error_of(point) > error_of(*standard)) continue;
     if (best == nullptr || point.at("us_per_sample") < best->at("us_per_sample")) best = &point;
   }
   const double time = standard->at("us_per_sample");
@@ -54,18 +58,17 @@ std::string file_name(const std::string& scene) {
 
 std::string scene_markdown(const json& scene) {
   const auto name = scene.at("scene").get<std::string>();
-  std::string text = "### " + std::string(1, static_cast<char>(std::toupper(name[0]))) +
-                     name.substr(1) + "\n\n`" + scene.at("file").get<std::string>() + ".yaml`, " +
-                     std::to_string(scene.at("samples").get<int>()) +
-                     " samples. The references, `nodal` and `" +
-                     scene.at("minimal").get<std::string>() + "`, differ by " +
-                     cell("%.1e", scene.at("known_acceleration").get<double>()) +
-                     " in the accelerations and " +
-                     cell("%.1e", scene.at("known_sigma").get<double>()) +
-                     " in sigma: no error below is known. " +
-                     envelope_line(scene) + "\n![Error against time](images/" + file_name(name) +
-                     ")\n\n| method | tolerance | us a sample | evaluations | error of "
-                     "accelerations | error of sigma |\n|---|---|---|---|---|---|\n";
+  std::string text =
+      "### " + std::string(1, static_cast<char>(std::toupper(name[0]))) + name.substr(1) + "\n\n`" +
+      scene.at("file").get<std::string>() + ".yaml`, " +
+      std::to_string(scene.at("samples").get<int>()) + " samples. The references, `" +
+      method_name(PlantMethod::nodal) + "` and `" + scene.at("minimal").get<std::string>() +
+      "`, differ by " + cell("%.1e", scene.at("known_acceleration").get<double>()) +
+      " in the accelerations and " + cell("%.1e", scene.at("known_sigma").get<double>()) +
+      " in sigma: no error below is known. " + envelope_line(scene) +
+      "\n![Error against time](images/" + file_name(name) +
+      ")\n\n| method | tolerance | us a sample | evaluations | error of "
+      "accelerations | error of sigma |\n|---|---|---|---|---|---|\n";
   for (const json& point : scene.at("points")) {
     text += "| `" + point.at("method").get<std::string>() + "` | " +
             cell("%g", point.at("setting").get<double>()) + " | ";
@@ -86,7 +89,7 @@ void plot_scene(const json& scene, const std::filesystem::path& folder) {
   std::vector<std::vector<Eigen::Vector2d>> curves;
   for (const json& point : scene.at("points")) {
     const auto method = point.at("method").get<std::string>();
-    if (point.contains("skipped") || method == "auto") continue;
+    if (point.contains("skipped") || method == automatic) continue;
     if (names.empty() || names.back() != method) {
       names.push_back(method);
       curves.emplace_back();
@@ -126,16 +129,23 @@ std::string work_precision_markdown(const json& result) {
 }
 
 std::string honesty_markdown(const json& rows) {
-  const std::vector<std::string> methods{"exponential", "dormand_prince", "fehlberg", "nodal",
-                                         "auto"};
-  std::string text = "| scene | floor m/s^2 | references differ by |";
-  for (const auto& method : methods) text += " `" + method + "` |";
-  text += "\n|---|---|---|---|---|---|---|---|\n";
+  std::vector<std::string> methods;
+  for (const NamedPlantMethod& each : plant_methods) {
+    if (each.method != PlantMethod::linear) methods.emplace_back(each.name);
+  }
+  std::string text = "| scene | floor m/s^2 | references differ by |", rule = "|---|---|---|";
+  for (const auto& method : methods) {
+    text += " `" + method + "` |";
+    rule += "---|";
+  }
+  text += "\n" + rule + "\n";
   for (const json& row : rows) {
     text += "| " + row.at("scene").get<std::string>() + " | " +
             cell("%g", row.at("floor").get<double>()) + " | ";
     if (row.contains("skipped")) {
-      text += row.at("skipped").get<std::string>() + " | | | | | |\n";
+      text += row.at("skipped").get<std::string>() + " |";
+      for (size_t i = 0; i < methods.size(); ++i) text += " |";
+      text += "\n";
       continue;
     }
     text += cell("%.0e", row.at("known").get<double>()) + " | ";

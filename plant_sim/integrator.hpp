@@ -6,15 +6,10 @@
 
 namespace stillframe {
 
-/// Explicit Runge-Kutta pairs of ARKODE for dy/dt = f(t, y). They keep order and step size at the
-/// jumps of held inputs.
-enum class Scheme {
-  dormand_prince,  ///< 5(4)
-  fehlberg,        ///< 8(7)
-};
-
-/// An integrator over one held part of a sample at a time. Set-up: construction. hot: advance()
-/// does not allocate, but for SUNDIALS' own work space at the first call.
+/// The explicit Runge-Kutta pair 5(4) of Dormand and Prince, in ARKODE, for dy/dt = f(t, y), over
+/// one held part of a sample at a time: it keeps its order at the jumps of held inputs. Set-up:
+/// construction. hot: advance() does not allocate, but for SUNDIALS' own work space at the first
+/// call.
 class Integrator {
  public:
   /// dy/dt = f(t, y), false if it cannot be evaluated there; t counts from the start of the part,
@@ -25,7 +20,7 @@ class Integrator {
   /// y = (n positions, n velocities, n_filtered filtered positions). relative_tolerance: error of a
   /// step, root of the mean square over all of y, against what the acceleration of advance() does
   /// in the part. Errors: std::runtime_error if SUNDIALS cannot be set up.
-  Integrator(Eigen::Index n, RightHandSide f, Scheme scheme, double relative_tolerance,
+  Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance,
              Eigen::Index n_filtered = 0);
   ~Integrator();
   Integrator(const Integrator&) = delete;

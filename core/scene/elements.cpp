@@ -51,7 +51,6 @@ Ends read_ends(const YamlReader& value, const Scene& scene, SceneElement& elemen
   if (element.kind != Kind::hinge && length == 0) {
     nodes.fail("the element has zero length: " + both + " stand at the same position");
   }
-  if (!std::isfinite(length)) nodes.fail(both + " are too far apart for a finite length");
   if (element.kind == Kind::hinge && p.name == q.name) {
     nodes.fail("a hinge joins two nodes that turn against each other, found '" + p.name +
                "' twice");

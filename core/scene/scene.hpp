@@ -9,6 +9,7 @@
 #include "core/linear/instruments.hpp"
 #include "core/linear/realisation.hpp"
 #include "core/scene/disturbances.hpp"
+#include "core/scene/plant_methods.hpp"
 
 // A scene as a person wrote it, checked key by key; names are not resolved yet. `place` is
 // "file:line:column".
@@ -157,16 +158,6 @@ struct SceneUncertainty {
   double leg_direction_rad = 0;  ///< of each leg, about both axes across it
   double actuator_gain = 0;      ///< of each actuator, relative
   double delay_samples = 0;      ///< of all commands
-};
-
-/// How a plant moves: its formulation and its method. automatic: chosen by the scene.
-enum class PlantMethod {
-  automatic,
-  linear,       ///< small motion, stepped exactly
-  exponential,  ///< the exact linear answer and the nonlinear rest, in minimal coordinates
-  dormand_prince,  ///< 5(4) of SUNDIALS, in minimal coordinates
-  fehlberg,        ///< 8(7) of SUNDIALS, in minimal coordinates
-  nodal,           ///< in nodal coordinates with constraints, by collocation
 };
 
 struct SceneSimulation {

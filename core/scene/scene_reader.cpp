@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <cstdio>
-#include <map>
+#include <tuple>
 
 #include "core/scene/acceptance.hpp"
 #include "core/scene/controller_block.hpp"
@@ -31,11 +31,11 @@ Block read_block(const YamlReader& value) {
   return read_block_file(path);
 }
 
-const std::map<std::string, PlantMethod, std::less<>> plant_methods{
-    {"auto", PlantMethod::automatic},          {"linear", PlantMethod::linear},
-    {"exponential", PlantMethod::exponential}, {"dormand_prince", PlantMethod::dormand_prince},
-    {"fehlberg", PlantMethod::fehlberg},       {"nodal", PlantMethod::nodal},
-};
+PlantMethod read_method(const YamlReader& value) {
+  const std::string name =
+      std::apply([&](const auto&... each) { return value.one_of({each.name...}); }, plant_methods);
+  return method_named(name).value();
+}
 
 SceneSimulation read_simulation(const YamlReader& block) {
   block.allow_only({"duration_s", "relative_tolerance", "method"});
@@ -48,8 +48,7 @@ SceneSimulation read_simulation(const YamlReader& block) {
     simulation.relative_tolerance = number_within(*value, 1e-12, 1e-2);
   }
   if (const auto value = block.find("method")) {
-    simulation.method = plant_methods.at(
-        value->one_of({"auto", "linear", "exponential", "dormand_prince", "fehlberg", "nodal"}));
+    simulation.method = read_method(*value);
   }
   return simulation;
 }

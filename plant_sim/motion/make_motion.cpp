@@ -21,8 +21,8 @@ namespace {
 constexpr Index most_dofs_of_exponentials = 60;
 
 /// What a step in minimal coordinates may err by, of the tolerance of the run, so that many of them
-/// keep it: by the estimates of the explicit pairs and of the exponential method errors of steps
-/// add up to some ten times the tolerance in swings of a radian. The pairs judge dofs that are
+/// keep it: by the estimates of the explicit pair and of the exponential method errors of steps
+/// add up to some ten times the tolerance in swings of a radian. The pair judges dofs that are
 /// angles and lengths by one number, of which the levers of a frame make three times too much. The
 /// estimate of the nodal method is one of order 5 for steps of order 9, and needs no such share
 /// (docs/decisions/0025).
@@ -40,24 +40,6 @@ bool in_closed_form(const Drive& drive) {
 }
 
 }  // namespace
-
-std::string method_name(PlantMethod method) {
-  switch (method) {
-    case PlantMethod::automatic:
-      return "auto";
-    case PlantMethod::linear:
-      return "linear";
-    case PlantMethod::exponential:
-      return "exponential";
-    case PlantMethod::dormand_prince:
-      return "dormand_prince";
-    case PlantMethod::fehlberg:
-      return "fehlberg";
-    case PlantMethod::nodal:
-      return "nodal";
-  }
-  return "";
-}
 
 MotionChoice choose_method(const Scene& scene, const Model& model, const Drive& drive) {
   const PlantMethod stated = scene.simulation.method;
@@ -95,8 +77,8 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   const auto equations = [&] {
     return MinimalEquations(model, nominal, drive.legs(), filter_rate);
   };
-  const auto explicit_motion = [&](Scheme scheme) {
-    return std::make_unique<OdeMotion>(equations(), points, scheme, explicit_share * tolerance);
+  const auto explicit_motion = [&] {
+    return std::make_unique<OdeMotion>(equations(), points, explicit_share * tolerance);
   };
   const auto nodal_motion = [&] {
     return std::make_unique<NodalPlantMotion>(model, nominal, points, drive.legs(), filter_rate,
@@ -106,9 +88,7 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
     case PlantMethod::nodal:
       return nodal_motion();
     case PlantMethod::dormand_prince:
-      return explicit_motion(Scheme::dormand_prince);
-    case PlantMethod::fehlberg:
-      return explicit_motion(Scheme::fehlberg);
+      return explicit_motion();
     default:
       break;
   }
@@ -124,8 +104,7 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
                                                    exponential_share * tolerance, drive, durations);
   if (scene.simulation.method != PlantMethod::automatic) return small;
   if (fastest <= most_explicit) {
-    return std::make_unique<AdaptiveMotion>(std::move(small),
-                                            explicit_motion(Scheme::dormand_prince), 1.0, size);
+    return std::make_unique<AdaptiveMotion>(std::move(small), explicit_motion(), 1.0, size);
   }
   return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), implicit_weight, size);
 }

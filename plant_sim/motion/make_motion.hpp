@@ -15,9 +15,6 @@ struct MotionChoice {
   std::string reason;
 };
 
-/// A method as scenes call it.
-std::string method_name(PlantMethod method);
-
 /// The method that the scene states, or for `auto` the one that docs/speed_against_error.md found
 /// cheapest for such a scene:
 ///   - the exponential method, where the legs' forces are constant or decay by one exponential

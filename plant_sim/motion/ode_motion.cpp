@@ -7,8 +7,7 @@ namespace stillframe {
 
 using Eigen::VectorXd;
 
-OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, Scheme scheme,
-                     double relative_tolerance)
+OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, double relative_tolerance)
     : equations_(std::move(equations)),
       points_(std::move(points)),
       // In the mean square of N entries, which is what a step is judged by, one may be sqrt(N) out.
@@ -21,7 +20,7 @@ OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, Scheme sche
           [this](double t, const Eigen::Ref<const VectorXd>& y, Eigen::Ref<VectorXd> dy_dt) {
             return equations_.evaluate(*drive_, t, y, dy_dt);
           },
-          scheme, relative_tolerance_, equations_.n_filtered()),
+          relative_tolerance_, equations_.n_filtered()),
       y_(equations_.start()),
       rate_(y_) {}
 

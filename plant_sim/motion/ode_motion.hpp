@@ -7,12 +7,11 @@
 
 namespace stillframe {
 
-/// The nonlinear plant in minimal coordinates, integrated by an explicit method of SUNDIALS.
+/// The nonlinear plant in minimal coordinates, integrated by explicit steps (Integrator).
 class OdeMotion final : public NonlinearMotion {
  public:
   /// relative_tolerance: of a step (see Integrator).
-  OdeMotion(MinimalEquations equations, FramePoints points, Scheme scheme,
-            double relative_tolerance);
+  OdeMotion(MinimalEquations equations, FramePoints points, double relative_tolerance);
 
   Status advance(const Drive& drive, double duration) noexcept override;
   void velocities(Eigen::VectorXd& v) const noexcept override;

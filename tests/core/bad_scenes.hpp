@@ -72,12 +72,22 @@ inline const std::vector<BadScene> bad_scenes = {
      "\tleg_2:",
      "\tleg_2",
      {"not YAML: a tab in the indentation, allowed are spaces only"}},
-    // Lengths that doubles do not have.
-    {"too_far_apart",
+    // Beyond what a model can be computed from.
+    {"too_far_away",
      "[1, 1, 0]",
      "[1, 1e200, 0]",
-     "[floor_2, tip]",
-     {"elements.leg_2.nodes: 'floor_2' and 'tip' are too far apart for a finite length"}},
+     "1e200",
+     {"nodes.floor_2.position[2]: found '1e200', allowed is a number from -1e+30 to 1e+30"}},
+    {"too_stiff",
+     "3.95e6",
+     "1e308",
+     "1e308",
+     {"elements.leg_1.stiffness: found '1e308', allowed is a number from -1e+30 to 1e+30"}},
+    {"next_to_nothing",
+     "mass: 4",
+     "mass: 1e-200",
+     "1e-200",
+     {"masses[1].mass: found '1e-200', allowed is 0 or a number from 1e-30 up"}},
     // Keys.
     {"unknown_key",
      "damping: 10",
@@ -247,7 +257,13 @@ inline const std::vector<BadScene> bad_scenes = {
      "method: bdf",
      "bdf",
      {"simulation.method: found 'bdf', allowed is one of auto, linear, exponential, "
-      "dormand_prince, fehlberg, nodal"}},
+      "dormand_prince, nodal"}},
+    {"method_that_went",
+     "duration_s: 10",
+     "method: fehlberg",
+     "fehlberg",
+     {"simulation.method: found 'fehlberg', allowed is one of auto, linear, exponential, "
+      "dormand_prince, nodal"}},
     // Names.
     {"unknown_node",
      "[floor_1, tip], stiffness",

@@ -117,7 +117,7 @@ disturbances:
       start_s: 1}}}
 uncertainty: {stiffness: 0.1, mass: 0.1, inertia: 0.1, centre_of_mass_m: 0.01,
   leg_direction_rad: 0.01, actuator_gain: 0.1, delay_samples: 0.2}
-simulation: {duration_s: 1, relative_tolerance: 1e-6, method: fehlberg}
+simulation: {duration_s: 1, relative_tolerance: 1e-6, method: dormand_prince}
 )";
 
 const char* const full_planar_scene = R"(
@@ -267,9 +267,9 @@ TEST(SceneReference, SaysWhichKeysAreRequired) {
       if (otherwise.starts_with("required")) {
         EXPECT_NE(message.find(key), std::string::npos) << table << ": " << key << ": " << message;
       } else if (key != "outputs" && key != "monitors" && key != "operating_point" &&
-                 key != "noise_n_per_sqrt_hz" && key != "method" && key != "compare") {
+                 key != "noise_n_per_sqrt_hz" && key != "compare") {
         // compare refers to the outputs and monitors, the value of a dof needs its operating point,
-        // flicker its noise, equal steps their method, what is accepted what it is about
+        // flicker its noise, what is accepted what it is about
         EXPECT_EQ(message, "") << table << ": " << key;
       }
     }
@@ -326,6 +326,20 @@ TEST(SceneReference, NumbersAmongTheDefaultsAreThoseOfTheReader) {
   EXPECT_EQ(ForceStep().rise_s, std::stod(all.at("disturbances: step").at("rise_s")));
   EXPECT_EQ(floor::WhiteSpec().seed, 1u);
   EXPECT_EQ(floor::WhiteSpec().high_pass_hz, std::stod(all.at("floor: white").at("high_pass_hz")));
+}
+
+TEST(SceneReference, ListsTheMethodsOfThePlantThatThereAre) {
+  std::string names;
+  for (const NamedPlantMethod& each : plant_methods) {
+    names += (names.empty() ? "`" : ", `") + std::string(each.name) + "`";
+    YAML::Node node = YAML::Load(full_scene);
+    node["simulation"]["method"] = std::string(each.name);
+    EXPECT_EQ(parse_scene(YAML::Dump(node), "scene.yaml").simulation.method, each.method);
+    EXPECT_EQ(method_name(each.method), each.name);
+  }
+  const std::string row =
+      "| `method` | | `" + method_name(SceneSimulation().method) + "` | " + names + " |";
+  EXPECT_NE(reference().find(row), std::string::npos) << row;
 }
 
 /// Elements without their optional keys have the defaults of the tables.

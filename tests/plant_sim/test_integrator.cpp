@@ -28,8 +28,7 @@ struct Oscillator {
 double error_after(double tolerance, double amplitude) {
   Oscillator oscillator;
   Integrator integrator(
-      1, [&](double t, const ConstRef& y, Ref dy) { return oscillator(t, y, dy); },
-      Scheme::dormand_prince, tolerance);
+      1, [&](double t, const ConstRef& y, Ref dy) { return oscillator(t, y, dy); }, tolerance);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2);
   Eigen::Vector2d exact = y;
   for (int k = 0; k < 1000; ++k) {
@@ -64,7 +63,7 @@ TEST(Integrator, StaysAtRest) {
         dy << y(1), -y(0);
         return true;
       },
-      Scheme::dormand_prince, 1e-8);
+      1e-8);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2);
   ASSERT_EQ(integrator.advance(y, 1e-3, 0.0), Integrator::Status::ok);
   EXPECT_EQ(y.norm(), 0.0);
@@ -77,7 +76,7 @@ TEST(Integrator, ReportsAnEquationThatCannotBeEvaluated) {
         dy << 1, 1;
         return t < 5e-4;
       },
-      Scheme::dormand_prince, 1e-8);
+      1e-8);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2);
   EXPECT_NE(integrator.advance(y, 1e-3, 1.0), Integrator::Status::ok);
 }

@@ -57,7 +57,7 @@ TEST(Plant, SaysWhenAndWhyItCannotGoOn) {
   huge(0, 3) = 1e20;
   const double limit = scene.controller->force_limit_n.value();
   for (const PlantMethod method : {PlantMethod::automatic, PlantMethod::exponential,
-                                   PlantMethod::nodal, PlantMethod::fehlberg}) {
+                                   PlantMethod::nodal, PlantMethod::dormand_prince}) {
     scene.simulation.method = method;
     Plant plant(scene, test::table(huge));
     std::string reason;
@@ -102,7 +102,6 @@ struct BareFrame {
             frame.n_d,
             [this](double t, const Eigen::Ref<const Eigen::VectorXd>& at,
                    Eigen::Ref<Eigen::VectorXd> dy_dt) { return derivative(t, at, dy_dt); },
-            Scheme::dormand_prince,
             // What a run asks of its steps: a share, and of each entry of y.
             0.03 * scene.simulation.relative_tolerance / std::sqrt(2.0 * double(frame.n_d))) {
     data.x = solve_equilibrium(model).motion.x;

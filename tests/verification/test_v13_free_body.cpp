@@ -50,7 +50,7 @@ class Body {
         [this](double, const Eigen::Ref<const VectorXd>& y, Eigen::Ref<VectorXd> dy_dt) {
           return rate(y, dy_dt);
         },
-        Scheme::dormand_prince, tolerance);
+        tolerance);
     ASSERT_EQ(integrator.advance(y_, duration, 0.1), Integrator::Status::ok);
     VectorXd dy_dt(12);
     ASSERT_TRUE(rate(y_, dy_dt));
