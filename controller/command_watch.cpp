@@ -16,6 +16,7 @@ constexpr double share_s = 1;
 // No floor makes a sound loop hurry, so it is soon believed: three samples in a row are more than
 // the part that is allowed.
 constexpr double hurried_samples = 20;
+constexpr double forgotten_part = 0.001;
 constexpr std::int64_t most_catching_up = 50;
 // Over which forces are smoothed that a fault holds: longer than the swings of a loop that has too
 // much gain at high frequencies, shorter than what the frame needs at its target.
@@ -39,14 +40,16 @@ CommandWatch::CommandWatch(Index m, double sample_time, double force_limit, doub
 }
 
 void CommandWatch::command(const Eigen::Ref<const VectorXd>& force, bool driving,
-                           bool hurried) noexcept {
+                           Index hurries) noexcept {
   newest_ = (newest_ + 1) % commands_.cols();
   commands_.col(newest_) = force;
   const bool at_limit = driving && force.cwiseAbs().maxCoeff() >= force_limit_;
   share_ += (1 - keep_) * ((at_limit ? 1.0 : 0.0) - share_);
   // A sound loop that leaves its limit catches up with what it could not do.
   since_limit_ = at_limit ? 0 : since_limit_ + 1;
-  const bool counts = driving && hurried && since_limit_ > most_catching_up;
+  const bool counts = driving && hurries >= 0 && since_limit_ > most_catching_up;
+  // After a second of rest it is another beginning.
+  if (counts && hurried_ < forgotten_part) first_ = hurries;
   hurried_ += (1 - keep_hurried_) * ((counts ? 1.0 : 0.0) - hurried_);
 }
 

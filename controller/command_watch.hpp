@@ -16,22 +16,26 @@ class CommandWatch {
   /// fault.
   CommandWatch(Eigen::Index m, double sample_time, double force_limit, double limited_part);
 
-  /// Takes the force (m, N) that is commanded. driving: the law asks for it.
-  /// hurried: it was to change faster.
-  void command(const Eigen::Ref<const Eigen::VectorXd>& force, bool driving, bool hurried) noexcept;
+  /// Takes the force (m, N) that is commanded. driving: the law asks for it; hurries: the leg whose
+  /// force was to change the furthest beyond its pace, -1: none.
+  void command(const Eigen::Ref<const Eigen::VectorXd>& force, bool driving,
+               Eigen::Index hurries) noexcept;
   /// True if too many were at the limit.
   bool limited() const noexcept { return share_ > limited_part_; }
   /// True if too many were to change faster.
   bool restless() const noexcept { return hurried_ > restless_part; }
+  /// The leg that began it, -1: none did.
+  Eigen::Index first() const noexcept { return first_; }
   /// The last commands smoothed over some milliseconds (m, N): what to hold of forces that swing
   /// from sample to sample.
   const Eigen::VectorXd& steady_force() noexcept;
   /// Arming begins: what was met before is forgotten.
-  void restart() noexcept { share_ = hurried_ = 0, since_limit_ = 1000; }
+  void restart() noexcept { share_ = hurried_ = 0, since_limit_ = 1000, first_ = -1; }
 
   template <class Archive>
   void visit(Archive& archive) {
     archive(commands_), archive(newest_), archive(share_), archive(hurried_), archive(since_limit_);
+    archive(first_);
   }
 
  private:
@@ -42,6 +46,7 @@ class CommandWatch {
   Eigen::MatrixXd commands_;  ///< m x as many as are smoothed over
   std::int64_t newest_ = 0;
   std::int64_t since_limit_ = 0;  ///< commands
+  Eigen::Index first_ = -1;
   double share_ = 0, hurried_ = 0;
 };
 

@@ -22,15 +22,17 @@ constexpr const char* controller_source = "controller";
 
 constexpr std::size_t most_announced = 16;
 
-/// The thread of liblcm that reads the socket has the priority of the one that makes it: requests to
-/// stop come through it.
+/// The thread of liblcm that reads the socket has the priority of the one that makes it: requests
+/// to stop come through it.
 std::unique_ptr<lcm::LCM> open_served(const std::string& url, const Policy& policy) {
-  return std::async(std::launch::async, [&] {
-           prepare_servant(policy);
-           auto lcm = open_lcm(url);
-           require_hearing(*lcm);
-           return lcm;
-         }).get();
+  return std::async(std::launch::async,
+                    [&] {
+                      prepare_servant(policy);
+                      auto lcm = open_lcm(url);
+                      require_hearing(*lcm);
+                      return lcm;
+                    })
+      .get();
 }
 
 }  // namespace

@@ -34,25 +34,27 @@ Limits::Limits(std::optional<double> force_limit_n, const Policy& policy, Index 
               sample_time),
       last_(VectorXd::Zero(m)) {}
 
+double Limits::allowed(double before, double wanted, double rate) const noexcept {
+  double force = before;
+  if (std::isfinite(wanted)) {
+    force = std::clamp(wanted, before - rate, before + rate);
+    // Through zero the energy starts from nothing.
+    const double held = before * force > 0 ? before * before : 0;
+    const double largest = std::max(std::sqrt(held + energy_), held > 0 ? std::abs(before) : 0.0);
+    force = std::clamp(force, -largest, largest);
+  }
+  return std::clamp(force, -force_, force_);
+}
+
 Limits::Passed Limits::pass(Ref<VectorXd> force, const Ref<const VectorXd>& pace) noexcept {
   Passed passed;
   for (Index i = 0; i < force.size(); ++i) {
     const double before = last_(i), wanted = force(i);
-    double allowed = before;
-    if (std::isfinite(wanted)) {
-      // Not a number is no pace to go at.
-      const double most = pace.size() == 0 ? rate_ : pace(i) >= 0 ? pace(i) : 0;
-      const double rate = std::min(rate_, most);
-      allowed = std::clamp(wanted, before - rate, before + rate);
-      passed.hurried |= pace.size() > 0 && !(std::abs(wanted - before) <= most);
-      // Through zero the energy starts from nothing.
-      const double held = before * allowed > 0 ? before * before : 0;
-      const double largest = std::max(std::sqrt(held + energy_), held > 0 ? std::abs(before) : 0.0);
-      allowed = std::clamp(allowed, -largest, largest);
-    }
-    allowed = std::clamp(allowed, -force_, force_);
-    passed.limited |= allowed != wanted;
-    force(i) = last_(i) = allowed;
+    // Not a number is no pace to go at.
+    const double most = pace.size() == 0 ? rate_ : pace(i) >= 0 ? pace(i) : 0;
+    force(i) = last_(i) = allowed(before, wanted, std::min(rate_, most));
+    passed.limited |= force(i) != wanted;
+    passed.by_actuator |= allowed(before, wanted, rate_) != wanted;
   }
   return passed;
 }

@@ -21,12 +21,12 @@ class Limits {
   Limits(std::optional<double> force_limit_n, const Policy& policy, Eigen::Index m,
          double sample_time);
 
-  /// Whether any force was limited, and whether one by the pace that it may go at.
-  struct Passed {
-    bool limited = false, hurried = false;
-  };
   /// Limits the force (m, N) that is about to be commanded; pace: m, N, the largest change, beside
-  /// the rate limit of the policy; empty: none.
+  /// the rate limit of the policy; empty: none. Returns whether any force was limited, and whether
+  /// one would have been without a pace.
+  struct Passed {
+    bool limited = false, by_actuator = false;
+  };
   Passed pass(Eigen::Ref<Eigen::VectorXd> force,
               const Eigen::Ref<const Eigen::VectorXd>& pace = Eigen::VectorXd()) noexcept;
 
@@ -41,6 +41,8 @@ class Limits {
   }
 
  private:
+  double allowed(double before, double wanted, double rate) const noexcept;
+
   double force_, rate_, energy_;  ///< N; N and N^2 a sample: infinite where there is no limit
   Eigen::VectorXd last_;          ///< m, N, the last command
 };

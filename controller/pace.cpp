@@ -23,6 +23,9 @@ constexpr double forgotten_s = 3;
 constexpr double piece_s = 0.25, piece_periods = 0.25, still = 0.01;
 // Fewer fourth differences tell no noise.
 constexpr std::int64_t fewest_differences = 50;
+constexpr std::int64_t longest_loss = 10;
+// Below a tenth of a hertz floors move frames by next to nothing; sensors tilt and drift.
+constexpr double rest_s = 3;
 constexpr int most_samples = 50'000;
 // The sum of squares of 1, -4, 6, -4, 1.
 constexpr double squares_of_a_difference = 70;
@@ -57,7 +60,9 @@ MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece) {
 }  // namespace
 
 Pace::Pace(const Gains& gains, double free)
-    : designed_(gains), keep_(std::exp(-gains.sample_time() / forgotten_s)) {
+    : designed_(gains),
+      keep_(std::exp(-gains.sample_time() / forgotten_s)),
+      sample_time_(gains.sample_time()) {
   const Index m = gains.n_legs(), p = designed_.n_floor();
   for (const double memory : memories_s) {
     const double keep = memory > 0 ? std::exp(-gains.sample_time() / memory) : 0;
@@ -74,7 +79,7 @@ Pace::Pace(const Gains& gains, double free)
     const MatrixXd changes = changes_of(designed_, m, j, piece);
     for (PaceScale& scale : scales_) scale.learn(changes, j);
   }
-  largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
+  rest_ = moves_ = largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
   squares_ = most_ = change_ = quiet_ = VectorXd::Zero(m);
   designed_.reset();
@@ -90,10 +95,11 @@ void Pace::restart() noexcept {
 }
 
 void Pace::listen(std::int64_t seq, const Ref<const VectorXd>& sigma) noexcept {
-  n_in_row_ = n_in_row_ > 0 && seq == seq_ + 1 ? n_in_row_ + 1 : 1;
+  // Over samples that were lost a frame moves further, and noise is taken for more than it is.
+  n_in_row_ = n_in_row_ > 0 && seq - seq_ <= longest_loss ? n_in_row_ + 1 : 1;
   seq_ = seq;
-  const auto at = [&](std::int64_t age) { return last_.col((seq + 5 - age) % 5); };
-  last_.col(seq % 5) = sigma;
+  const auto at = [&](std::int64_t age) { return last_.col((n_in_row_ + 5 - age) % 5); };
+  last_.col(n_in_row_ % 5) = sigma;
   change_ = at(0) - at(1);
   for (PaceScale& scale : scales_) scale.listen(change_, n_in_row_ == 1);
   if (n_in_row_ < 5) return;
@@ -125,9 +131,14 @@ void Pace::forget(std::int64_t n_elapsed) noexcept {
   for (PaceScale& scale : scales_) scale.forget(kept, n_elapsed, whole_, floor_known_);
 }
 
-void Pace::floor(const Ref<const VectorXd>& w) noexcept {
-  floor_known_ = largest_.size() > 0 && w.size() == largest_.size();
+void Pace::floor(const Ref<const VectorXd>& measured) noexcept {
+  floor_known_ = largest_.size() > 0 && measured.size() == largest_.size();
   if (!floor_known_) return;
+  // At first the mean of all there were.
+  ++n_rest_;
+  rest_ += std::max(sample_time_ / rest_s, 1 / static_cast<double>(n_rest_)) * (measured - rest_);
+  moves_ = measured - rest_;
+  const VectorXd& w = moves_;
   largest_ = largest_.cwiseMax(w.cwiseAbs().cwiseMin(before_));
   before_ = w.cwiseAbs();
   doubted_ = believed_;
@@ -161,19 +172,29 @@ const VectorXd& Pace::most(std::int64_t n) noexcept {
     return most_;
   }
   for (Index i = 0; i < most_.size(); ++i) most_(i) = scales_.front().most(i, known_floor());
-  // After a longer gap the loop has let go meanwhile, and nothing is to be caught up with.
-  if (n > 1 && n <= DesignedLoop::longest_step) most_ *= static_cast<double>(n);
+  // What a loop that lost samples has to catch up with; in a longer gap it has begun to let go.
+  most_ *= static_cast<double>(std::clamp<std::int64_t>(n, 1, DesignedLoop::longest_step));
   return most_;
 }
 
-bool Pace::command(std::int64_t n, const Ref<const VectorXd>& change) noexcept {
-  // How a frame swings within milliseconds does not tell how its floor will.
-  if (!floor_known_) return false;
-  bool beyond = false;
-  for (std::size_t i = 1; i < scales_.size(); ++i) {
-    beyond |= scales_[i].command(n, change, largest_);
+Index Pace::command(std::int64_t n, const Ref<const VectorXd>& change) noexcept {
+  for (PaceScale& scale : scales_) scale.command(n, change);
+  if (!knows_noise()) return -1;
+  Index leg = -1;
+  double furthest = 1;
+  for (Index i = 0; i < change.size(); ++i) {
+    double part = std::abs(change(i)) / most_(i);
+    // How a frame swings within milliseconds does not tell how its floor will.
+    for (std::size_t j = 1; floor_known_ && j < scales_.size(); ++j) {
+      part = std::max(part, scales_[j].part(i, largest_));
+    }
+    // What is no number is beyond everything.
+    if (std::isnan(part)) part = std::numeric_limits<double>::infinity();
+    if (part <= furthest) continue;
+    furthest = part;
+    leg = i;
   }
-  return beyond && knows_noise();
+  return leg;
 }
 
 }  // namespace stillframe::controller

@@ -25,9 +25,9 @@ namespace stillframe::controller {
 /// differences of what it reads while arming; S_i the largest change of its reading then; B_ik: the
 /// largest change after a step of sensor k, d_k the doubt about its offset; both forgotten within
 /// seconds. The same holds of what a loop changes within some milliseconds, every change remembered
-/// for so long (pace_scale.hpp): what grows slowly is seen there. Where the floor is not measured, or what it does is not known by its acceleration
-/// alone, S_i counts four times and is kept. Construction is set-up; the rest is hot: noexcept, no
-/// allocation.
+/// for so long (pace_scale.hpp): what grows slowly is seen there. Where the floor is not measured,
+/// or what it does is not known by its acceleration alone, S_i counts four times and is kept.
+/// Construction is set-up; the rest is hot: noexcept, no allocation.
 class Pace {
  public:
   /// free: N a sample, that is always allowed. Errors: as law_from_gains and sample_and_hold.
@@ -42,7 +42,7 @@ class Pace {
   /// So many periods have passed.
   void forget(std::int64_t n_elapsed) noexcept;
   /// The floor (p, m/s^2; empty: not measured) as a measurement has it. One sample alone is not
-  /// believed.
+  /// believed, and what its sensors read all the time is no motion.
   void floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
   /// The law has answered that measurement, n samples after the one before; its force is commanded
   /// times gain.
@@ -52,9 +52,10 @@ class Pace {
   /// The largest change of each force now (m, N) from the last command, n samples ago; infinite
   /// where too few samples came one after the other while arming.
   const Eigen::VectorXd& most(std::int64_t n) noexcept;
-  /// Commanded is so much more (m, N) than n samples ago. True if the loop has changed its forces
-  /// by more than it may within some milliseconds.
-  bool command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
+  /// n samples after its last force, the law asks for one that differs by that much (m, N; not what
+  /// it could not get before). The leg that is furthest beyond what it may, in this or within some
+  /// milliseconds; -1: none.
+  Eigen::Index command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
 
   /// L (m x p, N per m/s^2) and the squares of N (m x m, 1) above.
   const Eigen::MatrixXd& per_floor() const noexcept { return scales_.front().per_floor(); }
@@ -62,7 +63,8 @@ class Pace {
 
   template <class Archive>
   void visit(Archive& archive) {
-    archive(largest_), archive(before_), archive(believed_), archive(last_), archive(squares_);
+    archive(rest_), archive(n_rest_), archive(largest_), archive(before_), archive(believed_),
+        archive(last_), archive(squares_);
     archive(smallest_), archive(seq_), archive(n_in_row_), archive(n_squares_);
     archive(floor_known_), archive(whole_);
     for (PaceScale& scale : scales_) scale.visit(archive);
@@ -74,15 +76,17 @@ class Pace {
   const Eigen::VectorXd* known_floor() const noexcept { return floor_known_ ? &largest_ : nullptr; }
 
   DesignedLoop designed_;
-  std::vector<PaceScale> scales_;       ///< the first: of single changes
-  double keep_;
+  std::vector<PaceScale> scales_;  ///< the first: of single changes
+  double keep_, sample_time_;
+  Eigen::VectorXd rest_;                ///< p, m/s^2, what the floor's sensors read at rest
   Eigen::VectorXd largest_, before_;    ///< p, m/s^2, W and the last |w|
+  Eigen::VectorXd moves_;               ///< p, m/s^2, the floor without that
   Eigen::VectorXd believed_;            ///< p, m/s^2, the floor as far as it is believed
   Eigen::VectorXd doubted_, beyond_;    ///< p, m/s^2, its change, and what was not believed
-  Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring by seq
+  Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring
   Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
   Eigen::VectorXd most_, change_, quiet_;
-  std::int64_t seq_ = -1, n_in_row_ = 0, n_squares_ = 0;
+  std::int64_t n_rest_ = 0, seq_ = -1, n_in_row_ = 0, n_squares_ = 0;
   bool floor_known_ = false, whole_ = false;
 };
 

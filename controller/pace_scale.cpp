@@ -80,7 +80,8 @@ void PaceScale::listen(const Ref<const VectorXd>& change, bool first) noexcept {
   swing_ = swing_.cwiseMax(reading_.cwiseAbs());
 }
 
-void PaceScale::begin(const Ref<const VectorXd>& doubt, const Ref<const VectorXd>& variance) noexcept {
+void PaceScale::begin(const Ref<const VectorXd>& doubt,
+                      const Ref<const VectorXd>& variance) noexcept {
   doubt_.noalias() = per_offset_ * doubt;
   noise_.noalias() = per_noise_ * variance;
   noise_ = sure * noise_.cwiseSqrt();
@@ -115,12 +116,8 @@ double PaceScale::most(Index i, const VectorXd* largest) const noexcept {
          std::min(any_floor, std::abs(designed_(i)) + not_as_designed * any_floor + lost_(i));
 }
 
-bool PaceScale::command(std::int64_t n, const Ref<const VectorXd>& change,
-                        const VectorXd& largest) noexcept {
+void PaceScale::command(std::int64_t n, const Ref<const VectorXd>& change) noexcept {
   force_ = power(keep_, n) * force_ + change;
-  bool beyond = false;
-  for (Index i = 0; i < force_.size(); ++i) beyond |= !(std::abs(force_(i)) <= most(i, &largest));
-  return beyond;
 }
 
 }  // namespace stillframe::controller

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 
 namespace stillframe::controller {
@@ -39,10 +40,12 @@ class PaceScale {
   void lose_track(const Eigen::Ref<const Eigen::VectorXd>& largest) noexcept;
   /// The bound of leg i; largest: p, m/s^2, W, none where the floor is not known.
   double most(Eigen::Index i, const Eigen::VectorXd* largest) const noexcept;
-  /// n samples after the command before, it was changed by that much (m, N). True if any z is
-  /// beyond its bound.
-  bool command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change,
-               const Eigen::VectorXd& largest) noexcept;
+  /// n samples after the command before, it was changed by that much (m, N).
+  void command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
+  /// The z of leg i over its bound; largest: p, m/s^2, W.
+  double part(Eigen::Index i, const Eigen::VectorXd& largest) const noexcept {
+    return std::abs(force_(i)) / most(i, &largest);
+  }
 
   /// L (m x p, N per m/s^2) and N2 (m x m, 1).
   const Eigen::MatrixXd& per_floor() const noexcept { return per_floor_; }

@@ -148,7 +148,7 @@ std::string Session::refusal(Request request) const {
   if (end_) return "the controller ends";
   if (io_.run_info().loop == "passive") return "the run is passive";
   if (!counters.latched) return "";
-  return "a fault is latched (" + std::string(to_text(counters.fault.load())) +
+  return "a fault is latched (" + fault_in_words(counters, io_.run_info().leg_names) +
          "); mend its cause and reset it first";
 }
 
@@ -175,7 +175,7 @@ void Session::tell(bool whatever) {
   telemetry_.publish_status(last_request_);
   if (latched != told_latched_) keep_latch();
   if (n_faults != told_faults_ || latched > told_latched_) {
-    options_.warn("fault: " + std::string(to_text(counters.fault.load())) +
+    options_.warn("fault: " + fault_in_words(counters, io_.run_info().leg_names) +
                   (latched ? ", latched" : ", passing"));
   } else if (state != told_state_ && state != State::fading && state != State::ramp_in) {
     options_.say(std::string(to_text(state)));

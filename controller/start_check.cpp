@@ -45,8 +45,7 @@ std::vector<double> candidate_leaks(const Gains& gains) {
   if (gains.leak_hz > 0) leaks.push_back(gains.leak_hz / 10);
   const Index m = gains.n_legs();
   const MatrixXd X = MatrixXd::Identity(m, m) + gains.K_P;
-  const double bound =
-      spectral_radius(MatrixXd(X.partialPivLu().solve(gains.K_I))) / two_pi;
+  const double bound = spectral_radius(MatrixXd(X.partialPivLu().solve(gains.K_I))) / two_pi;
   for (double decade = 0.01; decade < 1e3; decade *= 10) {
     for (const double step : {1.0, 2.0, 3.0, 5.0, 7.0}) {
       const double leak = decade * step;
@@ -103,8 +102,8 @@ void try_changes(Gains gains, const std::vector<const Change*>& changes,
 /// Poles count as one and the same within this: rounding spreads double ones by its square root.
 constexpr double apart = 1e-7;
 
-/// Poles of the feedback part of the loop with the law's force taken `weight` times. None where they
-/// are not known.
+/// Poles of the feedback part of the loop with the law's force taken `weight` times. None where
+/// they are not known.
 VectorXcd loop_poles(const Gains& gains, const SampledPlant& plant, double weight) {
   DiscreteLaw law = law_from_gains(gains);
   law.C *= weight;
@@ -138,22 +137,24 @@ Causes causes_of(const Gains& gains) {
     if (is_among(pole, half) && is_among(pole, held)) {
       Index nearest = 0;
       (held.array() - pole).abs().minCoeff(&nearest);
-      const double hz = std::abs(own(nearest).imag()) / two_pi;
-      // Two of one frequency, and the double pole of a free motion, are named once.
-      if (causes.unreached_hz.empty() || hz - causes.unreached_hz.back() > 1e-6 * hz) {
-        causes.unreached_hz.push_back(hz);
-      }
-      std::sort(causes.unreached_hz.begin(), causes.unreached_hz.end());
+      const double omega = std::abs(own(nearest).imag());
+      causes.unreached_hz.push_back(omega * gains.sample_time() < apart ? 0 : omega / two_pi);
     } else if (std::abs(pole - 1.0) < 10 * apart) {
       causes.drifts = true;
     } else {
       causes.others = true;
     }
   }
+  // Two of one frequency, and the double pole of a free motion, are named once.
+  auto& hz = causes.unreached_hz;
+  std::sort(hz.begin(), hz.end());
+  hz.erase(std::unique(hz.begin(), hz.end(), [](double a, double b) { return b - a <= 1e-6 * b; }),
+           hz.end());
   return causes;
 }
 
 std::string of_unreached(const std::vector<double>& motions_hz) {
+  if (motions_hz.empty()) return "";
   constexpr size_t most_named = 4;
   std::string text;
   for (size_t i = 0; i < std::min(motions_hz.size(), most_named); ++i) {
@@ -162,9 +163,11 @@ std::string of_unreached(const std::vector<double>& motions_hz) {
   if (motions_hz.size() > most_named) {
     text += " and " + std::to_string(motions_hz.size() - most_named) + " more";
   }
-  return "The law does not reach what moves at " + text +
-         " Hz, and nothing else damps it: no gains and no settings mend that. It needs damping in "
-         "the scene, or a leg that acts on it.";
+  return "the law does not reach what moves at " + text +
+         " Hz, and nothing else brings it to rest: no gains and no settings mend that. It needs "
+         "damping in the scene" +
+         (motions_hz.front() == 0 ? " (at 0 Hz a spring as well)" : "") +
+         ", or a leg that acts on it";
 }
 
 std::string of_the_law(const Gains& gains, const Causes& causes) {
@@ -276,6 +279,10 @@ std::vector<double> unreached_motions_hz(const Gains& gains) {
   return causes_of(gains).unreached_hz;
 }
 
+std::string unreached_in_words(const Gains& gains) {
+  return of_unreached(causes_of(gains).unreached_hz);
+}
+
 double require_stable(const Gains& gains) {
   const double radius = closed_loop_radius(gains);
   if (radius < largest_stable_radius) return radius;
@@ -286,8 +293,8 @@ double require_stable(const Gains& gains) {
   if (of_law) text += " " + of_the_law(gains, causes);
   if (!causes.unreached_hz.empty()) {
     // No change of the gains file makes this loop stable, so none is tried.
-    throw Refusal(text + (of_law ? " And that is not all. " : " ") +
-                  of_unreached(causes.unreached_hz));
+    throw Refusal(text + (of_law ? " Besides, " : " Here ") + of_unreached(causes.unreached_hz) +
+                  ".");
   }
   const auto remedies = find_remedies(gains);
   if (remedies.empty()) text += no_remedy(gains);

@@ -24,9 +24,12 @@ struct Remedy {
 /// does; each is tried numerically, of large loops only the first pairs. Set-up.
 std::vector<Remedy> find_remedies(const Gains& gains);
 
-/// Frequencies of the plant's motions that do not decay and that the law does not reach, Hz, upwards:
-/// no change of the gains mends them. 0: a motion that nothing holds. Set-up.
+/// Frequencies of the plant's motions that do not decay and that the law does not reach, Hz,
+/// upwards: no change of the gains mends them. 0: a motion that nothing holds. Set-up.
 std::vector<double> unreached_motions_hz(const Gains& gains);
+
+/// Which those are and what they need, in one line; empty without any. Set-up.
+std::string unreached_in_words(const Gains& gains);
 
 /// The largest spectral radius of the loop while it is ramped in or out: with the law's force taken
 /// w times, w = 0.05, 0.10, ... 0.95. A frame that is not stable by itself has one above 1. Set-up.

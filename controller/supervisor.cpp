@@ -116,13 +116,14 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       limits_(force_limit(gains, policy), policy, gains.n_legs(), gains.sample_time()),
       arming_(gains.n_legs(), policy, gains.sample_rate_hz),
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
-      pace_(gains,
-            policy.free_rate_n_per_s.value_or(0.1 * force_limit(gains, policy)) * gains.sample_time()),
+      pace_(gains, policy.free_rate_n_per_s.value_or(0.1 * force_limit(gains, policy)) *
+                       gains.sample_time()),
       sample_time_(gains.sample_time()),
       active_(active),
       wanted_(active && policy.start_at_once),
       quiet_(std::llround(quiet_s / sample_time_)) {
-  change_ = base_ = step_ = force_ = u_ = offset_ = sigma_ = VectorXd::Zero(law_.n_legs());
+  change_ = asked_ = asked_before_ = base_ = step_ = force_ = u_ = offset_ = sigma_ =
+      VectorXd::Zero(law_.n_legs());
   Counter counter;
   visit(counter);
   memory_size_ = counter.n;
@@ -135,6 +136,7 @@ void Supervisor::visit(Archive& archive) {
   archive(last_defect_);
   archive(quiet_), archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
   archive(base_), archive(step_), archive(force_), archive(offset_);
+  archive(asked_before_), archive(met_limit_);
   archive(seq_), archive(law_seq_), archive(time_ns_);
   archive(n_faults_), archive(n_rejoins_), archive(n_saturated_);
   law_.visit(archive);
@@ -208,17 +210,22 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   command.time_ns = static_cast<std::int64_t>(time_ns_);
   Limits::Passed passed;
   if (send) {
+    Index hurries = -1;
     if (engaged()) {
-      change_ = -limits_.last();
-      passed = limits_.pass(force_, pace_.most(n_samples_));
-      change_ += force_;
-      if (passed.limited && !passed.hurried) pace_.lose_track();
-      passed.hurried |= pace_.command(n_samples_, change_);
+      // What an actuator would not do the law goes on asking for; its own change is judged then.
+      const VectorXd& before = met_limit_ ? asked_before_ : limits_.last();
+      change_ = asked_ - before;
+      const VectorXd& pace = pace_.most(n_samples_);
+      hurries = pace_.command(n_samples_, change_);
+      asked_before_ = asked_;
+      passed = limits_.pass(force_, pace);
+      met_limit_ = passed.by_actuator || (met_limit_ && passed.limited);
+      if (passed.by_actuator) pace_.lose_track();
     } else {
       passed = limits_.pass(force_);
     }
     n_saturated_ += passed.limited ? 1 : 0;
-    watch_.command(force_, engaged(), passed.hurried);
+    watch_.command(force_, engaged(), hurries);
   }
   command.saturated = passed.limited;
   command.force = force_;
@@ -369,6 +376,10 @@ void Supervisor::arm(const Event& event) noexcept {
   const Fault found = arming_.judge(offset_, u_);
   if (found != Fault::none) return latch(found);
   pace_.begin(u_);
+  asked_.setZero();
+  asked_before_.setZero();
+  n_samples_ = 1;
+  met_limit_ = false;
   law_.reset();
   watch_.restart();
   law_ran_ = false;
@@ -392,7 +403,7 @@ void Supervisor::run_law(const Event& event) noexcept {
   move_gain(event.n_elapsed);
   if (!engaged()) return;
   const double gain = smooth_step(p_);
-  force_ = gain * u_;
+  force_ = asked_ = gain * u_;
   pace_.expect(n_samples_, gain);
 }
 

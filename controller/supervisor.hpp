@@ -53,6 +53,8 @@ class Supervisor {
   Eigen::Index n_legs() const noexcept { return law_.n_legs(); }
   State state() const noexcept { return state_; }
   Fault fault() const noexcept { return fault_; }  ///< the last one
+  /// The leg whose force first changed faster than it may before the fault restless; -1: none.
+  Eigen::Index first_leg() const noexcept { return watch_.first(); }
   bool latched() const noexcept { return latched_; }
   bool active() const noexcept { return active_; }
   std::int64_t n_faults() const noexcept { return n_faults_; }
@@ -102,8 +104,10 @@ class Supervisor {
   double rejoins_ = 0;          ///< of the last minute
   bool passing_fault_ = false;  ///< since the last arming
   double p_ = 0, q_ = 0;
-  Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_, change_;  ///< m, N
+  Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_;  ///< m, N
+  Eigen::VectorXd asked_, asked_before_, change_;  ///< m, N, by the law, before the last gate
   std::int64_t seq_ = -1, law_seq_ = -1;
+  bool met_limit_ = false;      ///< of an actuator, and has not caught up since
   std::int64_t n_samples_ = 1;  ///< that the law has made up for now
   double time_ns_ = 0;
   std::int64_t n_faults_ = 0, n_rejoins_ = 0, n_saturated_ = 0;

@@ -115,6 +115,17 @@ void Telemetry::publish_records() {
   give();
 }
 
+std::string fault_in_words(const LoopCounters& counters,
+                           const std::vector<std::string>& leg_names) {
+  const Fault fault = counters.fault;
+  const std::int64_t leg = counters.first_leg;
+  std::string text(to_text(fault));
+  const bool named =
+      fault == Fault::restless && leg >= 0 && leg < static_cast<std::int64_t>(leg_names.size());
+  if (named) text += ", " + leg_names[static_cast<std::size_t>(leg)] + " first";
+  return text;
+}
+
 void Telemetry::publish_status(const LastRequest& request) {
   const LoopCounters& counters = loop_.counters();
   const State state = counters.state.load(std::memory_order_acquire);
@@ -130,7 +141,9 @@ void Telemetry::publish_status(const LastRequest& request) {
   status.fault = static_cast<std::int32_t>(fault);
   status.latched = counters.latched ? 1 : 0;
   status.text = std::string(to_text(state));
-  if (state == State::fault) status.text += ": " + std::string(to_text(fault));
+  if (state == State::fault) {
+    status.text += ": " + fault_in_words(counters, io_.run_info().leg_names);
+  }
   status.nonce = request.nonce;
   status.answer = request.answer;
   status.n_periods = counters.n_periods;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "controller/lcm_io.hpp"
 #include "controller/lcm_stream.hpp"
@@ -19,6 +20,9 @@ stillframe_msgs::loop_checkpoint_t to_message(const LoopCheckpoint& checkpoint, 
                                               const std::string& policy_text);
 /// The way back, for replay; the vectors get their sizes from the message.
 LoopRecord from_message(const stillframe_msgs::loop_record_t& message);
+
+/// The last fault, with the leg that began it where one did: "restless, leg_2 first". Set-up.
+std::string fault_in_words(const LoopCounters& counters, const std::vector<std::string>& leg_names);
 
 /// Tells the bus what the loop does, from a thread that may be slow. Set-up.
 class Telemetry {

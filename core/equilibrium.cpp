@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "core/dynamics.hpp"
-#include "core/stationarity.hpp"
 #include "core/node_moves.hpp"
+#include "core/stationarity.hpp"
 #include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -131,8 +132,12 @@ class Balance {
   }
   /// K + N + G = -d f / d q where forces() was last asked for.
   const LinearModel& linear() { return lineariser_.about(motion_, data_.load_factor); }
-  /// How far the nodes go in a step of the dofs.
+  /// How far the nodes go in a step of the dofs, beside the size of the scene as written and as it
+  /// is now.
   double length(const VectorXd& step) const { return largest_move(model_, data_.DF * step); }
+  double length_now(const VectorXd& step) const {
+    return largest_move(model_, data_.DF * step, scene_size(model_, data_.x));
+  }
   /// Nothing but rounding is out of balance.
   bool holds(const VectorXd& f) {
     const double work = largest_work(model_, data_, f);
@@ -160,23 +165,25 @@ class Balance {
 /// twentieth of the first at most: then all that is not linear on the way is small beside what is,
 /// and no other equilibrium, nor a load at which this one ends, lies between; after that, each may
 /// be a quarter of the one before (Newton and Kantorovich). Lengths are those of the nodes, so that
-/// units and the choice of dofs do not matter.
+/// units and the choice of dofs do not matter. The first step may grow with the scene, so that a
+/// long pull takes no more of them than its logarithm; the second may not.
 bool contracts(Balance& balance, VectorXd& q, int& iterations) {
   constexpr double at_first = 0.05, most = 0.25;
   constexpr double farthest = 0.5;   // rad, or of the scene's size: more is a guess
   constexpr double rounding = 1e-7;  // as far as rounding may leave an ill-conditioned balance
   VectorXd f(q.size());
   if (!balance.forces(q, f)) return false;
-  double longest = farthest;
+  double longest = 0;
   for (int k = 0;; ++k) {
     const VectorXd step = motion_against(balance.linear().stiffness(), f);
+    if (k == 0 && !(balance.length_now(step) <= farthest)) return false;
     const double length = balance.length(step);
-    if (!(length <= longest)) return k > 0 && longest <= rounding && balance.holds(f);
+    if (k > 0 && !(length <= longest)) return longest <= rounding && balance.holds(f);
     q += step;
     ++iterations;
     if (!balance.forces(q, f)) return false;
     if (length == 0) return balance.holds(f);
-    longest = (k == 0 ? at_first : most) * length;
+    longest = k == 0 ? at_first * std::min(length, farthest) : most * length;
   }
 }
 
@@ -207,16 +214,33 @@ std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
   return model.dofs[static_cast<size_t>(largest)].name;
 }
 
+/// A share below 1 in four digits, rounded down: what was not reached is not said to be.
+std::string shown_share(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", share);
+  if (std::strtod(text, nullptr) <= share) return text;
+  const double digit = std::pow(10, std::floor(std::log10(share)) - 3);
+  std::snprintf(text, sizeof text, "%.4g", share - digit);
+  return text;
+}
+
+/// Attempts at a load. The hardest paths that lead somewhere take some hundred.
+constexpr int most_attempts = 1000;
+
 /// moved: n_x, at the last equilibrium.
-[[noreturn]] void refuse_load(const Model& model, double reached, const VectorXd& moved) {
+[[noreturn]] void refuse_load(const Model& model, double reached, const VectorXd& moved,
+                              int attempts) {
   if (reached > 0) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.4g", reached);
     const std::string move = largest_move_in_words(model, moved);
-    throw Refusal(std::string("no equilibrium found: the loads can be followed up to ") + text +
-                  " of their size; beyond, the configuration collapses (a limit or buckling load) "
-                  "or nothing resists" +
-                  (move.empty() ? "" : "; there, " + move));
+    throw Refusal(
+        "no equilibrium found: the loads can be followed up to " + shown_share(reached) +
+        " of their size" +
+        (attempts < most_attempts
+             ? "; beyond, the configuration collapses (a limit or buckling load) or nothing resists"
+             : " in " + std::to_string(most_attempts) +
+                   " steps, and are far too large for what has to bear them (a wrong power of "
+                   "ten?)") +
+        (move.empty() ? "" : "; there, " + move));
   }
   const std::string dof =
       unresisted_dof(model, -Balance(model, 0, 0).linear().stiffness());
@@ -234,9 +258,12 @@ std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
 /// Follows the loads from zero. Adds to iterations and load_steps.
 void follow(const Model& model, Balance& balance, VectorXd& q, Equilibrium& result) {
   double reached = 0, step = 1;
+  int attempts = 0;
   // Towards a limit load steps shrink as what is left of it does, to a tenth or so; 2^-16 of the load
   // is where the path has ended. The first step may be as small as a load is large.
-  while (reached < 1 && step >= (reached > 0 ? 0x1p-16 * reached : 0x1p-40)) {
+  while (reached < 1 && step >= (reached > 0 ? 0x1p-16 * reached : 0x1p-40) &&
+         attempts < most_attempts) {
+    ++attempts;
     const double factor = std::min(1.0, reached + step);
     VectorXd trial = q;
     if (balance_at(balance, factor, trial, result.iterations)) {
@@ -248,7 +275,7 @@ void follow(const Model& model, Balance& balance, VectorXd& q, Equilibrium& resu
       step *= step == 1.0 ? 0.125 : 0.5;
     }
   }
-  if (reached < 1) refuse_load(model, reached, balance.motion().x);
+  if (reached < 1) refuse_load(model, reached, balance.motion().x, attempts);
 }
 
 /// Where positions are dofs, the balance at q'^d = 0 is not that of what goes along: it strains and

@@ -46,12 +46,28 @@ double scene_size(const Model& model) {
   return size > 0 ? size : 1;
 }
 
+double scene_size(const Model& model, const Eigen::VectorXd& displacement) {
+  const auto place = [&](const ModelNode& node) -> Eigen::Vector3d {
+    LocalVector local;
+    gather({node.translation}, displacement, local);
+    return node.position + local.head<3>();
+  };
+  double size = scene_size(model);
+  const Eigen::Vector3d first = place(model.nodes.front());
+  for (const ModelNode& node : model.nodes) size = std::max(size, (place(node) - first).norm());
+  return size;
+}
+
 double largest_turn(const Model& model, const Eigen::VectorXd& displacement) {
   return largest(model, displacement, 0, 1, 2);
 }
 
 double largest_move(const Model& model, const Eigen::VectorXd& displacement) {
-  return largest(model, displacement, 1 / scene_size(model), 1, 2);
+  return largest_move(model, displacement, scene_size(model));
+}
+
+double largest_move(const Model& model, const Eigen::VectorXd& displacement, double size) {
+  return largest(model, displacement, 1 / size, 1, 2);
 }
 
 std::string largest_move_in_words(const Model& model, const Eigen::VectorXd& displacement) {

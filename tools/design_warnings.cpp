@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "controller/start_check.hpp"
 #include "report/table.hpp"
 #include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"
@@ -29,12 +30,17 @@ void warn_of_stability(const LoopDesign& design, const DesignAnalysis& analysis,
   std::string text = cell("the sampled loop is not stable (spectral radius %.9g)", analysis.radius);
   const Eigen::VectorXcd& poles = analysis.poles;
   const double real = poles.real().maxCoeff();
-  if (real > 1e-9 * two_pi * design.scene.controller->lowest_target_hz()) {
+  const double rounding = 1e-9 * two_pi * design.scene.controller->lowest_target_hz();
+  if (real > rounding) {
     text += cell(", nor is the continuous one (largest real part %.3g 1/s)", real);
+  } else if (real > -rounding) {
+    text += ", nor does the continuous one settle";
   } else {
     text += "; the continuous one is, so sampling, delay or instruments are at fault";
   }
   out.push_back(text);
+  const std::string unreached = controller::unreached_in_words(design.gains);
+  if (!unreached.empty()) out.push_back(unreached);
 }
 
 void warn_of_order(const LoopDesign& design, const DesignAnalysis& analysis,

@@ -49,7 +49,7 @@ struct TwoByTwo {
 };
 TwoByTwo eigenvalues(double a, double c, double square, double determinant) noexcept {
   const double half = (a - c) / 2, large = (a + c) / 2 + std::sqrt(half * half + square);
-  return {large, large > 0 ? determinant / large : 0.0};
+  return {large, large == 0 ? 0.0 : determinant / large};
 }
 
 /// A shift that is likely to be just below the smallest value of the block: the smaller eigenvalue
@@ -59,7 +59,7 @@ double estimate(const double* q, const double* e, Index n) noexcept {  // n > 2
   const double value = eigenvalues(a, c, square, q[n - 2] * c).small;
   if (!(value > 0)) return 0.0;
   const double across = (a - value) * (a - value) + square;
-  const double residual = std::sqrt(q[n - 2] * e[n - 3] * square / across);
+  const double residual = across > 0 ? std::sqrt(q[n - 2] * e[n - 3] * square / across) : 0.0;
   return std::max(value - residual, value / 4);
 }
 
@@ -69,10 +69,12 @@ double advance(double* q, double* e, Index n, double* work) noexcept {
   double shift = estimate(q, e, n);
   for (int attempt = 0;; ++attempt) {
     if (attempt == 5) shift = 0;
-    Step step = transform(q, e, n, shift, q_new, e_new);
+    const Step step = transform(q, e, n, shift, q_new, e_new);
+    // Without a shift a negative remainder is rounding, and one that is no number comes from data
+    // that are none, which the values then show.
     if (shift == 0) {
-      step = {false, std::max(step.remainder, 0.0)};
-      q_new[n - 1] = step.remainder;
+      q_new[n - 1] = step.remainder < 0 ? 0.0 : step.remainder;
+      break;
     }
     if (!step.early && step.remainder >= 0) break;
     // The remainder that failed says by how much; couplings further on may take a little more.

@@ -18,6 +18,10 @@ using Eigen::Index;
 /// Of the largest entry; squares of smaller values come near the end of what a double can hold.
 constexpr double resolved = 1e-140;
 
+/// The square of what counts as nothing beside the largest entry, about 1: of smaller squares the
+/// inverse is no number.
+constexpr double least_square = 1e-290;
+
 /// The reflector v (in place of x, `count` numbers `step` apart, conjugated first if asked) and
 /// 2 / v^H v, for which (I - v v^H 2 / v^H v) x has one entry that is not zero; its modulus.
 /// Source: Golub and Van Loan, Matrix Computations, section 5.1.
@@ -32,6 +36,8 @@ struct Reflector {
     const ComplexNumber& a = x[i * step];
     square += a.re * a.re + a.im * a.im;
   }
+  // A column that counts as nothing stands for itself: no reflection.
+  square = square < least_square ? zero : square;
   Lanes modulus = square, size = x->re * x->re + x->im * x->im;
   take_root(modulus);
   take_root(size);
@@ -212,6 +218,11 @@ void SingularValues::compute(const Eigen::MatrixXcd* G, Index count,
         continue;
       }
       finish(lane, out.data());
+      // No order can be had of what is no number, nor a zero be made of it.
+      if (!out.allFinite()) {
+        out.setConstant(std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
       for (Index i = 0; i < n_; ++i) out(i) = out(i) > resolved ? out(i) : 0.0;
       std::sort(out.data(), out.data() + n_, std::greater<>());
       out *= scale[lane];

@@ -1,12 +1,16 @@
 #include "core/yaml/ranges.hpp"
 
 #include <charconv>
+#include <limits>
 
 #include "core/files/utf8.hpp"
 
 namespace stillframe {
 
 namespace {
+
+/// They say their own bounds.
+constexpr double any = std::numeric_limits<double>::infinity();
 
 /// The fewest digits that give the number back, the same under every locale.
 std::string shown(double value) {
@@ -22,13 +26,13 @@ std::string shown(double value) {
 }  // namespace
 
 double number_within(const YamlReader& value, double lowest, double highest) {
-  const double number = value.number();
+  const double number = value.number(any);
   if (number >= lowest && number <= highest) return number;
   refuse(value, "a number from " + shown(lowest) + " to " + shown(highest));
 }
 
 double positive_up_to(const YamlReader& value, double highest) {
-  const double number = value.number();
+  const double number = value.number(any);
   if (number > 0 && number <= highest) return number;
   refuse(value, "a number above 0 and up to " + shown(highest));
 }

@@ -37,6 +37,12 @@ std::string join(std::initializer_list<std::string_view> words) {
   return text;
 }
 
+/// The fewest digits that give the number back, the same under every locale.
+std::string shown(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
 std::optional<double> to_number(const std::string& text) {
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
@@ -130,22 +136,28 @@ std::vector<YamlReader> YamlReader::items() const {
   return result;
 }
 
-double YamlReader::number() const {
-  if (node_->IsScalar()) {
-    if (const auto value = to_number(node_->Scalar())) return *value;
+double YamlReader::number(double largest) const {
+  const auto value = node_->IsScalar() ? to_number(node_->Scalar()) : std::nullopt;
+  if (!value) fail_found("a finite number without a unit (SI units are understood)");
+  if (std::abs(*value) > largest) {
+    fail_found("a number from -" + shown(largest) + " to " + shown(largest));
   }
-  fail_found("a finite number without a unit (SI units are understood)");
+  return *value;
 }
 
 double YamlReader::positive() const {
   const double value = number();
   if (!(value > 0)) fail_found("a number above 0");
+  if (value < smallest_number) fail_found("a number from " + shown(smallest_number) + " up");
   return value;
 }
 
 double YamlReader::non_negative() const {
   const double value = number();
   if (!(value >= 0)) fail_found("a number that is not negative");
+  if (value > 0 && value < smallest_number) {
+    fail_found("0 or a number from " + shown(smallest_number) + " up");
+  }
   return value;
 }
 
@@ -178,7 +190,7 @@ std::string YamlReader::one_of(std::initializer_list<std::string_view> words) co
   fail_found("one of " + join(words));
 }
 
-Eigen::VectorXd YamlReader::vector(Eigen::Index size) const {
+Eigen::VectorXd YamlReader::vector(Eigen::Index size, double largest) const {
   const std::string allowed =
       size < 0 ? "a sequence of numbers" : "a sequence of " + std::to_string(size) + " numbers";
   if (!node_->IsSequence()) fail_found(allowed);
@@ -186,12 +198,12 @@ Eigen::VectorXd YamlReader::vector(Eigen::Index size) const {
   if (size >= 0 && static_cast<Eigen::Index>(values.size()) != size) fail_found(allowed);
   Eigen::VectorXd result(static_cast<Eigen::Index>(values.size()));
   for (Eigen::Index i = 0; i < result.size(); ++i) {
-    result(i) = values[static_cast<size_t>(i)].number();
+    result(i) = values[static_cast<size_t>(i)].number(largest);
   }
   return result;
 }
 
-Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols) const {
+Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols, double largest) const {
   const std::string allowed =
       std::to_string(rows) + " rows of " + std::to_string(cols) + " numbers";
   if (!node_->IsSequence()) fail_found(allowed);
@@ -199,7 +211,7 @@ Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols) const {
   if (static_cast<Eigen::Index>(lines.size()) != rows) fail_found(allowed);
   Eigen::MatrixXd result(rows, cols);
   for (Eigen::Index i = 0; i < rows; ++i) {
-    result.row(i) = lines[static_cast<size_t>(i)].vector(cols).transpose();
+    result.row(i) = lines[static_cast<size_t>(i)].vector(cols, largest).transpose();
   }
   return result;
 }

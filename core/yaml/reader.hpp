@@ -19,6 +19,10 @@ class Node;
 
 namespace stillframe {
 
+/// Beyond what any quantity in SI units is. Products and quotients of several such numbers, and
+/// the squares of those, still are numbers: nothing a model is computed from overflows.
+inline constexpr double largest_number = 1e30, smallest_number = 1e-30;
+
 /// One value of a YAML file that knows where it stands and how it is called, so that every error
 /// can say so. All functions throw InputError "file:line:column: key: found ..., allowed ...".
 class YamlReader {
@@ -44,9 +48,10 @@ class YamlReader {
   std::vector<std::pair<std::string, YamlReader>> entries() const;
   std::vector<YamlReader> items() const;
 
-  /// Scalars. number() takes any finite number; positive() and non_negative() say their bound;
-  /// integer() takes whole numbers from lowest up.
-  double number() const;
+  /// Scalars. number() takes finite numbers up to a size; positive() and non_negative() besides ask
+  /// for what is not smaller than smallest_number, or is 0; integer() takes whole numbers from
+  /// lowest up.
+  double number(double largest = largest_number) const;
   double positive() const;
   double non_negative() const;
   std::int64_t integer(std::int64_t lowest) const;
@@ -57,8 +62,9 @@ class YamlReader {
 
   /// A sequence of `size` numbers (any number of them if size is negative), and a matrix as a
   /// sequence of rows.
-  Eigen::VectorXd vector(Eigen::Index size = -1) const;
-  Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index cols) const;
+  Eigen::VectorXd vector(Eigen::Index size = -1, double largest = largest_number) const;
+  Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index cols,
+                         double largest = largest_number) const;
 
   /// Throws InputError "place: key: message".
   [[noreturn]] void fail(const std::string& message) const;

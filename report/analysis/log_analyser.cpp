@@ -189,6 +189,7 @@ class Analyser : public LogVisitor {
     if (broadband.expected_s > 0) {
       broadband.segment_s = std::min(broadband.segment_s, broadband.expected_s);
     }
+    broadband.input_noise = plan_.floor_noise;
     if (plan_.n_outputs > 0 && info.n_floor > 0) {
       const ResponseSignals signals{
           info.floor_names, {info.frame_names.begin(), info.frame_names.begin() + plan_.n_outputs}};
@@ -207,6 +208,7 @@ class Analyser : public LogVisitor {
         signals.outputs.push_back(axis.frame);
       }
       broadband.n_inputs = broadband.n_outputs = static_cast<Index>(plan_.axes.size());
+      broadband.input_noise.reset();  // of channels of their own
       axis_matrix_ = std::make_unique<ResponseAnalyser>(
           signals, broadband, plan_.model ? plan_.model->axes : std::vector<Eigen::MatrixXcd>{});
     }

@@ -45,6 +45,8 @@ struct AnalysisPlan {
   std::optional<MultisinePlan> multisine;  ///< that moved the floor, if one did
   std::vector<double> frequencies_hz;      ///< of broadband identification
   double segment_s = 64;                   ///< of broadband identification
+  /// unit / sqrt(Hz), of the sensors of the floor inputs, if it is known.
+  std::optional<double> floor_noise = {};
   std::optional<RunModel> model = {};
   std::string unmodelled = {};  ///< why there is none
 };

@@ -6,6 +6,7 @@
 
 #include "core/yaml/input_error.hpp"
 #include "report/identification/confidence.hpp"
+#include "report/identification/input_noise.hpp"
 #include "report/identification/multisine.hpp"
 #include "report/table.hpp"
 
@@ -76,6 +77,7 @@ ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const BroadbandPlan&
                                    std::vector<Eigen::MatrixXcd> model)
     : model_(std::move(model)),
       density_(2 / plan.sample_rate_hz),
+      input_noise_(plan.input_noise),
       method_(std::in_place_type<LocalPolynomial>, with_residual(plan, !model_.empty())) {
   result_.signals = std::move(signals);
   result_.method = "broadband";
@@ -126,6 +128,7 @@ IdentifiedResponse ResponseAnalyser::finish() {
     other_motion = std::move(difference.shows);
     response = about_model(response, model_, density_);
   }
+  find_input_share(response, input_noise_, 2 / density_);
   const double best = response.input_condition.minCoeff();
   if (!(best < largest_shown_condition)) {
     result.missing =

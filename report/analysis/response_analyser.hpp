@@ -56,6 +56,7 @@ class ResponseAnalyser {
   IdentifiedResponse result_;
   std::vector<Eigen::MatrixXcd> model_;
   double density_ = 0;  ///< output unit^2 / Hz, of noise of variance 1 in each equation
+  std::optional<double> input_noise_ = {};  ///< BroadbandPlan
   std::variant<Lines, LocalPolynomial> method_;
 };
 

@@ -99,9 +99,12 @@ MotionLevel motion_level(const SignalAnalysis& signal) {
   if (signal.third_octaves.size() == 0) {
     MotionLevel level;
     level.peak_acceleration = signal.peak;
+    level.whole_rms = signal.rms;
     return level;
   }
-  return motion_level(signal.power, signal.third_octaves, signal.peak);
+  MotionLevel level = motion_level(signal.power, signal.third_octaves, signal.peak);
+  level.whole_rms = signal.rms;
+  return level;
 }
 
 std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, double to_hz) {

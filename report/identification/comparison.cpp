@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -66,6 +67,7 @@ PredictionError compare(const FrequencyResponse& measured, const Bands& bands,
   result.tolerance_db = rule.tolerance_db;
   result.difference_db.setConstant(values.rows(), values.cols(),
                                    std::numeric_limits<double>::quiet_NaN());
+  result.beyond_each_db = result.difference_db;
   const auto is_compared = [&](Index l, Index i) {
     return is_narrow(values(l, i), bands.lower(l, i), bands.upper(l, i), rule.widest_db) &&
            !(predicted(l, i) <= rule.least_rank * predicted(l, 0));
@@ -87,12 +89,29 @@ PredictionError compare(const FrequencyResponse& measured, const Bands& bands,
       const double difference = 20 * std::log10(value / predicted(l, i));
       result.difference_db(l, i) = difference;
       raise(std::abs(difference), frequency, result.largest_db, result.at_frequency_hz);
-      raise(beyond(predicted(l, i), value - wider * (value - bands.lower(l, i)),
-                   value + wider * (bands.upper(l, i) - value)),
-            frequency, result.beyond_db, result.beyond_at_hz);
+      // Chance is shared among all values; what noise of the inputs takes off is in each alike.
+      const double bias = bands.bias.size() > 0 ? bands.bias(l, i) : 0;
+      const double below = value - bands.lower(l, i) - bias;
+      const double above = bands.upper(l, i) - value - bias;
+      const double lies_beyond =
+          beyond(predicted(l, i), value - bias - wider * below, value + bias + wider * above);
+      result.beyond_each_db(l, i) = lies_beyond;
+      raise(lies_beyond, frequency, result.beyond_db, result.beyond_at_hz);
     }
   }
   return result;
+}
+
+double broadly_beyond_db(const PredictionError& error) {
+  std::vector<double> beyond;
+  for (const double value : error.beyond_each_db.reshaped()) {
+    if (!std::isnan(value)) beyond.push_back(value);
+  }
+  if (beyond.empty()) return 0;
+  // The n-th largest of 10 n: of fewer than ten the largest.
+  const auto n = std::max<std::ptrdiff_t>(1, std::ssize(beyond) / 10);
+  std::nth_element(beyond.begin(), beyond.begin() + (n - 1), beyond.end(), std::greater<>());
+  return beyond[static_cast<std::size_t>(n - 1)];
 }
 
 ReductionCheck check_reduction(const std::vector<double>& frequencies_hz,

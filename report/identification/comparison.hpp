@@ -11,10 +11,10 @@
 namespace stillframe::report {
 
 /// What of a measured loop is compared with its prediction, and how: the one place that decides it.
-/// A singular value is compared where its 95 % band is narrow, which says that noise, the
-/// excitation at that frequency and the condition of the inputs leave it known, and where the
-/// prediction has that rank. What lies within the bands agrees, all of them together at 95 %; what
-/// lies beyond does so as far as the prediction itself is taken to be known.
+/// A singular value is compared where its 95 % band is narrow, which says that noise of outputs and
+/// inputs, the excitation at that frequency and the condition of the inputs leave it known, and
+/// where the prediction has that rank. What lies within the bands agrees, all of them together at
+/// 95 %; what lies beyond does so as far as the prediction itself is taken to be known.
 struct ComparisonRule {
   /// dB, of how far beyond its band a value may lie: a linear model of constant parameters is not
   /// known better of a machine, and distortion of the runs of docs/identification.md stays below a
@@ -36,12 +36,13 @@ Eigen::MatrixXd predicted_singular_values(const SampledLoop& loop,
 
 /// Measured against predicted singular values of one loop.
 struct PredictionError {
-  Eigen::MatrixXd difference_db;  ///< n_f x n_s, measured less predicted; NaN: not compared
-  double largest_db = 0;          ///< largest |difference|
-  double at_frequency_hz = 0;     ///< where it is
-  double beyond_db = 0;           ///< furthest that a prediction lies outside the value's band
-  double beyond_at_hz = 0;        ///< where it does
-  double tolerance_db = 0;        ///< of the rule
+  Eigen::MatrixXd difference_db;   ///< n_f x n_s, measured less predicted; NaN: not compared
+  Eigen::MatrixXd beyond_each_db;  ///< n_f x n_s, outside the value's band; NaN: not compared
+  double largest_db = 0;           ///< largest |difference|
+  double at_frequency_hz = 0;      ///< where it is
+  double beyond_db = 0;            ///< furthest that a prediction lies outside the value's band
+  double beyond_at_hz = 0;         ///< where it does
+  double tolerance_db = 0;         ///< of the rule
   Eigen::Index n_compared = 0, n_left_out = 0;  ///< values
 
   /// Whether anything was compared and all of it agrees.
@@ -52,6 +53,10 @@ struct PredictionError {
 /// values. Errors: std::invalid_argument if sizes differ.
 PredictionError compare(const FrequencyResponse& measured, const Bands& bands,
                         const Eigen::MatrixXd& predicted, const ComparisonRule& rule = {});
+
+/// dB, so far outside its band or further lies a tenth of the values that are compared, at least
+/// one: 0 for a prediction that is off at a few frequencies only.
+double broadly_beyond_db(const PredictionError& error);
 
 /// Closed against open loop, at the frequencies above a limit where every closed-loop singular
 /// value that is compared is predicted to be below its open-loop one. (Near half the sample rate it

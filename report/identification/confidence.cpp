@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/linear/singular_values.hpp"
+#include "report/identification/input_noise.hpp"
 
 namespace stillframe::report {
 
@@ -154,7 +155,8 @@ Interval magnitude_band(const FrequencyResponse& response, Index frequency, Inde
 Bands singular_value_bands(const FrequencyResponse& response, double level, int draws) {
   check_level(level);
   if (draws < 2) throw std::invalid_argument("singular_value_bands: draws must be 2 or more");
-  Bands bands{response.singular_values, response.singular_values};
+  Bands bands{response.singular_values, response.singular_values,
+              MatrixXd::Zero(response.singular_values.rows(), response.singular_values.cols())};
   const double half_width = student_quantile(level, 1e6);
   for (Index l = 0; l < response.n_frequencies(); ++l) {
     if (!response.singular_values.row(l).allFinite()) continue;
@@ -180,6 +182,9 @@ Bands singular_value_bands(const FrequencyResponse& response, double level, int 
         bands.upper(l, i) = measured(i) + std::max(-low, half_width * deviation(i));
       }
     }
+    bands.bias.row(l) = input_noise_error(response, l).transpose();
+    bands.lower.row(l) = (bands.lower.row(l) - bands.bias.row(l)).cwiseMax(0);
+    bands.upper.row(l) += bands.bias.row(l);
   }
   return bands;
 }

@@ -9,6 +9,9 @@ namespace stillframe::report {
 /// Lower and upper ends of confidence bands, a value each.
 struct Bands {
   Eigen::MatrixXd lower, upper;
+  /// How much of either side is no chance but what noise of the inputs may have taken off the value
+  /// (input_noise_error); empty: nothing.
+  Eigen::MatrixXd bias = {};
 };
 
 /// The two-sided quantile t of Student's distribution: P(|x| <= t) = level. dof need not be whole.
@@ -40,7 +43,8 @@ Interval magnitude_band(const FrequencyResponse& response, Eigen::Index frequenc
 /// pairs: noise drives such a pair apart, and the smallest ones up. So the bands come from draws:
 /// values that noise alone could have driven apart are put at their mean, T is drawn anew with its
 /// noise, and the distances of all draws of such a group from that mean are taken off the measured
-/// values; one that could be zero has a lower end of zero. Source: B. Efron, R. J. Tibshirani, An
+/// values; one that could be zero has a lower end of zero. What noise of the inputs may have taken
+/// off is added on either side. Source: B. Efron, R. J. Tibshirani, An
 /// Introduction to the Bootstrap (1993), chapter 13. draws: of each frequency, from a fixed seed.
 Bands singular_value_bands(const FrequencyResponse& response, double level, int draws = 1000);
 

@@ -16,6 +16,10 @@ struct FrequencyResponse {
   Eigen::MatrixXd singular_values;             ///< n_f x n_s, largest first
   std::vector<Eigen::MatrixXcd> noise;         ///< n_f matrices C, n_y x n_y, Hermitian
   std::vector<Eigen::MatrixXcd> input_weight;  ///< n_f matrices G, n_w x n_w, Hermitian
+  /// n_f matrices n_w x n_w: the share S of T that noise of variance 1 in each input of the
+  /// equations takes off it, T^ = T (I - S); none where that is in C already, as with known lines.
+  std::vector<Eigen::MatrixXcd> unit_noise_share = {};
+  std::vector<Eigen::MatrixXcd> input_share = {};  ///< S of the inputs' noise (input_noise.hpp)
   /// n_f matrices n_y x n_y, Hermitian, the mean of y y^H over the equations.
   std::vector<Eigen::MatrixXcd> output_power;
   Eigen::VectorXd dof;  ///< n_f

@@ -79,6 +79,7 @@ LocalPolynomial::LocalPolynomial(BroadbandPlan plan) : plan_(std::move(plan)) {
     e.power.setZero(plan_.n_outputs, plan_.n_outputs);
     e.excitation.setZero(plan_.n_inputs);
     e.filling.setZero(n_terms * plan_.n_inputs, n_terms * plan_.n_inputs);
+    e.moments.setZero(n_terms, n_terms);
   }
   input_power_.setZero(plan_.n_inputs);
 }
@@ -221,6 +222,10 @@ void LocalPolynomial::take(Equations& equations, double frequency_hz, const Matr
     }
   }
   const Eigen::HouseholderQR<MatrixXcd> qr(transient);
+  // What is white stays of it behind the transient, bin by bin.
+  const MatrixXcd basis = qr.householderQ() * MatrixXcd::Identity(n, n_terms);
+  const VectorXd left = 1 - basis.cwiseAbs2().rowwise().sum().array();
+  equations.moments += transient.real().transpose() * left.asDiagonal() * transient.real();
   const MatrixXcd free = (qr.householderQ().adjoint() * rows).bottomRows(n - n_terms);
   equations.n += free.rows();
   equations.excitation += free.leftCols(n_w).cwiseAbs2().colwise().sum().transpose();
@@ -285,6 +290,17 @@ double LocalPolynomial::filling_share(const Equations& equations) const {
   return Eigen::JacobiSVD<MatrixXcd>(share.topRows(plan_.n_inputs)).singularValues()(0);
 }
 
+MatrixXcd LocalPolynomial::unit_noise_share(const Equations& equations) const {
+  const Index n_w = plan_.n_inputs, p = n_terms * n_w;
+  MatrixXcd noise = MatrixXcd::Zero(p, n_w);  // of the regressors with the inputs themselves
+  for (Index r = 0; r < n_terms; ++r) {
+    noise.middleRows(r * n_w, n_w).diagonal().setConstant(equations.moments(r, 0));
+  }
+  const auto R = equations.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
+  const MatrixXcd share = R.solve(R.adjoint().solve(noise));
+  return share.topRows(n_w).transpose();
+}
+
 FrequencyResponse LocalPolynomial::estimate() const {
   if (!finished_) throw std::logic_error("LocalPolynomial: finish() comes before estimate()");
   const Index n_w = plan_.n_inputs, n_y = plan_.n_outputs, p = n_terms * n_w;
@@ -299,6 +315,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
     response.T.push_back(MatrixXcd::Constant(n_y, n_w, missing));
     response.noise.push_back(MatrixXcd::Constant(n_y, n_y, missing));
     response.input_weight.push_back(MatrixXcd::Constant(n_w, n_w, missing));
+    response.unit_noise_share.push_back(MatrixXcd::Constant(n_w, n_w, missing));
     response.output_power.push_back(e.power / static_cast<double>(std::max<Index>(e.n, 1)));
     if (e.n < p + least_dof || !excited(e)) continue;
     const auto R = e.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
@@ -315,6 +332,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
     response.T.back() = theta.topRows(n_w).transpose();
     response.noise.back() = (left.adjoint() * left).transpose() / response.dof(l);
     response.input_weight.back() = (inverse * inverse.adjoint()).topLeftCorner(n_w, n_w);
+    response.unit_noise_share.back() = unit_noise_share(e);
   }
   complete(response, 2 / plan_.sample_rate_hz);
   return response;

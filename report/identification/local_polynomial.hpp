@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct BroadbandPlan {
   double segment_s = 64;
   /// Of the whole record, as far as it is known: more segments need fewer bins of each.
   double expected_s = 0;
+  /// unit / sqrt(Hz), one-sided density of white noise that each input is known to carry; none: it
+  /// is not known (input_noise.hpp).
+  std::optional<double> input_noise = {};
 };
 
 /// The largest number of samples that may be missing in a row and are put in on the straight line
@@ -74,6 +78,7 @@ class LocalPolynomial {
     Eigen::MatrixXcd power;      ///< sum of y y^H over these
     Eigen::VectorXd excitation;  ///< n_inputs, sum of |w|^2 over these
     Eigen::MatrixXd filling;     ///< of regressors: the squares that filled samples may err by
+    Eigen::MatrixXd moments;     ///< n_terms x n_terms: of white noise of variance 1 in an input
   };
   void append(const Eigen::RowVectorXd& row);
   void take_segment();
@@ -82,6 +87,7 @@ class LocalPolynomial {
   /// Of T, that errors of filled inputs take off it. Source: W. A. Fuller, Measurement Error Models
   /// (1987), chapter 1.
   double filling_share(const Equations& equations) const;
+  Eigen::MatrixXcd unit_noise_share(const Equations& equations) const;  ///< FrequencyResponse
   bool excited(const Equations& equations) const;
   double condition_of(const Equations& equations) const;  ///< of the inputs
   void take(Equations& equations, double frequency_hz, const Eigen::MatrixXcd& spectra,

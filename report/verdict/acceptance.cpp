@@ -47,7 +47,8 @@ class Judge {
   std::vector<Check> checks(std::vector<Check> prediction) {
     for (const RunSummary& run : verdict_.runs) record_of(run);
     if (active_ != nullptr) effort_of(*active_);
-    motion(!prediction.empty());
+    motion(std::any_of(prediction.begin(), prediction.end(),
+                       [](const Check& check) { return check.is_proof; }));
     for (Check& check : prediction) add(std::move(check));
     return std::move(checks_);
   }
@@ -456,9 +457,11 @@ std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::stri
     mark_apart(list, verdict);
     return list;
   }
-  double to_hz = AxisAcceptance().to_hz;
+  double to_hz = verdict.judged.highest_hz;
   if (!verdict.runs.empty()) to_hz = std::min(to_hz, verdict.runs.front().sample_rate_hz / 2);
-  AskedMotion passive{.asked = {.axis = axis, .to_hz = to_hz, .rms_of_passive = 1}};
+  AskedMotion passive{
+      .asked = {
+          .axis = axis, .from_hz = verdict.judged.lowest_hz, .to_hz = to_hz, .rms_of_passive = 1}};
   AskedMotion floor{.asked = {.axis = axis, .to_hz = to_hz, .rms_of_floor = 1}};
   if (!verdict.isolates_above_hz) {
     floor.why_not = "what the loop is to isolate is not known, its target is in no log";

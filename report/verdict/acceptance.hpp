@@ -17,6 +17,12 @@ namespace stillframe::report {
 inline constexpr double default_limited_share = 0.01, default_unanswered_share = 0.01,
                         default_discarded_share = 0.01, default_log_loss_share = 0;
 
+/// dB, of how far beyond its band a tenth of the values of an identified response may lie where a
+/// scene says nothing: a third of the force is missing or too much then, over more than a
+/// resonance. A linear model of a sound loop is known better, but a floor is no test signal: what
+/// it moves along and no input measures, forces and distortion are in the log too (decision 21).
+inline constexpr double default_broad_prediction_db = 3;
+
 /// Averages are of at least so many periods of the lowest frequency that they hold, 1 Hz where what
 /// is asked begins higher, ...
 inline constexpr double least_periods = 10;
@@ -25,8 +31,8 @@ inline constexpr double least_periods = 10;
 inline constexpr double least_floor_share = 1e-3;
 
 /// What is asked of an axis, with no levels yet: what the scene names, or else that the active
-/// frame moves no more than the passive one from 1 to 80 Hz, and no more than the floor from
-/// isolates_above_hz on.
+/// frame moves no more than the passive one in the range that is judged (Verdict::judged), and no
+/// more than the floor from isolates_above_hz on.
 std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::string& axis,
                                   const Verdict& verdict);
 

@@ -22,7 +22,7 @@ Judgement conclude(std::vector<Check> checks) {
   const auto first = [&](auto&& holds) { return std::find_if(all.begin(), all.end(), holds); };
   const auto failed = [](const Check& c) { return c.outcome == Outcome::failed; };
   const auto of_loop = [](const Check& c) {
-    return c.subject == Subject::motion || c.subject == Subject::prediction;
+    return c.is_proof && (c.subject == Subject::motion || c.subject == Subject::prediction);
   };
   const auto open = [](const Check& c) { return c.outcome == Outcome::not_judged; };
   if (const auto check = first(failed); check != all.end()) {

@@ -33,6 +33,8 @@ struct Check {
   Outcome outcome = Outcome::not_judged;
   std::string reason;     ///< one sentence that stands alone
   bool by_scene = false;  ///< the scene asks for it by name
+  /// That it passed shows that the loop is sound; else it can only fail.
+  bool is_proof = true;
 };
 
 /// What comes of all that was asked. Text, JSON, page and exit code take it from here.
@@ -48,8 +50,8 @@ constexpr Outcome at_most(double found, double allowed) {
 }
 
 /// Failed if any check failed. Passed if none did, all that the scene asks for by name could be
-/// judged, and at least one check of motion or prediction passed: a whole log of a loop that nobody
-/// looked at is not judged.
+/// judged, and at least one check of motion or prediction that is a proof passed: a whole log of a
+/// loop that nobody looked at is not judged.
 Judgement conclude(std::vector<Check> checks);
 
 }  // namespace stillframe::report

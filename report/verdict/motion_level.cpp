@@ -1,6 +1,9 @@
 #include "report/verdict/motion_level.hpp"
 
+#include <algorithm>
+
 #include "report/spectra/vibration_criteria.hpp"
+#include "report/table.hpp"
 
 namespace stillframe::report {
 
@@ -15,6 +18,34 @@ MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocit
           .largest_band_velocity = largest,
           .largest_band_hz = third_octave_bands()[static_cast<std::size_t>(band)].nominal_hz,
           .vibration_class = vibration_class(band_velocity)};
+}
+
+FrequencyRange judged_range(const FrequencyRange& axis) {
+  return {std::min(lowest_level_hz, 5 * axis.lowest_hz),
+          std::max(highest_level_hz, axis.highest_hz)};
+}
+
+std::string worse_over_all(const AxisLevels& axis) {
+  if (!axis.active || !axis.passive) return {};
+  const auto times = [&](double MotionLevel::*value) {
+    return (*axis.active).*value / ((*axis.passive).*value);
+  };
+  const double rms = times(&MotionLevel::whole_rms), peak = times(&MotionLevel::peak_acceleration);
+  if (!(rms > 1) && !(peak > 1)) return {};
+  const AskedMotion* calm = nullptr;
+  for (const AskedMotion& motion : axis.asked) {
+    if (!motion.asked.rms_of_passive || !motion.active || !motion.passive) continue;
+    if (!(*motion.active <= *motion.passive)) return {};  // a check says so
+    calm = &motion;
+  }
+  if (calm == nullptr) return {};
+  return "Axis " + axis.axis +
+         cell(
+             ": over all samples the active frame moves %.3g times as much as the passive one by "
+             "rms and %.3g times by peak, ",
+             rms, peak) +
+         cell("beside %.3g from %.4g to %.4g Hz, the range that is judged.",
+              *calm->active / *calm->passive, calm->asked.from_hz, calm->asked.to_hz);
 }
 
 int class_rank(const std::string& vibration_class) {

@@ -152,6 +152,7 @@ ordered_json json_of(const IdentificationSummary& id) {
 ordered_json json_of(const MotionLevel& level, const std::optional<MotionSpectra>& spectra) {
   ordered_json json = {{"rms_acceleration", level.rms_acceleration},
                        {"peak_acceleration", level.peak_acceleration},
+                       {"whole_rms", level.whole_rms},
                        {"largest_band_velocity", level.largest_band_velocity},
                        {"largest_band_hz", level.largest_band_hz},
                        {"vibration_class", level.vibration_class}};
@@ -172,6 +173,7 @@ ordered_json json_of(const ResponseSummary& response) {
           {"sampled_largest_db", response.sampled_largest_db},
           {"sampled_at_hz", response.sampled_at_hz},
           {"beyond_db", response.beyond_db},
+          {"broadly_beyond_db", response.broadly_beyond_db},
           {"tolerance_db", response.tolerance_db},
           {"continuous_largest_db", response.continuous_largest_db},
           {"continuous_at_hz", response.continuous_at_hz},

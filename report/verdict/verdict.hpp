@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/linear/frequency_range.hpp"
 #include "core/scene/acceptance.hpp"
 #include "report/verdict/judgement.hpp"
 
@@ -80,6 +81,7 @@ struct IdentificationSummary {
 struct MotionLevel {
   double rms_acceleration = 0;       ///< m/s^2, 1-80 Hz
   double peak_acceleration = 0;      ///< m/s^2, largest sample
+  double whole_rms = 0;              ///< m/s^2, of all samples, whatever their frequency
   double largest_band_velocity = 0;  ///< m/s rms, largest one-third-octave band, 1-80 Hz
   double largest_band_hz = 0;        ///< nominal centre of that band
   std::string vibration_class;       ///< VC-A ... VC-G, or above VC-A
@@ -128,6 +130,11 @@ struct ResponseSummary {
   double sampled_largest_db = 0, sampled_at_hz = 0;  ///< against what the sampled loop must show
   double beyond_db = 0;     ///< furthest that that lies outside the band of a value
   double tolerance_db = 0;  ///< what is allowed of it
+  /// dB, so far or further outside their bands lies a tenth of the values that are compared.
+  double broadly_beyond_db = 0;
+  /// Directions in which the floor's nodes may shake a frame with weight on its legs and no input
+  /// measures it: the prediction does not have that motion.
+  std::int64_t n_unmeasured = 0;
   double continuous_largest_db = 0, continuous_at_hz = 0;
   std::int64_t n_segments = 0, n_filled = 0, n_left_out = 0;  ///< samples but for the first
   double resolution_hz = 0;
@@ -169,6 +176,7 @@ struct Verdict {
   std::vector<NoiseSummary> noise;
   std::vector<EffortSummary> effort;
   std::optional<double> isolates_above_hz;  ///< twice the highest target, if it is known
+  FrequencyRange judged = {1, 80};          ///< of the motion, where the scene names none
   bool disturbed = false;                   ///< forces act on the frame besides the floor
   bool floors_apart = false;                ///< each floor input moves on its own
   std::vector<std::string> warnings;        ///< what to know before comparing, a sentence each
@@ -199,7 +207,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     n_compared allowed_db open_largest_db open_at_hz closed_largest_db closed_at_hz beyond_db
 ///     reduction_above_hz n_reduction_frequencies n_closed_below_open reduction_largest_error_db
 ///   axes[]: axis, then floor, passive, active (those there are): rms_acceleration (m/s^2, 1-80 Hz)
-///     peak_acceleration (m/s^2) largest_band_velocity (m/s rms) largest_band_hz vibration_class
+///     peak_acceleration (m/s^2) whole_rms (m/s^2, of all samples)
+///     largest_band_velocity (m/s rms) largest_band_hz vibration_class
 ///     third_octave_velocity (m/s rms) cumulative_rms (m/s^2), a number for each of
 ///     third_octave_bands_hz; ratio_active_to_passive and ratio_active_to_floor, each with
 ///     rms_acceleration and largest_band_velocity; ranges[] that were asked for: from_hz to_hz,
@@ -208,7 +217,7 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     not known)
 ///   third_octave_bands_hz: nominal centres
 ///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
-///     sampled_at_hz beyond_db tolerance_db
+///     sampled_at_hz beyond_db tolerance_db broadly_beyond_db
 ///     continuous_largest_db continuous_at_hz n_segments n_filled n_left_out resolution_hz
 ///   transmissibility[]: axis loop frequencies_hz value lower upper coherence
 ///   shocks[]: axis loop time_s floor_level frame_level (m/s^2 rms of 0.1 s) settling_s (null:

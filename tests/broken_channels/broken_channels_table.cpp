@@ -14,27 +14,31 @@ using namespace stillframe::controller;
 
 struct Cell {
   double before = 0, peak = 0, found_s = -1, known = 0;
+  int n_restless = 0, n_named = 0;
 };
 
-Cell cell(const Gains& gains, const std::vector<Broken>& broken, int n_seeds) {
+Cell cell(const Gains& gains, const std::vector<Broken>& broken, int n_seeds, double floor) {
   Policy free;
   free.free_rate_n_per_s = 1e12;
   Cell out;
   for (int seed = 1; seed <= n_seeds; ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
-    const Episode now = run_episode(gains, {}, broken, number);
-    out.before = worst_of(out.before, run_episode(gains, free, broken, number).peak);
+    const Episode now = run_episode(gains, {}, broken, number, Told::by_its_watch, floor);
+    out.before = worst_of(out.before,
+                          run_episode(gains, free, broken, number, Told::by_its_watch, floor).peak);
     out.peak = worst_of(out.peak, now.peak);
-    const Episode known = run_episode(gains, {}, broken, number, Told::at_once);
+    const Episode known = run_episode(gains, {}, broken, number, Told::at_once, floor);
     out.known = worst_of(out.known, known.peak);
     out.found_s = std::max(out.found_s, now.found_s);
+    out.n_restless += now.fault == Fault::restless ? 1 : 0;
+    out.n_named += now.fault == Fault::restless && now.named ? 1 : 0;
   }
   return out;
 }
 
-int run(const std::string& controller, int n_seeds) {
+int run(const std::string& controller, int n_seeds, double floor) {
   const Gains gains = shipped_gains(controller);
-  const Cell sound = cell(gains, {}, n_seeds);
+  const Cell sound = cell(gains, {}, n_seeds, floor);
   std::printf(
       "Undisturbed %.2f.\n\n| what breaks | sensor | read-back | actuator |\n|---|---|---|---|\n",
       sound.peak);
@@ -42,9 +46,10 @@ int run(const std::string& controller, int n_seeds) {
     if (broken.part != Part::sensor) continue;
     std::printf("| %s |", broken.damage_name().c_str());
     for (const Part part : {Part::sensor, Part::read_back, Part::actuator}) {
-      const Cell one = cell(gains, {{part, broken.damage, broken.size}}, n_seeds);
+      const Cell one = cell(gains, {{part, broken.damage, broken.size}}, n_seeds, floor);
       std::printf(" %.3g -> **%.2f** (%.2f)", one.before, one.peak, one.known);
       if (one.found_s >= 0) std::printf(", %.3g s", one.found_s);
+      if (one.n_restless > 0) std::printf(", %d of %d", one.n_named, one.n_restless);
       std::printf(" |");
     }
     std::printf("\n");
@@ -59,18 +64,24 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Breaks every sensor, read-back and actuator of the shipped frame on the bench of the tests: "
       "the "
-      "largest leg force over that of the passive frame without and with the pace, in brackets that "
-      "of a loop that is told at once and lets go, and the longest time to the fault.\nExit codes: 0 done, 2 bad usage.",
+      "largest leg force over that of the passive frame without and with the pace, in brackets "
+      "that "
+      "of a loop that is told at once and lets go, and the longest time to the fault.\nExit codes: "
+      "0 done, 2 bad usage.",
       "broken_channels");
   std::string controller = "force_feedback_5hz";
   int n_seeds = 10;
+  double floor = usual_floor;
   app.add_option("--controller", controller, "One of config/controllers")->capture_default_str();
+  app.add_option("--floor", floor, "Size of the floor, m/s^2")
+      ->check(CLI::Range(1e-9, 1.0))
+      ->capture_default_str();
   app.add_option("--seeds", n_seeds, "Episodes of each")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   try {
     app.parse(argc, argv);
-    return run(controller, n_seeds);
+    return run(controller, n_seeds, floor);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

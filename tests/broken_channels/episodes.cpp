@@ -1,5 +1,6 @@
 #include "tests/broken_channels/episodes.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -14,7 +15,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double noise = 1e-3, floor_size = 5e-3;
+constexpr double noise = 1e-3;
 
 }  // namespace
 
@@ -33,21 +34,24 @@ Gains shipped_gains(const std::string& controller) {
 }
 
 Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
-                    std::uint64_t seed, Told told) {
+                    std::uint64_t seed, Told told, double floor_size) {
   const auto samples = [&](double seconds) {
     return static_cast<int>(seconds * gains.sample_rate_hz);
   };
   std::mt19937_64 random(seed);
   Rig rig(policy, true, gains), alone(policy, false, gains);
   for (Rig* each : {&rig, &alone}) {
-    each->floor = [floor = MadeUpFloor(gains.sample_rate_hz, seed)](
+    each->floor = [floor_size, floor = MadeUpFloor(gains.sample_rate_hz, seed)](
                       std::int64_t, VectorXd& w) mutable { floor(floor_size, w); };
   }
   std::normal_distribution<double> normal;
   bool is_broken = false;
   std::vector<Breaker> breakers;
+  std::vector<Index> legs;
   for (const Broken& each : broken) {
     const auto leg = static_cast<Index>(random() % static_cast<std::uint64_t>(gains.n_legs()));
+    legs.push_back(leg);
+    if (each.damage == Damage::swapped) legs.push_back((leg + 1) % gains.n_legs());
     breakers.emplace_back(each, leg, gains.sample_time(), noise, random());
   }
   const auto damage = [&](Part part, VectorXd& values) {
@@ -82,6 +86,7 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
   episode.peak = rig.peak / alone.peak;
   episode.fault = rig.fault();
   episode.latched = rig.latched();
+  episode.named = std::ranges::find(legs, rig.supervisor().first_leg()) != legs.end();
   return episode;
 }
 

@@ -19,16 +19,21 @@ struct Episode {
   double found_s = -1;  ///< from the damage to the fault; -1: none
   Fault fault = Fault::none;
   bool latched = false;
+  bool named = false;  ///< the leg that the controller names is one of those that broke
 };
 
 /// When the controller learns that something broke: when its own watch finds it, or, as no real one
 /// can, at once; then it holds its forces and lets them go.
 enum class Told { by_its_watch, at_once };
 
-/// Lets a loop become active on a floor of millimetres per second squared with 1 mN of sensor
+/// m/s^2: the frame of config/ left alone has leg forces of some newtons on it.
+inline constexpr double usual_floor = 5e-3;
+
+/// Lets a loop become active on a floor of that size (m/s^2) with 1 mN of sensor
 /// noise, breaks what is to break (nothing: how it goes without) and looks on for four seconds.
 /// Legs, moment and noise by seed. Source: docs/safety.md.
 Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
-                    std::uint64_t seed, Told told = Told::by_its_watch);
+                    std::uint64_t seed, Told told = Told::by_its_watch,
+                    double floor_size = usual_floor);
 
 }  // namespace stillframe::controller

@@ -66,6 +66,7 @@ TEST_P(BrokenChannels, OfASensorAreFoundWithinATwentiethOfASecond) {
       EXPECT_EQ(episode.fault, Fault::restless);
       EXPECT_GE(episode.found_s, 0);
       EXPECT_LT(episode.found_s, 0.05);
+      EXPECT_TRUE(episode.named) << "seed " << seed;
     }
   }
 }

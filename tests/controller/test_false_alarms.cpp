@@ -41,8 +41,8 @@ class RecordedFloor {
   }
   bool is_read() const { return values_.size() > 200'000; }
   void operator()(std::int64_t k, VectorXd& w) const {
-    const double at = std::fmod(static_cast<double>(k) * ratio_,
-                                static_cast<double>(values_.size()) - 1);
+    const double at =
+        std::fmod(static_cast<double>(k) * ratio_, static_cast<double>(values_.size()) - 1);
     const auto i = static_cast<std::size_t>(at);
     const double part = at - static_cast<double>(i);
     w.setConstant((1 - part) * values_[i] + part * values_[i + 1]);
@@ -58,10 +58,10 @@ struct Sound {
   const char* name;
   double noise = 1e-3, step = 0, calibration = 0.02, loud = 1, quiet = 1, rate_hz = 1000;
   const char* recording = nullptr;
-  double stiffness = 0;      ///< by so much the frame's legs are softer or stiffer than the model's
-  double lost = 0;           ///< part of the measurements
-  bool floor_late = false;   ///< by a sample
-  double kick = 0;           ///< N, by which the frame swings when the loop takes hold
+  double stiffness = 0;     ///< by so much the frame's legs are softer or stiffer than the model's
+  double lost = 0;          ///< part of the measurements
+  bool floor_late = false;  ///< by a sample
+  double kick = 0;          ///< N, by which the frame swings when the loop takes hold
 };
 
 Gains frame_of(Gains gains, double stiffness, std::mt19937_64& random) {
@@ -100,7 +100,8 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
     } else {
       // Three loud seconds in every twenty.
       const auto phase = k % std::llround(20 * sound.rate_hz);
-      const double size = static_cast<double>(phase) > 17 * sound.rate_hz ? sound.loud : sound.quiet;
+      const double size =
+          static_cast<double>(phase) > 17 * sound.rate_hz ? sound.loud : sound.quiet;
       made_up(size, w);
     }
     if (k == kicked) w.array() += sound.kick * sound.rate_hz;
@@ -128,28 +129,22 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
 
 INSTANTIATE_TEST_SUITE_P(
     Sounds, NoFalseAlarm,
-    testing::Values(Sound{.name = "AsItIs"}, Sound{.name = "NoNoise", .noise = 0},
-                    Sound{.name = "LoudNoise", .noise = 0.02},
-                    Sound{.name = "SixteenBits", .step = 0.015},
-                    Sound{.name = "TwelveBits", .step = 0.24},
-                    Sound{.name = "Earthquakes", .step = 0.015, .quiet = 0.1},
-                    Sound{.name = "Quiet", .loud = 0.01, .quiet = 0.01},
-                    Sound{.name = "FiveKilohertz", .step = 0.015, .rate_hz = 5000},
-                    Sound{.name = "RecordedFloor", .recording = "mikb_floor_200hz"},
-                    Sound{.name = "RecordedQuake", .step = 0.0015, .recording = "mikb_quake_200hz"},
-                    Sound{.name = "QuakeAtFiveKilohertz",
-                          .rate_hz = 5000,
-                          .recording = "mikb_quake_200hz"},
-                    Sound{.name = "LegsOff", .calibration = 0.05, .stiffness = 0.15},
-                    Sound{.name = "QuakeLegsOff",
-                          .recording = "mikb_quake_200hz",
-                          .stiffness = 0.15},
-                    Sound{.name = "OnePercentLost", .lost = 0.01},
-                    Sound{.name = "QuakeTenPercentLost",
-                          .recording = "mikb_quake_200hz",
-                          .lost = 0.1},
-                    Sound{.name = "FloorLate", .floor_late = true},
-                    Sound{.name = "Kicked", .loud = 0.03, .quiet = 0.01, .kick = 0.02}),
+    testing::Values(
+        Sound{.name = "AsItIs"}, Sound{.name = "NoNoise", .noise = 0},
+        Sound{.name = "LoudNoise", .noise = 0.02}, Sound{.name = "SixteenBits", .step = 0.015},
+        Sound{.name = "TwelveBits", .step = 0.24},
+        Sound{.name = "Earthquakes", .step = 0.015, .quiet = 0.1},
+        Sound{.name = "Quiet", .loud = 0.01, .quiet = 0.01},
+        Sound{.name = "FiveKilohertz", .step = 0.015, .rate_hz = 5000},
+        Sound{.name = "RecordedFloor", .recording = "mikb_floor_200hz"},
+        Sound{.name = "RecordedQuake", .step = 0.0015, .recording = "mikb_quake_200hz"},
+        Sound{.name = "QuakeAtFiveKilohertz", .rate_hz = 5000, .recording = "mikb_quake_200hz"},
+        Sound{.name = "LegsOff", .calibration = 0.05, .stiffness = 0.15},
+        Sound{.name = "QuakeLegsOff", .recording = "mikb_quake_200hz", .stiffness = 0.15},
+        Sound{.name = "OnePercentLost", .lost = 0.01},
+        Sound{.name = "QuakeTenPercentLost", .recording = "mikb_quake_200hz", .lost = 0.1},
+        Sound{.name = "FloorLate", .floor_late = true},
+        Sound{.name = "Kicked", .loud = 0.03, .quiet = 0.01, .kick = 0.02}),
     [](const auto& sound) { return sound.param.name; });
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <thread>
 
+#include "controller/telemetry.hpp"
 #include "tests/controller/rig.hpp"
 #include "tests/support/allocation_count.hpp"
 
@@ -44,7 +45,7 @@ TEST_P(NeverHarderThanPassive, InTenSeeds) {
         rig.steps(n_trouble, wire);
       }
       rig.steps(n_rest);
-      EXPECT_EQ(rig.state(), State::active) << "seed " << seed;
+      EXPECT_EQ(rig.state(), State::active) << "seed " << seed << " " << to_text(rig.fault());
     }
     EXPECT_LT(rig.peak, GetParam().most * passive) << "seed " << seed;
     RecordProperty("active_over_passive", std::to_string(rig.peak / passive));
@@ -229,6 +230,22 @@ TEST(FlightRecorder, KeepsTheLastSecondsAroundAFault) {
   rig.loop().flight().resume();
   rig.steps(10);
   EXPECT_EQ(rig.loop().flight().records().back()->period, rig.k() - 1);
+}
+
+TEST(FaultInWords, NamesTheLegThatBeganIt) {
+  LoopCounters counters;
+  const std::vector<std::string> legs = {"front", "back"};
+  counters.fault = Fault::restless;
+  counters.first_leg = 1;
+  EXPECT_EQ(fault_in_words(counters, legs), "restless, back first");
+  // Of a run that has not said its legs, and where no leg was the first.
+  EXPECT_EQ(fault_in_words(counters, {}), "restless");
+  counters.first_leg = -1;
+  EXPECT_EQ(fault_in_words(counters, legs), "restless");
+  // The other faults are of all legs, whatever began before them.
+  counters.first_leg = 0;
+  counters.fault = Fault::limited;
+  EXPECT_EQ(fault_in_words(counters, legs), "limited");
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
-#include "core/equilibrium.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <string>
+#include <utility>
 
+#include "core/equilibrium.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
 
@@ -115,6 +115,57 @@ dofs: [{deformations: beam}]
   const double most = 1 / (1000.0 / 32) / (2 * std::numbers::pi);
   EXPECT_NEAR(followed(refusal), most, 3e-4 * most);
   EXPECT_NE(refusal.find("node tip has turned"), std::string::npos) << refusal;
+}
+
+/// A column of EA = 1e4 N, 1 m long, under a load along it.
+std::string column(const std::string& force) {
+  return "title: A column\nplanar: true\n"
+         "nodes: {root: {position: [0, 0]}, tip: {position: [1, 0]}}\nmasses: []\n"
+         "elements: {column: {type: beam, nodes: [root, tip], EA: 1e4, EI: 1, mass_per_length: 1,\n"
+         "  second_order: true, divide: 4}}\n"
+         "supports: [{nodes: [root], fix: [x, y]}, {nodes: [tip], fix: [y]}]\n"
+         "loads: [{node: tip, force: [" +
+         force + ", 0]}]\ndofs: auto\n";
+}
+
+// It is linear: the steps grow with what has been pulled out, and do not become more in proportion.
+TEST(Equilibrium, OfALongPullTakesStepsByItsLogarithm) {
+  for (const auto& [force, longer] : {std::pair{"1e6", 1e2}, {"1e9", 1e5}, {"1e12", 1e8}}) {
+    const Model model = make_model(parse_scene(column(force), "column"));
+    const Equilibrium result = solve_equilibrium(model);
+    const double moved =
+        model.translation_row(model.node_index("tip"), {1, 0, 0}).dot(result.motion.x);
+    // Rounding, which the balance may leave at 1e-7 of the load.
+    EXPECT_NEAR(moved, longer, 1e-7 * longer) << force;
+    // Steps of half the size and growing by half: log(1e8) / log(1.5) = 45; here and there one
+    // again.
+    EXPECT_LT(result.load_steps, 100) << force;
+  }
+}
+
+// Pushed together to nothing at its load itself, so that the last digit of the share matters.
+TEST(Equilibrium, WhatCannotBeFollowedToTheEndIsNotSaidToBe) {
+  const double share = followed(said(column("-1e4")));
+  EXPECT_LT(share, 1);
+  EXPECT_GT(share, 0.999);
+}
+
+// A spring that is wound up has no end and no shorter way: the number of steps ends it.
+TEST(Equilibrium, OfALoadThatWindsUpWithoutEndIsRefusedInTime) {
+  const std::string refusal = said(R"(title: A spring that is wound up
+planar: true
+nodes: {root: {position: [0, 0]}, tip: {position: [0, 0]}}
+masses: [{node: tip, mass: 1, inertia: 1}]
+elements: {spring: {type: hinge, nodes: [root, tip], stiffness: 1}}
+supports: [{nodes: [root], fix: [x, y, rotation]}]
+loads: [{node: tip, torque: 1e7}]
+dofs: [{element: spring}]
+)");
+  EXPECT_NE(refusal.find(" in 1000 steps, and are far too large"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("node tip has turned"), std::string::npos) << refusal;
+  // Every step turns it by half a radian at most, of 1e7.
+  EXPECT_GT(followed(refusal), 1e-5);
+  EXPECT_LT(followed(refusal), 1e-4);
 }
 
 // Its path ends at 8 % of the weight; the whole weight, from the start, has an equilibrium that

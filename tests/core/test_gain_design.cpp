@@ -215,11 +215,18 @@ TEST(ControlLoop, NeedsControllerInputsAndOutputsThatAreAccelerations) {
   scene = frame_scene();
   scene.inputs.clear();
   EXPECT_NE(text_of(scene).find("the key 'inputs' is missing"), std::string::npos);
-  scene = frame_scene();
-  scene.outputs.front().quantity = Quantity::position;
-  EXPECT_NE(text_of(scene).find(
-                "output 'frame_1t': found 'position', a control loop needs 'acceleration' (of a node along a direction)"),
-            std::string::npos);
+  // Each by the word that stands in the scene: rad/s^2 are no m/s^2 either.
+  for (const auto& [quantity, word] : {std::pair{Quantity::position, "position"},
+                                       {Quantity::angular_acceleration, "angular_acceleration"},
+                                       {Quantity::torque, "torque"}}) {
+    scene = frame_scene();
+    scene.outputs.front().quantity = quantity;
+    const std::string text = text_of(scene);
+    EXPECT_NE(text.find("output 'frame_1t': found '" + std::string(word) +
+                        "', a control loop needs 'acceleration' (of a node along a direction)"),
+              std::string::npos)
+        << text;
+  }
 }
 
 TEST(ControlLoop, OpenLoopIsThePlantWithoutForces) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <random>
 
+#include "core/linear/qd_values.hpp"
 #include "core/linear/singular_values.hpp"
 #include "core/worst.hpp"
 #include "tests/support/allocation_count.hpp"
@@ -165,6 +166,38 @@ TEST(singular_values, entries_that_are_not_finite_spoil_their_matrix_only) {
   EXPECT_TRUE(values.col(2).array().isNaN().all());
   EXPECT_TRUE(values.col(0).allFinite());
   EXPECT_TRUE(values.col(3).allFinite());
+}
+
+// An input along [-0.9, -0.5, 1e155] has such entries. Squares of the small ones have no inverse.
+TEST(singular_values, entries_beyond_what_is_resolved_count_as_zero) {
+  Random random;
+  for (const double small : {1e-143, 1e-146, 1e-150, 1e-155, 1e-160, 1e-170, 1e-300}) {
+    for (Index rank = 0; rank < 6; ++rank) {
+      MatrixXcd G = random.matrix(6, 6), H = G;
+      G.rightCols(6 - rank) *= small;
+      H.rightCols(6 - rank).setZero();
+      for (const MatrixXcd& turned : {G, MatrixXcd(G.transpose())}) {
+        const VectorXd values = singular_values(turned);
+        ASSERT_TRUE(values.allFinite()) << small << " " << rank;
+        if (rank == 0) continue;  // then nothing is small beside the largest
+        EXPECT_LE(worst_of(values - reference(H)), rounding(G) * values(0)) << small << " " << rank;
+        EXPECT_EQ(values.tail(6 - rank), VectorXd::Zero(6 - rank)) << small << " " << rank;
+      }
+    }
+  }
+}
+
+// What no data should bring about: it ends, and nothing that is no number passes for one.
+TEST(qd_values, of_what_is_no_number_end_and_show_it) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Index n : {1, 2, 3, 7}) {
+    for (Index spoilt = 0; spoilt < 2 * n - 1; ++spoilt) {
+      VectorXd squares = VectorXd::Constant(2 * n - 1, 0.5), work(3 * n), values(n);
+      squares(spoilt) = nan;
+      qd_values(squares.data(), squares.data() + n, n, 0, work.data(), values.data());
+      EXPECT_FALSE(values.allFinite()) << n << " " << spoilt;
+    }
+  }
 }
 
 TEST(singular_values, hot_path_allocates_nothing) {

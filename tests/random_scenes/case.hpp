@@ -58,6 +58,7 @@ class Case {
   }
 
   std::shared_ptr<const Answers> answers;  ///< of own_answers()
+  bool in_full = false;  ///< whatever it takes: nothing is left out because it is dear
 
  private:
   std::string text_, name_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/node_moves.hpp"
@@ -11,8 +12,15 @@
 
 namespace stillframe::random_scenes {
 
+void Signals::shorten(Index n) {
+  for (Eigen::MatrixXd* each : {&sigma, &acceleration, &force}) {
+    each->conservativeResize(n, Eigen::NoChange);
+  }
+}
+
 Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
-                 std::unique_ptr<floor::FloorSource> floor, Index n, bool active) {
+                 std::unique_ptr<floor::FloorSource> floor, Index n, bool active,
+                 long most_evaluations) {
   controller::Gains gains = design.gains;
   gains.force_limit_n = scene.controller->force_limit_n;
   tools::ClosedLoop loop(scene, gains, std::move(floor), 1, active);
@@ -29,6 +37,7 @@ Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
     out.sigma.row(k) = row(loop.measurement().sigma);
     out.acceleration.row(k) = row(loop.measurement().frame_acceleration);
     out.force.row(k) = row(loop.command().force);
+    if (k + 1 < n && loop.plant().evaluations() >= most_evaluations) out.shorten(n = k + 1);
   }
   return out;
 }
@@ -38,6 +47,20 @@ Signals run_loop(const Scene& scene, const tools::LoopDesign& design, const Eige
   return run_loop(scene, design,
                   std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::inputs, floor),
                   floor.cols(), active);
+}
+
+Index run_samples(Case& scene) {
+  const Index all = floor::make_floor_source(*scene.floor())->n_samples();
+  const double stated = scene.scene().simulation.duration_s;
+  if (!(stated > 0)) return all;
+  const double n = std::round(stated * scene.scene().controller->sample_rate_hz);
+  return std::clamp<Index>(static_cast<Index>(n), 1, all);
+}
+
+long affordable_evaluations(Case& scene) {
+  if (scene.in_full) return std::numeric_limits<long>::max();
+  // An evaluation takes up to a microsecond for each coordinate of a node.
+  return 2'000'000 / scene.model().n_x;
 }
 
 Scene without_nonlinear_instruments(Scene scene) {

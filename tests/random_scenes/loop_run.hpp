@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 #include "tests/random_scenes/case.hpp"
 
@@ -10,16 +11,32 @@ namespace stillframe::random_scenes {
 /// (m/s^2), and forces of the law (N).
 struct Signals {
   Eigen::MatrixXd sigma, acceleration, force;
+
+  Index n_samples() const { return sigma.rows(); }
+  /// Leaves so many samples.
+  void shorten(Index n);
 };
 
 /// Runs a scene in this process for so many samples, as single-process runs do, with the law
-/// (active) or with zero commands. Errors: as ClosedLoop; std::runtime_error where the motion
-/// cannot go on.
+/// (active) or with zero commands. Ends early, with fewer rows, in the sample in which the plant
+/// has evaluated its equations so many times. Errors: as ClosedLoop; std::runtime_error where the
+/// motion cannot go on.
 Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
-                 std::unique_ptr<floor::FloorSource> floor, Index n_samples, bool active);
+                 std::unique_ptr<floor::FloorSource> floor, Index n_samples, bool active,
+                 long most_evaluations = std::numeric_limits<long>::max());
 /// On a floor that is given, inputs x samples, m/s^2.
 Signals run_loop(const Scene& scene, const tools::LoopDesign& design, const Eigen::MatrixXd& floor,
                  bool active);
+
+/// Samples of a run: as long as the scene states, else all that its floor has. Beside other floors
+/// filtered noise rings out for some hundred times the run, at next to nothing.
+Index run_samples(Case& scene);
+
+/// How often a run may evaluate the equations of motion, for some two seconds of a processor at
+/// most. Most runs take a hundredth of it; explicit steps at a tolerance of 1e-9, whose estimate
+/// rounding is more than, take thousands in a sample, and minutes. A count, not a time, so that
+/// what is compared is the same on every machine.
+long affordable_evaluations(Case& scene);
 
 /// A scene without what no linear model has: limits of force and rate, hysteresis, errors of
 /// sensors, disturbances.

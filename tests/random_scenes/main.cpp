@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -25,7 +26,7 @@ struct Options {
   int first = 0, jobs = 1;
   std::vector<std::string> only;
   std::filesystem::path failed = "failed_scenes", scene;
-  bool print = false;
+  bool print = false, times = false;
 };
 
 /// Scene `number` of a seed.
@@ -38,7 +39,9 @@ std::optional<Finding> check(const Relation& relation, Case& scene, std::uint64_
   try {
     return relation.check(scene, seed);
   } catch (const std::exception& error) {
-    return Finding{1, 0, error.what()};
+    Finding finding;
+    finding.take(1, 0, error.what());
+    return finding;
   }
 }
 
@@ -58,9 +61,10 @@ std::string refusal(Case& scene) {
 struct Tally {
   int applied = 0, violations = 0;
   std::int64_t compared = 0, unknown = 0;  ///< numbers, as in Finding
-  double seconds = 0;
+  double seconds = 0, longest = 0;  ///< of all scenes, and of one
+  std::map<std::string, int> skipped;  ///< what was too dear to compare, and on how many scenes
   Finding worst;
-  std::uint64_t worst_seed = 0;
+  std::uint64_t worst_seed = 0, longest_seed = 0;
 };
 
 class Run {
@@ -112,19 +116,28 @@ class Run {
       ++refused_[refused.substr(0, std::min(refused.find_first_of("0123456789:"), refused.find(" of leg_")))];
       return;
     }
+    std::ostringstream times;
     for (size_t i = 0; i < relations_.size(); ++i) {
       const auto start = std::chrono::steady_clock::now();
       const auto finding = check(*relations_[i], *scene, seed);
       const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
       note(i, finding, took.count(), seed);
+      times << ' ' << relations_[i]->name << ' ' << took.count();
+      for (const std::string& what : finding ? finding->skipped : std::vector<std::string>{}) {
+        times << " (without " << what << ")";
+      }
       if (finding && !finding->holds()) report(*relations_[i], text, seed, *finding);
     }
     const std::chrono::duration<double> all = std::chrono::steady_clock::now() - begin;
     const std::lock_guard lock(mutex_);
     if (all.count() > slowest_) slowest_ = all.count(), slowest_seed_ = seed;
+    if (options_.times) {
+      std::cerr << "scene " << seed << ", s:" << times.str() << std::endl;
+    }
     if (++n_done_ % 100 == 0) {
+      const std::chrono::duration<double> since = std::chrono::steady_clock::now() - begin_;
       std::cerr << n_done_ << " of " << options_.n << " scenes, " << n_violations()
-                << " violations\n";
+                << " violations, " << std::lround(since.count()) << " s" << std::endl;
     }
   }
 
@@ -132,7 +145,10 @@ class Run {
     const std::lock_guard lock(mutex_);
     Tally& tally = tallies_[i];
     tally.seconds += seconds;
+    if (seconds > tally.longest) tally.longest = seconds, tally.longest_seed = seed;
     if (!finding) return;
+    for (const std::string& what : finding->skipped) ++tally.skipped[what];
+    if (finding->compared == 0 && !finding->skipped.empty()) return;
     ++tally.applied;
     tally.compared += finding->compared;
     tally.unknown += finding->unknown;
@@ -210,15 +226,26 @@ class Run {
         options_.n, static_cast<unsigned long long>(options_.seed), n_refused(), illegal_,
         static_cast<unsigned long long>(slowest_seed_), slowest_);
     for (const auto& [why, n] : refused_) std::printf("  %d: %s...\n", n, why.c_str());
-    std::printf("\n%-14s %8s %10s %9s %9s %10s %10s %9s  %s\n", "relation", "scenes", "violations",
-                "numbers", "not known", "worst", "bound", "ms/scene", "where");
+    std::printf("\n%-14s %8s %10s %9s %9s %8s %10s %10s %9s %9s  %s\n", "relation", "scenes",
+                "violations", "numbers", "not known", "skipped", "worst", "bound", "ms/scene",
+                "longest", "where");
     for (size_t i = 0; i < relations_.size(); ++i) {
       const Tally& t = tallies_[i];
-      std::printf("%-14s %8d %10d %9lld %9lld %10.2e %10.2e %9.1f  %s, scene %llu\n",
+      int skipped = 0;
+      for (const auto& [what, n] : t.skipped) skipped += n;
+      std::printf("%-14s %8d %10d %9lld %9lld %8d %10.2e %10.2e %9.1f %7.1f s  %s, scene %llu; "
+                  "longest: %llu\n",
                   relations_[i]->name, t.applied, t.violations, static_cast<long long>(t.compared),
-                  static_cast<long long>(t.unknown), t.worst.value, t.worst.bound,
-                  1e3 * t.seconds / std::max(1, options_.n), t.worst.what.c_str(),
-                  static_cast<unsigned long long>(t.worst_seed));
+                  static_cast<long long>(t.unknown), skipped, t.worst.value, t.worst.bound,
+                  1e3 * t.seconds / std::max(1, options_.n), t.longest, t.worst.what.c_str(),
+                  static_cast<unsigned long long>(t.worst_seed),
+                  static_cast<unsigned long long>(t.longest_seed));
+    }
+    for (size_t i = 0; i < relations_.size(); ++i) {
+      for (const auto& [what, n] : tallies_[i].skipped) {
+        std::printf("%s on %d scenes without %s, which would take too long\n", relations_[i]->name,
+                    n, what.c_str());
+      }
     }
   }
 
@@ -228,6 +255,7 @@ class Run {
   std::vector<Tally> tallies_;
   std::map<std::string, int> refused_;
   int illegal_ = 0, n_done_ = 0;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   double slowest_ = 0;
   std::uint64_t slowest_seed_ = 0;
   std::atomic<int> next_ = 0;
@@ -243,6 +271,7 @@ int check_file(const Options& options) {
   const size_t stated = text.str().find(head);
   if (stated != std::string::npos) seed = std::stoull(text.str().substr(stated + head.size()));
   Case scene(text.str(), options.scene.string());
+  scene.in_full = true;
   if (const std::string why = refusal(scene); !why.empty()) {
     std::cout << "refused: " << why << "\n";
     return 3;
@@ -258,6 +287,10 @@ int check_file(const Options& options) {
       continue;
     }
     if (!found->holds()) code = 4;
+    for (const std::string& what : found->skipped) {
+      std::printf("%-14s without %s, which would take too long\n", relation.name, what.c_str());
+    }
+    if (found->compared == 0 && !found->skipped.empty()) continue;
     std::printf("%-14s %s: %g for at most %g: %s\n", relation.name,
                 found->holds() ? "holds" : "VIOLATED", found->value, found->bound,
                 found->what.c_str());
@@ -281,6 +314,8 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--scene", options.scene, "Check this scene file instead");
   app.add_flag("--print", options.print, "Print the scenes instead");
+  app.add_flag("--times", options.times,
+               "A line a scene on stderr: what each relation took (s), and what it left out");
   std::string names;
   std::vector<std::string> known;
   for (const Relation& relation : relations()) {

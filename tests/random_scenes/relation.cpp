@@ -28,8 +28,22 @@ void Finding::take(double other_value, double other_bound, const std::string& ot
                    double size) {
   ++compared;
   if (!(other_bound <= 0.1 * size)) ++unknown;
-  const Finding other{other_value, other_bound, other_what, compared, unknown};
+  const Finding other{other_value, other_bound, other_what, compared, unknown, skipped};
   if (what.empty() || other.share() > share()) *this = other;
+}
+
+bool skips(Finding& finding, const std::string& what, double cost, double most) {
+  if (cost <= most) return false;
+  finding.skipped.push_back(what);
+  return true;
+}
+
+bool too_short(Finding& finding, const std::string& run, std::int64_t n, std::int64_t all) {
+  // Most floors begin within ten samples, the loop answers one to four later.
+  constexpr std::int64_t fewest = 20;
+  if (n == all) return false;
+  finding.skipped.push_back(n < fewest ? run : (2 * n < all ? "most of " : "the end of ") + run);
+  return n < fewest;
 }
 
 const std::vector<Relation>& relations() {

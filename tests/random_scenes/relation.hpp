@@ -16,6 +16,7 @@ struct Finding {
   std::string what;  ///< which of the numbers it was
   int compared = 0;  ///< how many numbers it is the worst of
   int unknown = 0;   ///< those of them that the bound says little of: it is above a tenth of them
+  std::vector<std::string> skipped{};  ///< what was not compared as it would take too long
 
   /// Part of the bound that is used up; NaN counts as infinitely much.
   double share() const;
@@ -25,6 +26,13 @@ struct Finding {
   void take(double other_value, double other_bound, const std::string& other_what,
             double size = std::numeric_limits<double>::infinity());
 };
+
+/// Where `what` would cost so much (in the unit of `most`) that it is not done: notes that, and
+/// answers whether it is so. NaN is too much.
+bool skips(Finding& finding, const std::string& what, double cost, double most);
+/// Where a run was ended after n of `all` samples: notes how much of it is missing, and answers
+/// whether too little is left to compare anything.
+bool too_short(Finding& finding, const std::string& run, std::int64_t n, std::int64_t all);
 
 /// Something that must hold on every scene of its domain.
 struct Relation {

@@ -9,6 +9,7 @@
 
 #include "report/spectra/spectra.hpp"
 #include "report/verdict/acceptance.hpp"
+#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -246,6 +247,70 @@ TEST(Acceptance, FloorsThatMoveApartLeaveThePassiveFrame) {
 }
 
 // At 125 Hz no band of 63 Hz and above was observed, and what was rules VC-A in and VC-E out.
+// A frame with modes at 0.36 Hz or 207 Hz is judged where they are.
+TEST(Acceptance, TheRangeIsThatOfTheScene) {
+  const auto range = [](double lowest_hz, double highest_hz) {
+    const FrequencyRange judged = judged_range({lowest_hz, highest_hz});
+    return std::pair(judged.lowest_hz, judged.highest_hz);
+  };
+  EXPECT_EQ(range(0.5, 200), std::pair(1.0, 200.0));
+  EXPECT_EQ(range(0.01, 2), std::pair(0.05, 80.0));
+  EXPECT_EQ(range(2, 1000), std::pair(1.0, 1000.0));
+  MadeUp m;
+  m.verdict.judged = {0.2, 900};
+  m.ask();
+  ASSERT_EQ(m.asked().size(), 2u);
+  EXPECT_EQ(m.asked()[0].asked.from_hz, 0.2);
+  EXPECT_EQ(m.asked()[1].asked.from_hz, 10);
+  for (const AskedMotion& motion : m.asked()) EXPECT_EQ(motion.asked.to_hz, 500);  // half the rate
+  // Ten periods of 0.2 Hz are in the minute, of 0.1 Hz are not.
+  EXPECT_EQ(m.judged().outcome, Outcome::passed) << m.judged().reason;
+  const auto of_passive = [&] {
+    for (const Check& check : m.judged().checks) {
+      if (check.what.find("passive frame") != std::string::npos) return check.outcome;
+    }
+    return Outcome::failed;
+  };
+  EXPECT_EQ(of_passive(), Outcome::passed);
+  m.verdict.judged = {0.1, 900};
+  m.ask();
+  EXPECT_EQ(of_passive(), Outcome::not_judged);
+}
+
+TEST(Acceptance, WhatAllSamplesSayIsNotContradictedSilently) {
+  const auto said = [](double whole, double peak, double in_range) {
+    MadeUp m;
+    AxisLevels& z = m.verdict.axes[1];
+    z.passive->whole_rms = z.passive->peak_acceleration = 1;
+    z.active->whole_rms = whole;
+    z.active->peak_acceleration = peak;
+    m.asked()[0].active = in_range * *m.asked()[0].passive;
+    return worse_over_all(z);
+  };
+  EXPECT_EQ(said(0.5, 0.9, 0.5), "");
+  EXPECT_NE(said(2.06, 0.9, 0.64).find("2.06 times as much as the passive one by rms"),
+            std::string::npos);
+  EXPECT_NE(said(0.9, 1.5, 0.64).find("1.5 times by peak"), std::string::npos);
+  EXPECT_EQ(said(2.06, 2, 2.06), "");  // a check says so
+}
+
+TEST(Acceptance, WhatIsNoProofCanOnlyFail) {
+  MadeUp m;
+  m.verdict.axes.clear();
+  Check check;
+  check.subject = Subject::prediction;
+  check.outcome = Outcome::passed;
+  check.is_proof = false;
+  m.prediction = {check};
+  EXPECT_EQ(m.judged().outcome, Outcome::not_judged);
+  EXPECT_EQ(m.judged().reason.find("No direction is compared"), 0u) << m.judged().reason;
+  m.prediction[0].is_proof = true;
+  EXPECT_EQ(m.judged().outcome, Outcome::passed) << m.judged().reason;
+  m.prediction[0].is_proof = false;
+  m.prediction[0].outcome = Outcome::failed;
+  EXPECT_EQ(m.judged().outcome, Outcome::failed);
+}
+
 TEST(Acceptance, AClassThatBandsBeyondHalfTheRateDecideIsNotJudged) {
   const auto outcome = [](const char* asked) {
     MadeUp m({.axes = {{.axis = "z", .vibration_class = asked}}});

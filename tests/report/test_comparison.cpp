@@ -71,6 +71,33 @@ TEST_F(Comparison, OpenLoopSingularValuesAreThoseOfTheModes) {
   }
 }
 
+// Of 24 values two are a tenth.
+TEST_F(Comparison, BroadlyIsMoreThanAFewFrequencies) {
+  FrequencyResponse measured = exact(closed_);
+  const MatrixXd right = predicted(closed_);
+  measured.singular_values(2, 0) *= factor(17.5);
+  EXPECT_EQ(broadly_beyond_db(compared(measured, right)), 0);
+  measured.singular_values(5, 1) *= factor(4);
+  EXPECT_NEAR(broadly_beyond_db(compared(measured, right)), 4, 1e-9);
+  // Fewer than ten: the largest. What is not compared does not count.
+  measured.singular_values.bottomRows(6).setConstant(std::nan(""));
+  EXPECT_EQ(compared(measured, right).n_compared, 6);
+  measured.singular_values(0, 0) *= factor(-7);
+  EXPECT_NEAR(broadly_beyond_db(compared(measured, right)), 7, 1e-9);
+}
+
+// Noise of the inputs is not shared among the values as chance is.
+TEST_F(Comparison, WhatNoiseOfTheInputsMayTakeOffIsAllowedOnce) {
+  FrequencyResponse measured = exact(closed_);
+  Bands bands = Comparison::bands(measured, 0);
+  bands.bias = (factor(0.5) - 1) * measured.singular_values;
+  bands.lower -= bands.bias;
+  bands.upper += bands.bias;
+  const MatrixXd right = predicted(closed_);
+  EXPECT_EQ(compare(measured, bands, right * factor(0.4)).beyond_db, 0);
+  EXPECT_NEAR(compare(measured, bands, right * factor(0.9)).beyond_db, 0.4, 1e-9);
+}
+
 TEST_F(Comparison, FaultlessMeasurementDiffersByNothing) {
   const PredictionError error = compared(exact(closed_), predicted(closed_));
   EXPECT_EQ(error.largest_db, 0);

@@ -109,6 +109,18 @@ TEST_F(DesignVerb, ANarrowResonanceIsInTheMargin) {
 }
 
 // One output: nothing of it reaches another.
+// "none" would say that a gain must not go down at all.
+TEST_F(DesignVerb, AGainThatMayGoToNothingHasNoLimit) {
+  const std::filesystem::path frame = config("scenes/frame_under_gravity.yaml");
+  ASSERT_EQ(json({"design", frame})["margins"]["leg_gain"][0][0], 0.0);
+  const std::string page = run({"design", frame}).output;
+  const size_t row = page.find("leg_1t", page.find("gain down"));
+  ASSERT_NE(row, std::string::npos) << page;
+  EXPECT_EQ(page.substr(row, page.find('\n', row) - row).find("no limit"),
+            std::string("leg_1t        ").size())
+      << page;
+}
+
 TEST_F(DesignVerb, ACrosstalkOfNothingIsNoNumber) {
   const auto scene = write("scene.yaml", two_masses("0.7"));
   const Said said = run({"design", scene});
@@ -146,6 +158,50 @@ TEST_F(DesignVerb, NothingDriftsThatASpringHolds) {
   EXPECT_FALSE(has(held, "drift for ever")) << held.output;
   // (4e5 + 1e5) / 1e5
   EXPECT_TRUE(has(held, "gives way up to 5 times as far")) << held.output;
+}
+
+// 10 kg on a leg of 4e5 N/m along x that the law acts on, beside a spring that holds it there, and
+// on one of 3e5 N/m along y, sqrt(3e4) rad/s = 27.57 Hz, that it does not.
+TEST_F(DesignVerb, AMotionThatTheLawDoesNotReachIsNamedWithWhatMendsIt) {
+  const std::string scene = R"(title: A mass on two legs, one of which is controlled
+nodes:
+  tx: {position: [-0.1, 0, 0]}
+  ty: {position: [0, -0.1, 0]}
+  sx: {position: [0.1, 0, 0]}
+  mass: {position: [0, 0, 0]}
+masses: [{node: mass, mass: 10}]
+elements:
+  leg_x: {type: truss, nodes: [tx, mass], stiffness: 4e5, damping: 20}
+  spring: {type: truss, nodes: [sx, mass], stiffness: 1e5, damping: 20}
+  leg_y: {type: truss, nodes: [ty, mass], stiffness: 3e5DAMPED}
+supports: [{nodes: [tx, ty, sx, mass], fix: [z]}]
+prescribed: [{nodes: [tx, ty, sx], move: [x, y]}]
+dofs: [{element: leg_x}, {element: leg_y}]
+inputs: [{name: floor, acceleration: tx, along: x}]
+outputs: [{name: x, acceleration: mass, along: x}]
+controller: {legs: [leg_x], target_hz: 5, sample_rate_hz: 1000, damping_ratio: 0.7,
+  delay_samples: 1, lead_samples: 1.5, leak_hz: LEAK}
+)";
+  const auto said = [&](const std::string& leak, const std::string& damped) {
+    std::string text = scene;
+    text.replace(text.find("DAMPED"), 6, damped);
+    text.replace(text.find("LEAK"), 4, leak);
+    return run({"design", write("scene.yaml", text)});
+  };
+  for (const char* leak : {"0", "0.05"}) {
+    const Said undamped = said(leak, "");
+    EXPECT_EQ(undamped.exit_code, 3);
+    for (const std::string& text : {undamped.output, undamped.error}) {
+      EXPECT_NE(text.find("he law does not reach what moves at 27.57 Hz"), std::string::npos)
+          << text;
+      for (const char* wrong : {"drift for ever", "at fault", "design the gains anew",
+                                "What mends it", "do not settle"}) {
+        EXPECT_EQ(text.find(wrong), std::string::npos) << wrong << " in " << text;
+      }
+    }
+    // What the refusal asks for does mend it.
+    EXPECT_EQ(said(leak, ", damping: 20").exit_code, 0) << leak;
+  }
 }
 
 // A law takes the stiffness of its legs away, and leaves the frame on a spring beside them: the

@@ -96,6 +96,55 @@ TEST_F(SigmaVerb, TheClosedLoopIsTheOneThatRuns) {
   EXPECT_GT(document["closed_singular_values"][3][0].get<double>(), 0.1);
 }
 
+// Two legs that stand nearly flat, which the weight flattens more: as written they are stiffer than
+// at the equilibrium. The controller does not change about which of the two the model is.
+TEST_F(SigmaVerb, IsOfTheSceneAsWrittenWithAControllerToo) {
+  const auto scene = [&](const std::string& point, bool controlled) {
+    return write(
+        "scene.yaml",
+        "title: A flat arch\noperating_point: " + point + R"(
+gravity: [0, 0, -9.81]
+nodes:
+  left: {position: [-1, 0, 0]}
+  right: {position: [1, 0, 0]}
+  top: {position: [0, 0, 0.2]}
+masses: [{node: top, mass: 1}]
+elements:
+  one: {type: truss, nodes: [left, top], stiffness: 5000, damping: 1}
+  other: {type: truss, nodes: [right, top], stiffness: 5000, damping: 1}
+supports: [{nodes: [left, right, top], fix: [y]}]
+prescribed: [{nodes: [left, right], move: [x, z]}]
+dofs: [{element: one}, {element: other}]
+inputs: [{name: floor, acceleration: left, along: z}]
+outputs: [{name: top, acceleration: top, along: z}]
+)" +
+            (controlled
+                 ? "controller: {legs: [one, other], target_hz: 0.5, sample_rate_hz: 1000, "
+                   "damping_ratio: 0.7, delay_samples: 1, lead_samples: 1.5, leak_hz: 0.05}\n"
+                 : ""));
+  };
+  const auto open = [&](const std::string& point, bool controlled) {
+    // 2 and 20 Hz: lines of the design page too.
+    const Json document =
+        json({"sigma", scene(point, controlled), "--from", "2", "--to", "20", "--points", "2"});
+    return document["singular_values"][0][0].get<double>();
+  };
+  const double as_written = open("as_written", false), balanced = open("equilibrium", false);
+  EXPECT_GT(std::abs(as_written / balanced - 1), 0.01);
+  EXPECT_NEAR(open("as_written", true), as_written, 1e-9 * as_written);  // rounding
+  EXPECT_NEAR(open("equilibrium", true), balanced, 1e-9 * balanced);
+  for (const auto& [point, expected] :
+       {std::pair{"as_written", as_written}, {"equilibrium", balanced}}) {
+    const Said said = run({"design", scene(point, true), "--json"});
+    const Json design = Json::parse(said.output);
+    const auto& lines = design["frequencies_hz"];
+    const auto line = std::find(lines.begin(), lines.end(), 2.0) - lines.begin();
+    ASSERT_LT(line, static_cast<std::ptrdiff_t>(lines.size()));
+    const double found = design["singular_values"][line][0];
+    EXPECT_NEAR(found, expected, 1e-9 * expected) << point;
+  }
+}
+
 TEST_F(SigmaVerb, AboveHalfTheRateNothingRuns) {
   const Said said = run({"sigma", config("scenes/metrology_frame.yaml"), "--from", "400", "--to",
                          "600", "--points", "2", "--json"});

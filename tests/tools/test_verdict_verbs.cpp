@@ -153,7 +153,7 @@ TEST_F(VerdictVerbs, AMultisineOfWhichControlMakesMoreFails) {
 // its record there.
 TEST_F(VerdictVerbs, WhatARecordsEndsLeaveIsNoIsolation) {
   const auto scene = write("scene.yaml", mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
-                                                         "floor: {noise: {psd: [[150, 1e-8], [400, "
+                                                         "floor: {noise: {psd: [[250, 1e-8], [400, "
                                                          "1e-8]], duration_s: 20}}\n"));
   const Said said = run({"run", scene, "--mode", "single_process", "--out", folder_ / "run"});
   expect_everywhere(folder_ / "run", said, "not judged");
@@ -447,6 +447,61 @@ TEST(PredictionChecks, WhatTheSceneAsksForTakesThePlaceOfTheTolerance) {
   EXPECT_EQ(outcome(0.5), Outcome::failed);
   verdict.identification->n_compared = 0;
   EXPECT_EQ(outcome(0.5), Outcome::not_judged);
+}
+
+TEST(PredictionChecks, ARunThatIsBroadlyOffItsPredictionFails) {
+  report::Verdict verdict;
+  verdict.responses = {{.loop = "active", .what = "3 inputs to 3 outputs", .n_compared = 140}};
+  report::ResponseSummary& response = verdict.responses.front();
+  const auto checks = [&](double beyond_db) {
+    response.broadly_beyond_db = beyond_db;
+    return tools::prediction_checks({}, verdict, {});
+  };
+  using report::Outcome;
+  for (const auto& [beyond_db, outcome] :
+       {std::pair(17.5, Outcome::failed), std::pair(3.1, Outcome::failed),
+        std::pair(2.9, Outcome::passed), std::pair(std::nan(""), Outcome::failed)}) {
+    ASSERT_EQ(checks(beyond_db).size(), 1u);
+    EXPECT_EQ(checks(beyond_db).front().outcome, outcome) << beyond_db;
+    // It says nothing of isolation.
+    EXPECT_FALSE(checks(beyond_db).front().is_proof);
+  }
+  // Where nothing is known, or weight and a floor that nobody measures shake the frame too, a
+  // warning says so.
+  response.n_unmeasured = 6;
+  EXPECT_TRUE(checks(17.5).empty());
+  response.n_unmeasured = 0;
+  response.n_compared = 0;
+  EXPECT_TRUE(checks(17.5).empty());
+}
+
+// The floor is liveliest where the active frame is worse than the passive one: about the target of
+// a frame that hardly moves from 1 Hz on, and above 80 Hz.
+TEST_F(VerdictVerbs, AFrameIsJudgedWhereItsModesAre) {
+  const auto with = [](const std::string& stiffness, const std::string& controller,
+                       const std::string& floor) {
+    std::string text = mass_on_a_table(controller, floor);
+    text.replace(text.find("4e5"), 3, stiffness);
+    return text;
+  };
+  std::string slow =
+      with("51.2", "target_hz: 0.1, sample_rate_hz: 100",
+           "floor: {noise: {psd: [[0.05, 1e-6], [0.09, 1e-4], [0.11, 1e-4], [0.15, 1e-6], [40, "
+           "1e-6]], duration_s: 300, high_pass_hz: 0.03}}\n");
+  slow.replace(slow.find("damping_ratio: 0.7"), 18, "damping_ratio: 0.05");
+  slow.replace(slow.find("leak_hz: 0.05"), 13, "leak_hz: 0.0005");
+  const std::string fast =
+      with("1.69e7", "target_hz: 20, sample_rate_hz: 2000",
+           "floor: {noise: {psd: [[1, 1e-6], [80, 1e-6], [90, 1e-12], [380, 1e-12], [400, 1e-6], "
+           "[900, 1e-6]], duration_s: 20}}\n");
+  for (const auto& [name, text] : {std::pair("slow", slow), std::pair("fast", fast)}) {
+    const auto out = folder_ / name;
+    const auto scene = write("scene.yaml", text);
+    const Said said = run({"run", scene, "--mode", "single_process", "--out", out});
+    expect_everywhere(out, said, "failed");
+    EXPECT_NE(said.output.find("times as much as the passive frame (rms from "), std::string::npos)
+        << said.output;
+  }
 }
 
 TEST(Headline, SaysWhereTheFrameIsWorseByClass) {

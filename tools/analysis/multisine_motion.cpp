@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "report/table.hpp"
-#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::tools {
 
@@ -51,7 +50,7 @@ MultisineGain gain_of(const report::FrequencyResponse& open,
 
 }  // namespace
 
-std::optional<Check> multisine_motion(const RunAnalyses& runs) {
+std::optional<Check> multisine_motion(const RunAnalyses& runs, const FrequencyRange& judged) {
   if (!runs.passive || !runs.active || !runs.any().run.multisine || !runs.same_floor() ||
       !runs.passive->matrix || !runs.active->matrix) {
     return std::nullopt;
@@ -62,11 +61,11 @@ std::optional<Check> multisine_motion(const RunAnalyses& runs) {
     return std::nullopt;
   }
   const std::vector<double>& lines = open.response->frequencies_hz;
-  const bool levels = std::any_of(lines.begin(), lines.end(), [](double f) {
-    return f >= report::lowest_level_hz && f <= report::highest_level_hz;
+  const bool levels = std::any_of(lines.begin(), lines.end(), [&](double f) {
+    return f >= judged.lowest_hz && f <= judged.highest_hz;
   });
-  const double from_hz = levels ? report::lowest_level_hz : 0,
-               to_hz = levels ? report::highest_level_hz : std::numeric_limits<double>::infinity();
+  const double from_hz = levels ? judged.lowest_hz : 0,
+               to_hz = levels ? judged.highest_hz : std::numeric_limits<double>::infinity();
   std::optional<MultisineGain> worst;
   std::string of;
   for (std::size_t i = 0; i < open.signals.outputs.size(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "core/linear/frequency_range.hpp"
 #include "report/verdict/judgement.hpp"
 #include "tools/analysis/run_analysis.hpp"
 
@@ -9,8 +10,9 @@ namespace stillframe::tools {
 
 /// On a multisine every floor input moves on its own, so no axis is compared: how much every output
 /// of the frame makes of all inputs of one size, root of the sum of |T|^2 over inputs and lines
-/// from 1 to 80 Hz (all lines where none lies there), active against passive. Nothing where either
-/// loop was not identified on the same multisine.
-std::optional<report::Check> multisine_motion(const RunAnalyses& runs);
+/// in the range that is judged (all lines where none lies there), active against passive. Nothing
+/// where either loop was not identified on the same multisine.
+std::optional<report::Check> multisine_motion(const RunAnalyses& runs,
+                                              const FrequencyRange& judged);
 
 }  // namespace stillframe::tools

@@ -2,6 +2,7 @@
 
 #include "core/worst.hpp"
 #include "report/table.hpp"
+#include "report/verdict/acceptance.hpp"
 
 namespace stillframe::tools {
 
@@ -61,6 +62,22 @@ Check check_of(const report::ResponseSummary& response, double allowed_db) {
   return check;
 }
 
+/// What is asked of any response of which something is known.
+Check default_check_of(const report::ResponseSummary& response) {
+  return {
+      .subject = Subject::prediction,
+      .what = response.loop + ", " + response.what + " against the prediction, broadly",
+      .asked = cell("nine in ten values within their bands and %.3g dB",
+                    report::default_broad_prediction_db),
+      .found = cell("%.3g dB beyond", response.broadly_beyond_db),
+      .outcome = report::at_most(response.broadly_beyond_db, report::default_broad_prediction_db),
+      .reason = cell("The %s loop is not the predicted one: a tenth of the %d singular values "
+                     "that are known lie %.3g dB or more beyond their bands (allowed: %.3g dB).",
+                     response.loop.c_str(), response.n_compared, response.broadly_beyond_db,
+                     report::default_broad_prediction_db),
+      .is_proof = false};
+}
+
 }  // namespace
 
 std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verdict& verdict,
@@ -73,6 +90,10 @@ std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verd
     }
   }
   if (!checks.empty()) return checks;
+  for (const report::ResponseSummary& response : verdict.responses) {
+    if (response.n_compared == 0 || response.n_unmeasured > 0) continue;
+    checks.push_back(default_check_of(response));
+  }
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (!*run || !(*run)->run.multisine || !(*run)->matrix) continue;
     const JudgedResponse& matrix = *(*run)->matrix;

@@ -167,6 +167,8 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
     if (!known(comparison.floor) || !known(comparison.frame)) continue;
     plan.axes.push_back({comparison.name, comparison.floor, comparison.frame});
   }
+  const auto& sensors = run.design->scene.instruments.floor_sensors;
+  if (sensors) plan.floor_noise = sensors->noise;
   plan.n_outputs = std::min<Eigen::Index>(run.design->loop.n_y, info.n_frame);
   if (!run.multisine) add_model(plan, *run.design, info);
   return plan;

@@ -15,6 +15,16 @@ namespace stillframe::tools {
 
 namespace {
 
+/// Directions of floor nodes in which nothing that is measured of the floor points, and in which it
+/// shakes a frame with weight on its legs.
+std::int64_t n_unmeasured(const Scene& scene) {
+  if (scene.gravity.isZero(0)) return 0;
+  std::int64_t directions = 0;
+  for (const SceneConstraint& motion : scene.prescribed)
+    directions += std::ssize(motion.directions);
+  return std::max<std::int64_t>(0, directions - std::ssize(scene.inputs));
+}
+
 report::ResponseSummary summary_of(const JudgedResponse& response, const std::string& loop) {
   const report::IdentifiedResponse& measured = response.measured;
   report::ResponseSummary summary;
@@ -37,6 +47,7 @@ report::ResponseSummary summary_of(const JudgedResponse& response, const std::st
     summary.sampled_largest_db = errors->sampled.largest_db;
     summary.sampled_at_hz = errors->sampled.at_frequency_hz;
     summary.beyond_db = errors->sampled.beyond_db;
+    summary.broadly_beyond_db = report::broadly_beyond_db(errors->sampled);
     summary.tolerance_db = errors->sampled.tolerance_db;
     if (summary.n_compared == 0 && summary.missing.empty()) {
       summary.missing = "no singular value is known to 1 dB, so that none is compared";
@@ -61,7 +72,9 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   if (run.run.design) limit = run.run.design->gains.force_limit_n;
   append(verdict.effort, report::effort_summaries(log, limit));
   for (const auto* response : {&run.matrix, &run.axes}) {
-    if (*response) verdict.responses.push_back(summary_of(**response, loop));
+    if (!*response) continue;
+    verdict.responses.push_back(summary_of(**response, loop));
+    if (run.run.design) verdict.responses.back().n_unmeasured = n_unmeasured(run.run.design->scene);
   }
   append(verdict.noise, report::noise_summaries(log));
   if (run.axes && run.axes->measured.response) {
@@ -82,15 +95,12 @@ void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcce
   }
 }
 
-/// Directions of floor nodes in which nothing that is measured of the floor points.
-std::int64_t n_unmeasured(const Scene& scene) {
-  std::size_t directions = 0;
-  for (const SceneConstraint& motion : scene.prescribed) directions += motion.directions.size();
-  return static_cast<std::int64_t>(directions) - static_cast<std::int64_t>(scene.inputs.size());
-}
-
 /// What no check fails by default and a customer would want to hear.
-void add_warnings(report::Verdict& verdict, const RunAnalyses& runs) {
+void add_warnings(report::Verdict& verdict) {
+  for (const report::AxisLevels& axis : verdict.axes) {
+    std::string worse = report::worse_over_all(axis);
+    if (!worse.empty()) verdict.warnings.push_back(std::move(worse));
+  }
   const std::string worse = report::worse_by_class(verdict.axes);
   if (!worse.empty()) {
     verdict.warnings.push_back("By vibration class the active frame is worse than the floor in " +
@@ -103,10 +113,8 @@ void add_warnings(report::Verdict& verdict, const RunAnalyses& runs) {
         "beyond "
         "its band, allowed are %.3g dB.",
         response.loop.c_str(), response.what.c_str(), response.beyond_db, response.tolerance_db);
-    const auto& design = runs.any().run.design;
-    const std::int64_t n = design ? n_unmeasured(design->scene) : 0;
-    if (n > 0 && !design->scene.gravity.isZero(0)) {
-      text += " The floor's nodes can also move in " + std::to_string(n) +
+    if (response.n_unmeasured > 0) {
+      text += " The floor's nodes can also move in " + std::to_string(response.n_unmeasured) +
               " directions that no input measures, and with weight on the legs those shake the "
               "frame too.";
     }
@@ -177,6 +185,7 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
     accept = acceptance_of(design->scene);
     targets = targets_of(*design);
     verdict.disturbed = !design->scene.disturbances.empty();
+    verdict.judged = report::judged_range(axis_of(*design));
   }
   if (!targets.empty()) {
     verdict.isolates_above_hz = 2 * *std::max_element(targets.begin(), targets.end());
@@ -189,10 +198,10 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
   }
   verdict.identification = judged(runs, targets);
   add_axes(verdict, runs, accept);
-  add_warnings(verdict, runs);
+  add_warnings(verdict);
   std::vector<report::Check> checks = prediction_checks(runs, verdict, accept.prediction_db);
   if (accept.axes.empty()) {
-    if (auto motion = multisine_motion(runs)) checks.push_back(std::move(*motion));
+    if (auto motion = multisine_motion(runs, verdict.judged)) checks.push_back(std::move(*motion));
   }
   verdict.judgement = report::judge(verdict, accept, std::move(checks));
   return verdict;

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -64,6 +65,7 @@ class Sensitivity {
     for (int i = 0; i <= 180; ++i) angles_.push_back(std::numbers::pi * std::pow(10, -i / 30.0));
     std::erase_if(angles_, [](double angle) { return angle < 1e-12 || angle > std::numbers::pi; });
     std::sort(angles_.begin(), angles_.end());
+    keep_apart(poles);
     for (const double angle : angles_) values_.push_back(at(angle));
   }
 
@@ -90,17 +92,43 @@ class Sensitivity {
              high = angles_[std::min(*hill + 1, sizes.size() - 1)];
       largest = std::max(largest, sizes[*hill]);
       // The section shrinks by 1e-8, and the value is as flat as its square.
+      const double golden = (std::sqrt(5.0) - 1) / 2;
+      double a = high - golden * (high - low), b = low + golden * (high - low);
+      double left = size(at(a)), right = size(at(b));
       for (int i = 0; i < 40; ++i) {
-        const double third = (3 - std::sqrt(5.0)) / 2 * (high - low);
-        const double left = size(at(low + third)), right = size(at(high - third));
         largest = std::max({largest, left, right});
-        (left > right ? high : low) = left > right ? high - third : low + third;
+        if (left > right) {
+          high = b, b = a, right = left;
+          left = size(at(a = high - golden * (high - low)));
+        } else {
+          low = a, a = b, left = right;
+          right = size(at(b = low + golden * (high - low)));
+        }
       }
     }
     return largest;
   }
 
  private:
+  /// Leaves one of angles that their values cannot tell apart. About a peak of half-width w, the
+  /// distance of its pole, values fall as 1 - (x / w)^2 / 2 and carry the rounding of z over w, so
+  /// that they order angles down to the root of 2 eps w and not below. Conjugates lie at one angle,
+  /// poles of legs that are alike at one but for rounding: the neighbours of a hill among them
+  /// would be a bracket of no width, or one of which rounding has chosen the side, the peak outside
+  /// it, and all hills that are looked at might be this one. Without them every bracket is wider
+  /// than what is not known of where its peak is.
+  void keep_apart(const Eigen::VectorXcd& poles) {
+    // A sum of n terms and the solutions of systems of n: about a hundred roundings.
+    constexpr double rounding = 100 * std::numeric_limits<double>::epsilon();
+    const auto distance = [&](double angle) {
+      return (poles.array() - std::polar(1.0, angle)).abs().minCoeff();
+    };
+    const auto same = [&](double a, double b) {
+      return b - a <= std::sqrt(2 * rounding * distance(a));
+    };
+    angles_.erase(std::unique(angles_.begin(), angles_.end(), same), angles_.end());
+  }
+
   MatrixXcd at(double angle) const {
     const MatrixXcd L = return_ratio(plant_, law_, angle / plant_.sample_time);
     const MatrixXcd I = MatrixXcd::Identity(L.rows(), L.rows());

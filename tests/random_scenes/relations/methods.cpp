@@ -46,10 +46,12 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
   const double tolerance = own.simulation.relative_tolerance;
   // An unstable loop magnifies any difference: its plant is looked at without control.
   const bool active = design.radius < largest_stable_radius;
-  const auto run = [&](PlantMethod method, double relative) {
-    auto floor = floor::make_floor_source(*scene.floor());
-    const Index n = floor->n_samples();
-    return run_loop(by(own, method, relative), design, std::move(floor), n, active);
+  Finding finding;
+  const long most = affordable_evaluations(scene);
+  const Index all = run_samples(scene);
+  const auto run = [&](PlantMethod method, double relative, Index n) {
+    return run_loop(by(own, method, relative), design, floor::make_floor_source(*scene.floor()), n,
+                    active, most);
   };
   std::vector<Method> minimal = {{"auto", PlantMethod::automatic}};
   const double stiffness = fastest_rate(design) / own.controller->sample_rate_hz;
@@ -58,46 +60,64 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
   // Where a sample is hundreds of the fastest turns and nothing damps them, the estimate of the
   // exponential method is too small in large motion (docs/scene.md).
   if (smooth && stiffness < 500) minimal.push_back({"exponential", PlantMethod::exponential});
-  // Explicit steps are bound by the fastest mode; where that takes hundreds of them in a sample
-  // nobody would choose them.
-  const bool mild = stiffness < 50;
+  // Explicit steps are bound by the fastest mode: some two stages for each radian of it. Where that
+  // takes a hundred in a sample nobody would choose them.
+  const bool mild = !skips(finding, "dormand_prince", stiffness, 50);
   if (mild) minimal.push_back({"dormand_prince", PlantMethod::dormand_prince});
-  // References are of another formulation than what is judged by them, and a thousandth as wrong.
-  // In nodal coordinates a rotor accelerates, and that is what its tolerance is of (docs/scene.md):
-  // there the explicit pair is the other one, of the same coordinates but of no linear part.
+  // References are of another formulation than what is judged by them, and a hundredth as wrong: so
+  // much of the bound is not known. In nodal coordinates a rotor accelerates, and that is what its
+  // tolerance is of (docs/scene.md): there the explicit pair is the other one, of the same
+  // coordinates but of no linear part.
   const bool turning = scene.operating_point().moving();
-  if (turning && !mild) return std::nullopt;
-  const Signals reference =
-      run(turning ? PlantMethod::dormand_prince : PlantMethod::nodal, 1e-3 * tolerance);
-  Finding finding;
+  if (turning && !mild) {
+    finding.skipped = {"all methods beside a rotor"};
+    return finding;
+  }
+  constexpr double of_reference = 1e-2;
+  const Signals reference = run(turning ? PlantMethod::dormand_prince : PlantMethod::nodal,
+                                of_reference * tolerance, all);
+  if (too_short(finding, "the runs", reference.n_samples(), all)) return finding;
   const double bound = 30 * tolerance;  // what docs/scene.md promises
   const RunRounding rounding(scene);
+  // Runs that become too dear are compared as far as they went.
+  const auto judge = [&](const Method& method, Signals by_which) {
+    const Signals found = run(method.method, tolerance, by_which.n_samples());
+    const bool whole = found.n_samples() == by_which.n_samples();
+    if (too_short(finding, method.name, found.n_samples(), by_which.n_samples())) return whole;
+    by_which.shorten(found.n_samples());
+    finding.take(error_of(found, by_which, rounding, bound), bound, method.name);
+    return whole;
+  };
   std::vector<std::string> ends;
+  std::string ended;  // names
+  bool passed = false;  // a method in these coordinates came to the end
   for (const Method& method : minimal) {
     try {
-      finding.take(error_of(run(method.method, tolerance), reference, rounding, bound), bound,
-                   method.name);
+      const bool whole = judge(method, reference);
+      passed = passed || (whole && method.method != PlantMethod::automatic);
     } catch (const std::runtime_error& error) {
       ends.push_back(error.what());
+      ended += std::string(" ") + method.name;
     }
   }
   if (!ends.empty()) {
     // At a dead point the dofs no longer say where the frame is (docs/scene.md): there every method
-    // in these coordinates ends, and all of them at one sample.
+    // in these coordinates ends that comes so far, and all of them at one sample; `auto` may have
+    // gone over to the nodal one before.
     const auto when = [](const std::string& end) { return end.substr(0, end.find(" s")); };
     const auto same = [&](const std::string& end) { return when(end) == when(ends.front()); };
-    if (minimal.size() > 1 && ends.size() == minimal.size() &&
-        std::all_of(ends.begin(), ends.end(), same)) {
-      return std::nullopt;
+    if (ends.size() > 1 && !passed && std::all_of(ends.begin(), ends.end(), same)) {
+      return finding.compared > 0 ? std::optional(finding) : std::nullopt;
     }
-    finding.take(1, 0, ends.front());
+    finding.take(1, 0, ends.front() + ", by" + ended);
     return finding;
   }
   if ((smooth || mild) && !turning) {
-    const Signals other =
-        run(smooth ? PlantMethod::exponential : PlantMethod::dormand_prince, 1e-3 * tolerance);
-    finding.take(error_of(run(PlantMethod::nodal, tolerance), other, rounding, bound), bound,
-                 "nodal");
+    const Signals other = run(smooth ? PlantMethod::exponential : PlantMethod::dormand_prince,
+                              of_reference * tolerance, all);
+    if (!too_short(finding, "the reference of nodal", other.n_samples(), all)) {
+      judge({"nodal", PlantMethod::nodal}, other);
+    }
   }
   return finding;
 }

@@ -153,12 +153,26 @@ std::optional<Finding> check_report(Case& scene, std::uint64_t) {
   std::vector<std::string> loops = {"passive"};
   std::map<std::string, Eigen::MatrixXd> accelerations;
   if (design.radius < largest_stable_radius) loops.push_back("active");
+  // What the runs show directly, all as far as the dearest of them goes; less far than where
+  // methods are compared, as all are run again for the log, and no accuracy is asked for.
+  const Index whole = run_samples(scene) + 1;
+  Index n = whole;
+  std::map<std::string, Signals> shown;
   for (const std::string& loop : loops) {
+    shown[loop] = run_loop(scene.scene(), design, floor::make_floor_source(*scene.floor()), n,
+                           loop == "active", affordable_evaluations(scene) / 6);
+    n = shown[loop].n_samples();
+  }
+  if (too_short(finding, "the runs", n, whole)) return finding;
+  for (const std::string& loop : loops) {
+    Signals& direct = shown[loop];
+    direct.shorten(n);
     tools::PhaseOptions options;
     options.loop = loop;
     options.mode = "single_process";
     options.run_id = 1;
     options.sample_rate_hz = design.gains.sample_rate_hz;
+    options.duration_s = static_cast<double>(n - 1) / options.sample_rate_hz;
     const auto result =
         tools::run_in_process(design, *scene.floor(), floor_text, options, *directory);
     if (result.exit_code != 0) throw std::runtime_error(result.reason);
@@ -168,9 +182,6 @@ std::optional<Finding> check_report(Case& scene, std::uint64_t) {
     const auto csv = *directory / (loop + ".csv");
     report::export_csv(log, {.run_id = {}, .channels = {}, .progress = [](double) {}}, csv);
     const Eigen::MatrixXd exported = read_csv(csv);
-    auto floor = floor::make_floor_source(*scene.floor());
-    const Index n = floor->n_samples() + 1;
-    const Signals direct = run_loop(scene.scene(), design, std::move(floor), n, loop == "active");
     const Index m = direct.sigma.cols(), n_floor = static_cast<Index>(scene.scene().inputs.size()),
                 n_frame = direct.acceleration.cols();
     // seq, time_s, floor, sigma, applied, frame, command.

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "report/analysis/response_analyser.hpp"
+#include "report/identification/comparison.hpp"
 #include "tests/report/toy_frame.hpp"
 
 namespace stillframe::report {
@@ -86,6 +87,84 @@ TEST_F(AboutTheModel, NoiseOfAChannelIsInTheBands) {
     EXPECT_NEAR(found / expected, 1, 0.5) << l;
     EXPECT_LE(std::sqrt(same.response->noise[at].real().trace()), 1e-12 * expected) << l;
   }
+}
+
+/// x and y of the floor hardly differ, and the sensors of the floor have noise: the model follows
+/// what they say, the frame what the floor does.
+class NoiseOfTheInputs : public AboutTheModel {
+ protected:
+  /// What is compared of the loop and how far it lies off, where y is x and `apart` of its size.
+  /// sensors: size of their noise; known: what is said of it, m/s^2/sqrt(Hz).
+  PredictionError compared(double apart, double sensors, std::optional<double> known) {
+    MatrixXd floor = noise(n_samples_);
+    floor.col(1) = floor.col(0) + apart * floor.col(1);
+    const VectorXd rest = VectorXd::Zero(loop_.A.rows());
+    const MatrixXd outputs = toy::simulate(loop_, floor, rest).outputs;
+    const MatrixXd read = floor + sensors * noise(floor.rows());
+    const MatrixXd predicted = gain_ * toy::simulate(loop_, read, rest).outputs;
+    const Index n = read.rows();
+    plan_.input_noise = known;
+    ResponseAnalyser analyser({{"x", "y", "z"}, {"a", "b", "c"}}, plan_, model_);
+    // A row of a record holds the input of the row before it in the floor (toy::simulate).
+    analyser.add(0, read, outputs.bottomRows(n), predicted.bottomRows(n));
+    const IdentifiedResponse found = analyser.finish();
+    EXPECT_TRUE(found.response.has_value()) << found.missing;
+    if (!found.response) return {};
+    return compare(*found.response, singular_value_bands(*found.response, 0.95, 200),
+                   singular_values(model_));
+  }
+  /// One-sided, of noise() in m/s^2/sqrt(Hz).
+  static double density(double sensors) { return sensors * 1e-3 / std::sqrt(0.5 * rate); }
+  Index n_samples_ = 20000;
+  double gain_ = 1;  ///< of the model over what it should be
+  Index all() const { return 3 * static_cast<Index>(model_.size()); }
+};
+
+TEST_F(NoiseOfTheInputs, IsNoExcitation) {
+  // From a hundredth of their difference to thirty times it.
+  for (const double sensors : {1e-5, 1e-4, 3e-4, 1e-3, 1e-2, 3e-2}) {
+    for (const bool known : {true, false}) {
+      const PredictionError error =
+          compared(1e-3, sensors, known ? std::optional(density(sensors)) : std::nullopt);
+      // The loop is the model's. All values of a record together are outside one time in twenty,
+      // and then by little.
+      EXPECT_LE(error.beyond_db, error.tolerance_db) << sensors << " " << known;
+      if (sensors >= 1e-3) {  // as much as what differs, and more
+        EXPECT_EQ(error.n_compared, 0) << sensors << " " << known;
+      }
+      if (sensors <= 1e-5) {  // a part in ten thousand of its power
+        EXPECT_EQ(error.n_compared, all()) << sensors << " " << known;
+      }
+    }
+  }
+}
+
+/// What such a record would say of the loop if its sensors were taken at their word.
+TEST_F(NoiseOfTheInputs, WouldBeTakenForTheLoop) {
+  n_samples_ = 160000;  // noise alone would hide it in less
+  plan_.expected_s = 320;
+  // A fifth of the power of what differs is noise, and a fifth of T missing: 1.9 dB.
+  EXPECT_GT(compared(1e-3, 5e-4, 0.0).beyond_db, 1);
+  EXPECT_EQ(compared(1e-3, 5e-4, density(5e-4)).beyond_db, 0);
+  EXPECT_EQ(compared(1e-3, 5e-4, std::nullopt).beyond_db, 0);
+}
+
+/// Inputs that move independently are known, with a hundredth of their size as noise too.
+TEST_F(NoiseOfTheInputs, LeavesWhatIsWellExcited) {
+  for (const bool known : {true, false}) {
+    const PredictionError error =
+        compared(1, 1e-2, known ? std::optional(density(1e-2)) : std::nullopt);
+    EXPECT_EQ(error.n_compared, all()) << known;
+    EXPECT_LE(error.beyond_db, error.tolerance_db) << known;
+  }
+}
+
+/// Noise of the outputs is none of the inputs': a loop that is wrong still shows.
+TEST_F(NoiseOfTheInputs, DoesNotHideALoopThatIsWrong) {
+  gain_ = 1.2;  // 1.6 dB
+  for (auto& T : model_) T *= gain_;
+  const PredictionError error = compared(1, 1e-2, std::nullopt);
+  EXPECT_GT(error.beyond_db, 1);
 }
 
 }  // namespace
