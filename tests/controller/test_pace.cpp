@@ -212,6 +212,13 @@ TEST(Pace, RegularLossesAreNoFault) {
     ASSERT_TRUE(rig.reaches(State::active, 6000, wire)) << every << " " << to_text(rig.fault());
     rig.steps(5000, wire);
     EXPECT_EQ(rig.supervisor().n_faults(), 0) << every << " " << to_text(rig.fault());
+    // And what breaks then is found by its pace.
+    const auto broken = [&](Measurement& m) {
+      m.sigma(1) = -m.sigma(1);
+      return wire(m);
+    };
+    ASSERT_TRUE(rig.reaches(State::fault, 3000, broken)) << every;
+    EXPECT_EQ(rig.fault(), Fault::restless) << every;
   }
 }
 
