@@ -14,6 +14,9 @@ struct Measurement {
   Eigen::VectorXd applied;       ///< m, N, sigma_a really applied when sigma was sampled
   /// p, m/s^2, prescribed accelerations, mean over the sample that ends now; empty: not measured.
   Eigen::VectorXd floor;
+  /// false: the force is not this controller's; amplifiers that heard nothing let go, or another
+  /// commands. True where an Io cannot tell.
+  bool heard = true;
 };
 
 /// The piezo forces that are wanted.

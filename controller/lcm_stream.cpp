@@ -115,6 +115,7 @@ void LcmStream::on_measurement(const lcm::ReceiveBuffer* buffer, const std::stri
   place->received_ns = now;
   place->sigma = Map<const VectorXd>(message.sigma.data(), message.n_legs);
   place->applied = Map<const VectorXd>(message.applied_force.data(), message.n_legs);
+  place->heard = message.controller_instance == message_.instance;
   place->floor = Map<const VectorXd>(message.floor_acceleration.data(), message.n_floor);
   measurements_.push();
 }

@@ -24,11 +24,13 @@ enum class Fault : std::int32_t {
   not_alive,       ///< arming: a sensor does not move
   offset,          ///< arming: a sensor's offset beyond offset_limit_n
   limited,         ///< too many commands of about a second were at the force limit
+  unheard,         ///< measurements come, but the commands have not acted for longest_gap samples
 };
 
 /// Faults that end by themselves once measurements come again; the others stay until a reset.
 constexpr bool is_passing(Fault fault) noexcept {
-  return fault == Fault::silence || fault == Fault::losses || fault == Fault::suspended;
+  return fault == Fault::silence || fault == Fault::losses || fault == Fault::suspended ||
+         fault == Fault::unheard;
 }
 
 std::string_view to_text(Defect defect) noexcept;

@@ -132,7 +132,7 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
 template <class Archive>
 void Supervisor::visit(Archive& archive) {
   archive(state_), archive(fault_), archive(latched_), archive(wanted_), archive(met_);
-  archive(law_ran_), archive(missing_), archive(missing_part_);
+  archive(law_ran_), archive(missing_), archive(unheard_), archive(missing_part_);
   archive(last_defect_);
   archive(quiet_), archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
   archive(base_), archive(step_), archive(force_), archive(offset_);
@@ -184,7 +184,10 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   if (engaged()) {
     if (send) run_law(event);
   } else {
-    if (event.measurement != nullptr && gap_ > policy_.hold_periods) meet(*event.measurement);
+    if (event.measurement != nullptr &&
+        (gap_ > policy_.hold_periods || (unheard_ > 0 && q_ > 0))) {
+      meet(*event.measurement);
+    }
     const double before = q_;
     q_ = std::max(0.0, q_ - static_cast<double>(event.n_elapsed) * sample_time_ / policy_.fade_s);
     step_ *= step_kept;
@@ -264,6 +267,7 @@ void Supervisor::count_missing(const Event& event) noexcept {
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
   gap_ = have ? missing_ : 0;
   if (have) {
+    unheard_ = event.measurement->heard ? 0 : unheard_ + gap_ + event.n_elapsed;
     missing_ = 0;
     last_defect_ = Defect::none;
     return;
@@ -274,6 +278,7 @@ void Supervisor::count_missing(const Event& event) noexcept {
 }
 
 void Supervisor::watch(const Event& event) noexcept {
+  if (engaged() && unheard_ > Law::longest_gap) return let_go(Fault::unheard, event);
   if (engaged() && watch_.limited()) return let_go(Fault::limited, event);
   if (engaged() && watch_.restless()) return let_go(Fault::restless, event);
   if (engaged() || state_ == State::fading) {
@@ -383,6 +388,7 @@ void Supervisor::arm(const Event& event) noexcept {
   law_.reset();
   watch_.restart();
   law_ran_ = false;
+  unheard_ = 0;
   p_ = 0;
   if (passing_fault_) {
     ++n_rejoins_;
@@ -404,6 +410,7 @@ void Supervisor::run_law(const Event& event) noexcept {
   if (!engaged()) return;
   const double gain = smooth_step(p_);
   force_ = asked_ = gain * u_;
+  if (unheard_ > 0) pace_.lose_track();
   pace_.expect(n_samples_, gain);
 }
 

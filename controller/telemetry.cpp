@@ -40,6 +40,7 @@ loop_record_t to_message(const LoopRecord& record) {
   message.defect = static_cast<std::int32_t>(record.defect);
   message.request = static_cast<std::int32_t>(record.request);
   message.sent = record.sent ? 1 : 0;
+  message.heard = record.measurement.heard ? 1 : 0;
   message.saturated = record.command.saturated ? 1 : 0;
   message.seq = record.measurement.seq;
   message.time_ns = record.measurement.time_ns;
@@ -82,7 +83,8 @@ LoopRecord from_message(const loop_record_t& message) {
                         .received_ns = message.received_ns,
                         .sigma = vector(message.sigma),
                         .applied = vector(message.applied),
-                        .floor = vector(message.floor)};
+                        .floor = vector(message.floor),
+                        .heard = message.heard != 0};
   record.command.force = vector(message.force);
   record.command.saturated = message.saturated != 0;
   return record;

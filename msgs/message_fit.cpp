@@ -101,7 +101,7 @@ void walk(Walk& w, const loop_records_t*) {
   w.int64s(2);
   const std::size_t n = w.count();
   for (std::size_t i = 0; i < n && w.fits(); ++i) {
-    w.int64s(7), w.int32s(4), w.booleans(2), w.int64s(2);
+    w.int64s(7), w.int32s(4), w.booleans(3), w.int64s(2);
     const std::size_t n_legs = w.count();
     w.doubles(n_legs), w.doubles(n_legs), w.doubles(n_legs);
     w.doubles(w.count());

@@ -72,6 +72,7 @@ measurement_t FakePlant::measure(std::int64_t k) const {
   measurement_t message{};
   message.run_id = info_.run_id;
   message.plant_instance = info_.plant_instance;
+  message.controller_instance = commands.empty() ? 0 : commands.back().instance;
   message.seq = k;
   message.time_ns = static_cast<std::int64_t>(static_cast<double>(k) * 1e9 / info_.sample_rate_hz);
   message.n_legs = info_.n_legs;

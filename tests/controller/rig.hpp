@@ -64,6 +64,7 @@ class Rig {
     measurement_.applied = reports_.front();
     measurement_.floor = w_;
     measurement_.received_ns = measurement_.time_ns + 1000;
+    measurement_.heard = unheard_ <= 10;
     Measurement sent = measurement_;
     if (!wire || wire(sent)) io_.put(sent);
     sent_any = false;
@@ -73,6 +74,7 @@ class Rig {
     if (awake) loop_.period(measurement_.time_ns + period_ns / 2 + late);
     while (io_.take(command_)) {
       sent_any = true;
+      if (deaf) continue;
       unheard_ = 0;
       force_ = command_.force;
       largest_force = worst_of(largest_force, worst_of(force_));
@@ -110,6 +112,7 @@ class Rig {
   const std::int64_t period_ns;
   Floor floor;
   Actuators actuators;
+  bool deaf = false;         ///< commands do not reach the amplifiers
   Eigen::VectorXd sigma, y;  ///< in the last sample, as they were
   double peak = 0;           ///< of sigma
   double largest_force = 0;

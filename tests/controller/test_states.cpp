@@ -123,6 +123,7 @@ struct Period {
   Defect defect = Defect::none;
   Request request = Request::none;
   std::int64_t n_elapsed = 1;
+  bool heard = true;
   double follows = 1;  ///< part of the last command that the amplifiers report
 };
 
@@ -155,6 +156,7 @@ class Drive {
     measurement_.seq = k_;
     measurement_.time_ns = k_ * 10'000'000;
     measurement_.applied = period.follows * applied_;
+    measurement_.heard = period.heard;
     // Legs feel what is applied to them; the reading is what their elongation adds.
     for (double& value : measurement_.sigma) value = reading(period.sigma);
     measurement_.sigma += measurement_.applied;
@@ -380,6 +382,7 @@ void faults_of_the_loop(std::vector<Scenario>& all) {
     from_engaged(from, latched, "limited", low_limit, {.sigma = Sigma::large});
     from_engaged(from, latched, "restless", slow_pace, {.sigma = Sigma::alternating});
     from_engaged(from, passing, "losses", soon_losses, {.n_elapsed = longest});
+    from_engaged(from, passing, "unheard", "ramp: {in_s: 2, out_s: 2}", {.heard = false});
   }
   from_engaged("fading", passing, "losses", "measurements: {missing_part: 0.15}", missing);
   for (const string from : {"ramp_in", "active", "ramp_out", "fading"}) {
@@ -392,6 +395,13 @@ void faults_of_the_loop(std::vector<Scenario>& all) {
     all.push_back({{from, to, "losses"}, at_rest + soon_losses + policy, [from, asked](Drive& d) {
                      d.reach(from, still);
                      d.change({.request = asked, .n_elapsed = longest});
+                   }});
+    all.push_back({{from, to, "unheard"},
+                   at_rest + "ramp: {in_s: 2, out_s: 2}\n" + policy,
+                   [from, asked](Drive& d) {
+                     d.reach(from, still);
+                     d.steps(100, {.sigma = Sigma::still, .heard = false});
+                     d.change({.request = asked, .heard = false});
                    }});
   };
   for (const string from : {"ramp_in", "active"}) {
@@ -476,7 +486,7 @@ class RandomWorld {
   bool one_in(std::uint64_t n) { return random_() % n == 0; }
 
   void turn() {
-    const std::uint64_t what = random_() % 20;
+    const std::uint64_t what = random_() % 21;
     kind_ = {.sigma = at_rest_ ? Sigma::still : Sigma::moving};
     flaky_ = sleepy_ = false;
     left_ = static_cast<int>(random_() % 150);
@@ -487,6 +497,7 @@ class RandomWorld {
     if (what == 5) flaky_ = true;
     if (what == 6) sleepy_ = true;
     if (what == 7) flaky_ = sleepy_ = true;
+    if (what == 8) kind_.heard = false;
     // Gaps that end while the loop still fades are the most eventful.
     if (what >= 1 && what <= 7 && one_in(2)) left_ = 5 + static_cast<int>(random_() % 20);
   }

@@ -152,6 +152,35 @@ TEST(Supervisor, ComesBackOutOfAShortFadeWithoutABump) {
   EXPECT_LT(rig.largest_jump, 0.3 * worst_of(rig.force()) + undisturbed.largest_jump);
 }
 
+TEST(Supervisor, CommandsThatAreLostAreAFaultThatPassesWithoutABump) {
+  for (const int lost : {5, 50, 95, 130, 300, 700, 1500}) {
+    SCOPED_TRACE(lost);
+    Rig rig;
+    ASSERT_TRUE(rig.reaches(State::active, 3000));
+    double largest_change = 0;
+    const auto step = [&] {
+      const Eigen::VectorXd before = rig.force();
+      rig.step();
+      largest_change = worst_of(largest_change, worst_of(rig.force() - before));
+    };
+    for (int i = 0; i < 1000; ++i) step();
+    const double of_the_loop = largest_change;
+    rig.deaf = true;
+    for (int i = 0; i < lost; ++i) step();
+    rig.deaf = false;
+    for (int i = 0; i < 4000; ++i) step();
+    EXPECT_EQ(rig.state(), State::active);
+    // The amplifiers hold for ten samples, and a hundred are ridden out.
+    EXPECT_EQ(rig.fault(), lost > 111 ? Fault::unheard : Fault::none);
+    // What the frame swings with when the amplifiers let go of it comes to that of one that was
+    // never held: a tenth at most, as docs/safety.md allows.
+    EXPECT_LE(rig.peak, 1.1 * toy::passive_peak(static_cast<int>(rig.k())));
+    if (lost <= 111) continue;
+    // Back again it ramps in, on a frame that swings further than one that is held.
+    EXPECT_LT(largest_change, 2 * of_the_loop);
+  }
+}
+
 TEST(Supervisor, OneBadSampleIsAMissedOne) {
   for (const double bad : {not_a_number, 1e9}) {
     Rig rig;

@@ -119,8 +119,8 @@ std::vector<Kind> wire_kinds() {
   kinds.push_back({"loss 50 %", ridden_out, both_ways({.loss = 0.5}), measurements_lost});
   kinds.push_back({"bursts of 20 lost", ridden_out, both_ways({.burst = 0.01, .burst_length = 20}),
                    measurements_lost});
-  kinds.push_back({"all commands lost 0.4 s", passing, commands_lost(n_samples)});
-  kinds.push_back({"all commands lost 1.3 s", passing, commands_lost(n_samples_long)});
+  kinds.push_back({"all commands lost 0.4 s", {"unheard"}, commands_lost(n_samples)});
+  kinds.push_back({"all commands lost 1.3 s", {"unheard"}, commands_lost(n_samples_long)});
   kinds.push_back(
       {.name = "delay 1 to 5 periods", .allowed = silent, .inflict = delay, .delays = true});
   // Up to half a period is in time, so some get through at any jitter.

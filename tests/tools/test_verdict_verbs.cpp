@@ -83,8 +83,14 @@ TEST_F(VerdictVerbs, AFrameThatItsLimitedForcesShakeFails) {
   const Said batch = run({"batch", frame(), "--controller", limited, "--duration", "12", "--json"});
   EXPECT_EQ(batch.exit_code, 4);
   EXPECT_EQ(Json::parse(batch.output)[0].at("outcome"), "failed");
-  EXPECT_EQ(Json::parse(batch.output)[0].at("reason"), verdict.at("reason"));
-  EXPECT_NE(batch.error.find(verdict.at("reason").get<std::string>()), std::string::npos);
+  // A batch identifies nothing, so that fewer checks can fail besides.
+  const auto first_reason = [](const Json& of) {
+    const auto text = of.at("reason").get<std::string>();
+    return text.substr(0, text.rfind(" ("));
+  };
+  const Json of_batch = Json::parse(batch.output)[0];
+  EXPECT_EQ(first_reason(of_batch), first_reason(verdict));
+  EXPECT_NE(batch.error.find(of_batch.at("reason").get<std::string>()), std::string::npos);
 }
 
 TEST_F(VerdictVerbs, TheFrameAsItIsPasses) {
