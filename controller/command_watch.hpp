@@ -26,6 +26,8 @@ class CommandWatch {
   bool restless() const noexcept { return hurried_ > restless_part; }
   /// The leg that began it, -1: none did.
   Eigen::Index first() const noexcept { return first_; }
+  /// What broke is known: that leg.
+  void began_with(Eigen::Index leg) noexcept { first_ = leg; }
   /// The last commands smoothed over some milliseconds (m, N): what to hold of forces that swing
   /// from sample to sample.
   const Eigen::VectorXd& steady_force() noexcept;

@@ -37,6 +37,9 @@ class DesignedLoop {
     law_.visit(archive);
   }
 
+  /// What the sensors read in the last step (m, N), v included.
+  const Eigen::VectorXd& sigma() const noexcept { return sigma_; }
+
  private:
   void sample(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
   void push(const Eigen::VectorXd& command) noexcept;

@@ -27,23 +27,27 @@ constexpr std::int64_t longest_loss = 10;
 // Below a tenth of a hertz floors move frames by next to nothing; sensors tilt and drift.
 constexpr double rest_s = 3;
 constexpr int most_samples = 50'000;
+// A sensor is as good as its neighbours, or it is another's, or broken.
+constexpr double noisier = 10;
 // The sum of squares of 1, -4, 6, -4, 1.
 constexpr double squares_of_a_difference = 70;
 
 /// The changes of a loop's commands (m x n, N) after one sample of floor channel j, or of sensor
-/// j - p, until it no longer swings.
-MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece) {
+/// j - p, until it no longer swings. squares: m, N^2, of the forces of the legs meanwhile.
+MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece, Ref<VectorXd> squares) {
   const Index p = loop.n_floor();
   const VectorXd rest_w = VectorXd::Zero(p), rest_v = VectorXd::Zero(m);
   VectorXd after = rest_v, before = rest_v, all = rest_v, of_piece = rest_v;
   MatrixXd changes;
   loop.reset();
+  squares.setZero();
   for (Index n = 0; n < most_samples;) {
     VectorXd w = rest_w, v = rest_v;
     if (n == 0) (j < p ? w(j) : v(j - p)) = 1;
     if (n == changes.cols()) changes.conservativeResize(m, n + piece);
     const VectorXd change = loop.step(1, w, v, 1);
     changes.col(n++) = change;
+    squares += (loop.sigma() - v).cwiseAbs2();
     after += change;
     of_piece += change.cwiseAbs();
     if (n % piece != 0) continue;
@@ -75,19 +79,23 @@ Pace::Pace(const Gains& gains, double free)
       1,
       static_cast<Index>(std::min<double>(
           most_samples / 2, std::max(piece_s, piece_periods / slowest_hz) * gains.sample_rate_hz)));
+  MatrixXd squares(m, p + m);
   for (Index j = 0; j < p + m; ++j) {
-    const MatrixXd changes = changes_of(designed_, m, j, piece);
+    const MatrixXd changes = changes_of(designed_, m, j, piece, squares.col(j));
     for (PaceScale& scale : scales_) scale.learn(changes, j);
   }
+  force_per_noise_ = squares.rightCols(m);
   rest_ = moves_ = largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
-  squares_ = most_ = change_ = quiet_ = VectorXd::Zero(m);
+  squares_ = most_ = change_ = quiet_ = variance_ = sorted_ = mean_ = moved_ = VectorXd::Zero(m);
   designed_.reset();
   restart();
 }
 
 void Pace::restart() noexcept {
   squares_.setZero();
+  mean_.setZero();
+  moved_.setZero();
   smallest_.setConstant(squares_.size(), std::numeric_limits<double>::max());
   n_squares_ = n_in_row_ = 0;
   whole_ = false;
@@ -104,8 +112,11 @@ void Pace::listen(std::int64_t seq, const Ref<const VectorXd>& sigma) noexcept {
   for (PaceScale& scale : scales_) scale.listen(change_, n_in_row_ == 1);
   if (n_in_row_ < 5) return;
   ++n_squares_;
+  change_ = sigma - mean_;
+  mean_ += change_ / static_cast<double>(n_squares_);
+  moved_.array() += change_.array() * (sigma - mean_).array();
   for (Index i = 0; i < sigma.size(); ++i) {
-    const double step = std::abs(change_(i));
+    const double step = std::abs(at(0)(i) - at(1)(i));
     if (step > 0) smallest_(i) = std::min(smallest_(i), step);
     const double fourth = at(0)(i) - 4 * at(1)(i) + 6 * at(2)(i) - 4 * at(3)(i) + at(4)(i);
     squares_(i) += fourth * fourth;
@@ -119,10 +130,27 @@ void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
   for (Index i = 0; i < change_.size(); ++i) {
     // The steps of a converter are noise too, and those of one at rest are not met while arming.
     const double converter = smallest_(i) < std::numeric_limits<double>::max() ? smallest_(i) : 0;
-    change_(i) = squares_(i) / (squares_of_a_difference * n) + converter * converter / 12;
+    variance_(i) = squares_(i) / (squares_of_a_difference * n) + converter * converter / 12;
   }
-  for (PaceScale& scale : scales_) scale.begin(doubt, change_);
+  for (PaceScale& scale : scales_) scale.begin(doubt, variance_);
   designed_.reset();
+}
+
+Index Pace::noisy() noexcept {
+  if (!knows_noise()) return -1;
+  sorted_ = variance_;
+  const auto middle = sorted_.begin() + (sorted_.size() - 1) / 2;
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  Index leg = -1;
+  const double variance = variance_.maxCoeff(&leg);
+  if (!(variance > noisier * noisier * *middle)) return -1;
+  // Its own readings say nothing of how the frame moves.
+  double moves = 0;
+  for (Index i = 0; i < moved_.size(); ++i) {
+    const double of_motion = moved_(i) / static_cast<double>(n_squares_) - variance_(i);
+    if (i != leg) moves = std::max(moves, of_motion);
+  }
+  return force_per_noise_.col(leg).maxCoeff() * variance > moves ? leg : -1;
 }
 
 void Pace::forget(std::int64_t n_elapsed) noexcept {

@@ -39,6 +39,10 @@ class Pace {
   void listen(std::int64_t seq, const Eigen::Ref<const Eigen::VectorXd>& sigma) noexcept;
   /// The loop is closed; doubt: m, N, by which the offsets that were taken out may be wrong.
   void begin(const Eigen::Ref<const Eigen::VectorXd>& doubt) noexcept;
+  /// After begin: the leg whose sensor was broken while arming, by its noise: of that alone the
+  /// loop would make larger forces than the legs had, and it is ten times that of the middle one of
+  /// all sensors. -1: none.
+  Eigen::Index noisy() noexcept;
   /// So many periods have passed.
   void forget(std::int64_t n_elapsed) noexcept;
   /// The floor (p, m/s^2; empty: not measured) as a measurement has it. One sample alone is not
@@ -65,7 +69,8 @@ class Pace {
   void visit(Archive& archive) {
     archive(rest_), archive(n_rest_), archive(largest_), archive(before_), archive(believed_),
         archive(last_), archive(squares_);
-    archive(smallest_), archive(seq_), archive(n_in_row_), archive(n_squares_);
+    archive(smallest_), archive(mean_), archive(moved_);
+    archive(seq_), archive(n_in_row_), archive(n_squares_);
     archive(floor_known_), archive(whole_);
     for (PaceScale& scale : scales_) scale.visit(archive);
     designed_.visit(archive);
@@ -85,7 +90,9 @@ class Pace {
   Eigen::VectorXd doubted_, beyond_;    ///< p, m/s^2, its change, and what was not believed
   Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring
   Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
-  Eigen::VectorXd most_, change_, quiet_;
+  Eigen::VectorXd mean_, moved_;        ///< m, N and N^2, of the readings and their sum of squares
+  Eigen::MatrixXd force_per_noise_;     ///< m x m, 1, the sum of squares of leg forces after a reading
+  Eigen::VectorXd most_, change_, quiet_, variance_, sorted_;
   std::int64_t n_rest_ = 0, seq_ = -1, n_in_row_ = 0, n_squares_ = 0;
   bool floor_known_ = false, whole_ = false;
 };

@@ -42,6 +42,8 @@ std::string_view to_text(Fault fault) noexcept {
       return "offset";
     case Fault::limited:
       return "limited";
+    case Fault::noisy:
+      return "noisy";
     case Fault::unheard:
       return "unheard";
   }

@@ -24,6 +24,7 @@ enum class Fault : std::int32_t {
   not_alive,       ///< arming: a sensor does not move
   offset,          ///< arming: a sensor's offset beyond offset_limit_n
   limited,         ///< too many commands of about a second were at the force limit
+  noisy,           ///< arming: of a sensor's noise the loop would make more than the floor does
   unheard,         ///< measurements come, but the commands have not acted for longest_gap samples
 };
 

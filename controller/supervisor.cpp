@@ -381,12 +381,16 @@ void Supervisor::arm(const Event& event) noexcept {
   const Fault found = arming_.judge(offset_, u_);
   if (found != Fault::none) return latch(found);
   pace_.begin(u_);
+  watch_.restart();
+  if (const Index leg = pace_.noisy(); leg >= 0) {
+    watch_.began_with(leg);
+    return latch(Fault::noisy);
+  }
   asked_.setZero();
   asked_before_.setZero();
   n_samples_ = 1;
   met_limit_ = false;
   law_.reset();
-  watch_.restart();
   law_ran_ = false;
   unheard_ = 0;
   p_ = 0;

@@ -53,7 +53,8 @@ class Supervisor {
   Eigen::Index n_legs() const noexcept { return law_.n_legs(); }
   State state() const noexcept { return state_; }
   Fault fault() const noexcept { return fault_; }  ///< the last one
-  /// The leg whose force first changed faster than it may before the fault restless; -1: none.
+  /// The leg whose force first changed faster than it may before the fault restless, or whose
+  /// sensor was noisy; -1: none.
   Eigen::Index first_leg() const noexcept { return watch_.first(); }
   bool latched() const noexcept { return latched_; }
   bool active() const noexcept { return active_; }

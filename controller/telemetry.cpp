@@ -122,9 +122,10 @@ std::string fault_in_words(const LoopCounters& counters,
   const Fault fault = counters.fault;
   const std::int64_t leg = counters.first_leg;
   std::string text(to_text(fault));
-  const bool named =
-      fault == Fault::restless && leg >= 0 && leg < static_cast<std::int64_t>(leg_names.size());
-  if (named) text += ", " + leg_names[static_cast<std::size_t>(leg)] + " first";
+  if (leg < 0 || leg >= static_cast<std::int64_t>(leg_names.size())) return text;
+  const std::string& name = leg_names[static_cast<std::size_t>(leg)];
+  if (fault == Fault::restless) text += ", " + name + " first";
+  if (fault == Fault::noisy) text += ", " + name;
   return text;
 }
 

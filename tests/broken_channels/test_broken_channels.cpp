@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "tests/broken_channels/episodes.hpp"
+#include "tests/controller/made_up_floor.hpp"
+#include "tests/controller/rig.hpp"
 
 // Whatever breaks between the sensors and the law, or between the law and the leg, of the frame as
 // it is shipped: what the frame feels of it, beside the same frame left alone on the same floor.
@@ -79,6 +82,55 @@ TEST_P(BrokenChannels, WouldDoHarmWithoutAPace) {
   const Episode episode =
       run_episode(shipped_gains(GetParam()), free, {{Part::sensor, Damage::reversed}}, 1);
   EXPECT_GT(episode.peak, 5);
+}
+
+// The noise of a sensor from before the loop takes hold is taken for what it is: where the loop
+// would make more of it than the floor does, it does not take hold.
+TEST_P(BrokenChannels, ASensorThatIsNoisyFromTheBeginningIsHarmlessOrNamed) {
+  const Gains gains = shipped_gains(GetParam());
+  const auto samples = [&](double seconds) {
+    return static_cast<int>(seconds * gains.sample_rate_hz);
+  };
+  int n_found = 0;
+  for (const double noise : {0.01, 0.1, 0.3, 1.0, 3.0, 10.0}) {
+    const std::uint64_t seed = 1 + static_cast<std::uint64_t>(10 * noise);
+    const auto noisy = static_cast<Eigen::Index>(seed) % gains.n_legs();
+    Rig rig({}, true, gains), alone({}, false, gains);
+    for (Rig* each : {&rig, &alone}) {
+      each->floor = [floor = MadeUpFloor(gains.sample_rate_hz, seed)](
+                        std::int64_t, Eigen::VectorXd& w) mutable { floor(usual_floor, w); };
+    }
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    rig.steps(samples(6), [&](Measurement& m) {
+      for (double& value : m.sigma) value += 1e-3 * normal(random);
+      m.sigma(noisy) += noise * normal(random);
+      return true;
+    });
+    alone.steps(samples(6));
+    EXPECT_LE(rig.peak, 1.1 * alone.peak) << noise;
+    if (rig.fault() != Fault::noisy) continue;
+    ++n_found;
+    EXPECT_TRUE(rig.latched());
+    EXPECT_EQ(rig.supervisor().first_leg(), noisy);
+  }
+  EXPECT_GE(n_found, 2);
+}
+
+TEST_P(BrokenChannels, SoundSensorsOnAStillFloorAreNotNoisy) {
+  const Gains gains = shipped_gains(GetParam());
+  Rig rig({}, true, gains);
+  rig.floor = [](std::int64_t, Eigen::VectorXd& w) { w.setZero(); };
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  // Of one make: three times as noisy as another is the most that they are told apart by.
+  const Eigen::ArrayXd sizes = Eigen::ArrayXd::LinSpaced(gains.n_legs(), 1e-3, 3e-3);
+  rig.steps(static_cast<int>(3 * gains.sample_rate_hz), [&](Measurement& m) {
+    for (Eigen::Index i = 0; i < sizes.size(); ++i) m.sigma(i) += sizes(i) * normal(random);
+    return true;
+  });
+  EXPECT_EQ(rig.state(), State::active);
+  EXPECT_EQ(rig.fault(), Fault::none);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, BrokenChannels,

@@ -246,6 +246,8 @@ TEST(FaultInWords, NamesTheLegThatBeganIt) {
   counters.first_leg = 0;
   counters.fault = Fault::limited;
   EXPECT_EQ(fault_in_words(counters, legs), "limited");
+  counters.fault = Fault::noisy;
+  EXPECT_EQ(fault_in_words(counters, legs), "noisy, front");
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ const Supervisor& supervisor_of(const string& policy) {
 }
 
 /// What the sensors read.
-enum class Sigma { moving, still, offset, large, alternating, overflowing };
+enum class Sigma { moving, still, offset, large, alternating, overflowing, one_noisy };
 
 struct Period {
   Sigma sigma = Sigma::moving;
@@ -159,6 +159,7 @@ class Drive {
     measurement_.heard = period.heard;
     // Legs feel what is applied to them; the reading is what their elongation adds.
     for (double& value : measurement_.sigma) value = reading(period.sigma);
+    if (period.sigma == Sigma::one_noisy) measurement_.sigma(0) *= 1e3;
     measurement_.sigma += measurement_.applied;
     const Key before{state(), "", ""};
     const std::int64_t n_faults = supervisor_.n_faults();
@@ -209,6 +210,7 @@ class Drive {
     const double noise = 1e-3 * normal_(random_);
     switch (sigma) {
       case Sigma::moving:
+      case Sigma::one_noisy:
         return noise;
       case Sigma::still:
         return 0;
@@ -273,6 +275,11 @@ void before_force(std::vector<Scenario>& all) {
   all.push_back({{"arming", latched, "offset"}, "", [](Drive& d) {
                    d.reach("arming", {.sigma = Sigma::offset});
                    d.change({.sigma = Sigma::offset});
+                 }});
+  // Half a second has too few samples to know the noise.
+  all.push_back({{"arming", latched, "noisy"}, "arming: {duration_s: 1}", [](Drive& d) {
+                   d.reach("arming", {.sigma = Sigma::one_noisy});
+                   d.change({.sigma = Sigma::one_noisy});
                  }});
 }
 
@@ -490,7 +497,7 @@ class RandomWorld {
     kind_ = {.sigma = at_rest_ ? Sigma::still : Sigma::moving};
     flaky_ = sleepy_ = false;
     left_ = static_cast<int>(random_() % 150);
-    if (what == 0) kind_.sigma = static_cast<Sigma>(random_() % 6);
+    if (what == 0) kind_.sigma = static_cast<Sigma>(random_() % 7);
     if (what == 1 || what == 2) kind_.defect = Defect::missing;
     if (what == 3) kind_.defect = Defect::not_finite;
     if (what == 4) kind_.defect = Defect::out_of_range;
