@@ -31,6 +31,9 @@ constexpr int most_samples = 50'000;
 constexpr double noisier = 10;
 // The sum of squares of 1, -4, 6, -4, 1.
 constexpr double squares_of_a_difference = 70;
+// The sum of products of 1, -4, 6, -4, 1 with itself a sample later is less than nothing: so noise
+// is told from a motion, which below a quarter of the sample rate has a sum above it.
+constexpr double products_of_differences = -56;
 
 /// The changes of a loop's commands (m x n, N) after one sample of floor channel j, or of sensor
 /// j - p, until it no longer swings. squares: m, N^2, of the forces of the legs meanwhile.
@@ -88,12 +91,14 @@ Pace::Pace(const Gains& gains, double free)
   rest_ = moves_ = largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
   squares_ = most_ = change_ = quiet_ = variance_ = sorted_ = mean_ = moved_ = VectorXd::Zero(m);
+  fourth_ = products_ = VectorXd::Zero(m);
   designed_.reset();
   restart();
 }
 
 void Pace::restart() noexcept {
   squares_.setZero();
+  products_.setZero();
   mean_.setZero();
   moved_.setZero();
   smallest_.setConstant(squares_.size(), std::numeric_limits<double>::max());
@@ -120,6 +125,8 @@ void Pace::listen(std::int64_t seq, const Ref<const VectorXd>& sigma) noexcept {
     if (step > 0) smallest_(i) = std::min(smallest_(i), step);
     const double fourth = at(0)(i) - 4 * at(1)(i) + 6 * at(2)(i) - 4 * at(3)(i) + at(4)(i);
     squares_(i) += fourth * fourth;
+    if (n_in_row_ > 5) products_(i) += fourth * fourth_(i);
+    fourth_(i) = fourth;
   }
 }
 
@@ -138,19 +145,19 @@ void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
 
 Index Pace::noisy() noexcept {
   if (!knows_noise()) return -1;
+  const auto n = static_cast<double>(n_squares_);
   sorted_ = variance_;
   const auto middle = sorted_.begin() + (sorted_.size() - 1) / 2;
   std::nth_element(sorted_.begin(), middle, sorted_.end());
   Index leg = -1;
-  const double variance = variance_.maxCoeff(&leg);
-  if (!(variance > noisier * noisier * *middle)) return -1;
+  const double at_least = (products_ / (products_of_differences * n)).maxCoeff(&leg);
+  if (!(at_least > noisier * noisier * *middle)) return -1;
   // Its own readings say nothing of how the frame moves.
   double moves = 0;
   for (Index i = 0; i < moved_.size(); ++i) {
-    const double of_motion = moved_(i) / static_cast<double>(n_squares_) - variance_(i);
-    if (i != leg) moves = std::max(moves, of_motion);
+    if (i != leg) moves = std::max(moves, moved_(i) / n - variance_(i));
   }
-  return force_per_noise_.col(leg).maxCoeff() * variance > moves ? leg : -1;
+  return force_per_noise_.col(leg).maxCoeff() * at_least > moves ? leg : -1;
 }
 
 void Pace::forget(std::int64_t n_elapsed) noexcept {

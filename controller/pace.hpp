@@ -69,7 +69,7 @@ class Pace {
   void visit(Archive& archive) {
     archive(rest_), archive(n_rest_), archive(largest_), archive(before_), archive(believed_),
         archive(last_), archive(squares_);
-    archive(smallest_), archive(mean_), archive(moved_);
+    archive(smallest_), archive(fourth_), archive(products_), archive(mean_), archive(moved_);
     archive(seq_), archive(n_in_row_), archive(n_squares_);
     archive(floor_known_), archive(whole_);
     for (PaceScale& scale : scales_) scale.visit(archive);
@@ -90,6 +90,7 @@ class Pace {
   Eigen::VectorXd doubted_, beyond_;    ///< p, m/s^2, its change, and what was not believed
   Eigen::MatrixXd last_;                ///< m x 5, the last readings, a ring
   Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
+  Eigen::VectorXd fourth_, products_;   ///< m, N and N^2, the last one, and of two in a row
   Eigen::VectorXd mean_, moved_;        ///< m, N and N^2, of the readings and their sum of squares
   Eigen::MatrixXd force_per_noise_;     ///< m x m, 1, the sum of squares of leg forces after a reading
   Eigen::VectorXd most_, change_, quiet_, variance_, sorted_;

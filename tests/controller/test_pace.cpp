@@ -263,5 +263,33 @@ TEST(Pace, WithoutAFloorItIsThatOfTheFrame) {
   EXPECT_EQ(rig.fault(), Fault::restless);
 }
 
+// One leg that swings while the others hardly do, as of a frame with something loose on it, is no
+// broken sensor; the same as noise is.
+TEST(Pace, ALegThatSwingsAloneIsNotNoisy) {
+  const Gains gains = toy::damped_gains();
+  Pace pace(gains, 0);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  const auto noisy_leg = [&](double swing, double periods_a_sample, double noise) {
+    pace.restart();
+    for (std::int64_t k = 0; k < 500; ++k) {
+      VectorXd sigma(gains.n_legs());
+      for (double& value : sigma) value = 1e-3 * normal(random);
+      sigma(1) += swing * std::sin(toy::two_pi * periods_a_sample * static_cast<double>(k)) +
+                  noise * normal(random);
+      pace.listen(k, sigma);
+    }
+    pace.begin(VectorXd::Zero(gains.n_legs()));
+    return pace.noisy();
+  };
+  for (const double periods_a_sample : {0.001, 0.01, 0.05, 0.1, 0.15, 0.2, 0.24}) {
+    EXPECT_EQ(noisy_leg(1, periods_a_sample, 0), -1) << periods_a_sample;
+    // The swing hides it only in part.
+    EXPECT_EQ(noisy_leg(0.1, periods_a_sample, 0.1), 1) << periods_a_sample;
+  }
+  EXPECT_EQ(noisy_leg(0, 0, 1), 1);
+  EXPECT_EQ(noisy_leg(0, 0, 5e-3), -1);
+}
+
 }  // namespace
 }  // namespace stillframe::controller
