@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/files/whole_file.hpp"
+#include "core/yaml/input_error.hpp"
 #include "core/yaml/reader.hpp"
 
 namespace stillframe::controller {
@@ -34,6 +35,17 @@ std::string utc_now() {
   return text.data();
 }
 
+/// Whether there is a file. Where that cannot be found out there may be one that says stop.
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  const bool there = fs::exists(file, error);
+  if (!error) return there;
+  throw InputError(file.string() + ": cannot be looked for (" + error.message() +
+                   "), so it is not known whether a fault is latched; make its folder readable, "
+                   "name another place with --latch, or say with --reset that nothing is left to "
+                   "mend");
+}
+
 Fault read(const fs::path& file) {
   const auto root = YamlReader::from_file(file);
   root.allow_only({"fault", "run_id", "since"});
@@ -50,10 +62,9 @@ Fault read(const fs::path& file) {
 
 Latch::Latch(fs::path file, Background& disk, Warn warn, bool clear_at_once)
     : file_(std::move(file)), disk_(disk), warn_(std::move(warn)) {
-  std::error_code unreadable;
   if (clear_at_once) {
     clear();
-  } else if (!file_.empty() && fs::exists(file_, unreadable)) {
+  } else if (!file_.empty() && is_there(file_)) {
     fault_ = read(file_);
   }
 }
@@ -86,7 +97,7 @@ void Latch::clear() {
   });
 }
 
-fs::path default_latch_file(const std::string& scene_hash) {
+fs::path default_latch_file(const std::string& scene_title) {
   const char* state = std::getenv("XDG_STATE_HOME");
   const char* home = std::getenv("HOME");
   fs::path folder;
@@ -98,8 +109,10 @@ fs::path default_latch_file(const std::string& scene_hash) {
   } else {
     return {};
   }
+  // With room left for what a file is called while it is written; 255 bytes are the most.
+  constexpr std::size_t longest_title = 200;
   std::string name = "latch-";
-  for (const char c : scene_hash) {
+  for (const char c : scene_title.substr(0, longest_title)) {
     name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   }
   return folder / "stillframe" / (name + ".yaml");

@@ -17,7 +17,7 @@ class Latch {
 
   /// Reads the file if there is one, or clears it at once; without a name nothing outlives the
   /// process. disk writes it later, and outlives the latch. Errors: InputError if the file does not
-  /// name a fault.
+  /// name a fault, or it cannot be found out whether there is one.
   Latch(std::filesystem::path file, Background& disk, Warn warn, bool clear_at_once);
 
   Fault fault() const { return fault_; }  ///< none: nothing is latched
@@ -34,7 +34,8 @@ class Latch {
 };
 
 /// Where the latch of a frame is kept if nobody says: $XDG_STATE_HOME/stillframe or
-/// ~/.local/state/stillframe, a file for each scene. Empty if the user has no such folder.
-std::filesystem::path default_latch_file(const std::string& scene_hash);
+/// ~/.local/state/stillframe, a file for each title of a scene, because a scene that is edited is
+/// still that of the frame which is broken. Empty if the user has no such folder.
+std::filesystem::path default_latch_file(const std::string& scene_title);
 
 }  // namespace stillframe::controller

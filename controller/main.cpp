@@ -55,8 +55,9 @@ constexpr const char* footer =
     "  stillframe-controller --gains gains.yaml --policy policy.yaml --realtime enforce\n"
     "Exit codes: 0 done, 1 internal error or output that cannot be written, 2 bad input, 3 "
     "refused\n"
-    "(an unstable loop, another controller, no real time where it is enforced), 4 the run failed,\n"
-    "fell back, or ended with a latched fault.";
+    "(an unstable loop, no force limit, another controller, no real time where it is enforced), 4 "
+    "the\n"
+    "run failed, fell back, or ended with a latched fault.";
 
 struct Options {
   std::filesystem::path gains;
@@ -109,7 +110,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option(
          "--latch", options.latch,
          "Wall-clock mode: where a latched fault is kept until a person resets it (default: "
-         "$XDG_STATE_HOME or ~/.local/state, stillframe/latch-SCENE_HASH.yaml)")
+         "$XDG_STATE_HOME or ~/.local/state, stillframe/latch-SCENE_TITLE.yaml)")
       ->type_name("FILE");
   app.add_flag("--reset", options.reset,
                "Wall-clock mode: the cause of a fault that is latched from before is mended");
@@ -302,11 +303,11 @@ Policy policy_of(const Options& options, std::string& policy_text) {
 }
 
 /// The latch of a wall-clock run. A plant that waits is told if it cannot be read.
-Latch open_latch(const Options& options, const Gains& gains, LcmIo& io, Background& disk) {
+Latch open_latch(const Options& options, LcmIo& io, Background& disk) {
   const auto warn = [](const std::string& text) { spdlog::warn(text); };
   try {
-    const Latch latch(options.latch ? *options.latch : default_latch_file(gains.scene_hash), disk,
-                      warn, options.reset);
+    const Latch latch(options.latch ? *options.latch : default_latch_file(io.run_info().scene_name),
+                      disk, warn, options.reset);
     if (latch.file().empty()) {
       warn(
           "a latched fault will not outlive this process: there is no home folder, and no "
@@ -325,9 +326,23 @@ Latch open_latch(const Options& options, const Gains& gains, LcmIo& io, Backgrou
   }
 }
 
-/// no_ramp: why a wall-clock run would be refused, empty if it would not.
+/// Why wall-clock runs would be refused, empty where they would not.
+struct Reasons {
+  std::string any, active;  ///< any run; those that control
+};
+
+template <class Check>
+std::string refusal_by(Check check) {
+  try {
+    check();
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
 int serve(const Options& options, const Gains& gains, const Policy& policy,
-          const std::string& policy_text, const std::string& no_ramp, Outside& outside) {
+          const std::string& policy_text, const Reasons& reasons, Outside& outside) {
   catch_stop_signals();
   ignore_write_signals();
   LcmIo io(lcm_url(options.lcm_url), policy);
@@ -338,9 +353,10 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
   spdlog::info("run {} of {}: {}, {} Hz, {} loop", info.run_id, info.scene_name, info.mode,
                info.sample_rate_hz, info.loop);
   if (info.mode != "wall_clock") return serve_lock_step(options, gains, io, outside.terminal);
-  if (info.loop != "passive" && !no_ramp.empty()) {
-    io.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, no_ramp);
-    throw Refusal(no_ramp);
+  const bool ramps = reasons.any.empty() && info.loop != "passive";
+  if (const std::string& reason = ramps ? reasons.active : reasons.any; !reason.empty()) {
+    io.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, reason);
+    throw Refusal(reason);
   }
   const RealtimeReport realtime = prepare_process(policy);
   spdlog::info("real time: {}", realtime.text);
@@ -349,7 +365,7 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
     throw Refusal("real time is enforced and was not obtained: " + realtime.text +
                   "; run as root or with CAP_SYS_NICE and CAP_IPC_LOCK, or take best_effort");
   }
-  Latch latch = open_latch(options, gains, io, outside.disk);
+  Latch latch = open_latch(options, io, outside.disk);
   return WallClock(options, gains, policy, policy_text, io, latch, outside).serve(start);
 }
 
@@ -363,14 +379,9 @@ int run(const Options& options, Outside& outside) {
     return exit_done;
   }
   spdlog::info("{}: stable, spectral radius {:.9f}", options.gains.string(), radius);
-  std::string no_ramp;
-  try {
-    require_stable_ramp(gains);
-    force_limit(gains, policy);
-  } catch (const Refusal& refusal) {
-    no_ramp = refusal.what();
-  }
-  return serve(options, gains, policy, policy_text, no_ramp, outside);
+  const Reasons reasons{.any = refusal_by([&] { force_limit(gains, policy); }),
+                        .active = refusal_by([&] { require_stable_ramp(gains); })};
+  return serve(options, gains, policy, policy_text, reasons, outside);
 }
 
 }  // namespace

@@ -66,14 +66,14 @@ MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece, Ref<Vecto
 
 }  // namespace
 
-Pace::Pace(const Gains& gains, double free)
+Pace::Pace(const Gains& gains, double free, double beside)
     : designed_(gains),
       keep_(std::exp(-gains.sample_time() / forgotten_s)),
       sample_time_(gains.sample_time()) {
   const Index m = gains.n_legs(), p = designed_.n_floor();
   for (const double memory : memories_s) {
     const double keep = memory > 0 ? std::exp(-gains.sample_time() / memory) : 0;
-    scales_.emplace_back(m, p, keep, free);
+    scales_.emplace_back(m, p, keep);
   }
   const double slowest_hz = gains.target_hz.empty()
                                 ? std::numeric_limits<double>::infinity()
@@ -88,6 +88,10 @@ Pace::Pace(const Gains& gains, double free)
     for (PaceScale& scale : scales_) scale.learn(changes, j);
   }
   force_per_noise_ = squares.rightCols(m);
+  VectorXd allowed = VectorXd::Constant(m, free);
+  if (p > 0 && std::isfinite(beside))
+    allowed = allowed.cwiseMin(beside * per_floor().rowwise().sum());
+  for (PaceScale& scale : scales_) scale.allow(allowed);
   rest_ = moves_ = largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
   squares_ = most_ = change_ = quiet_ = variance_ = sorted_ = mean_ = moved_ = VectorXd::Zero(m);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "controller/designed_loop.hpp"
@@ -30,8 +31,9 @@ namespace stillframe::controller {
 /// Construction is set-up; the rest is hot: noexcept, no allocation.
 class Pace {
  public:
-  /// free: N a sample, that is always allowed. Errors: as law_from_gains and sample_and_hold.
-  Pace(const Gains& gains, double free);
+  /// free: N a sample, that is always allowed, but no more of it than a floor of the acceleration
+  /// `beside` (m/s^2) asks for. Errors: as law_from_gains and sample_and_hold.
+  Pace(const Gains& gains, double free, double beside = std::numeric_limits<double>::infinity());
 
   /// Arming begins: what was learned is forgotten.
   void restart() noexcept;
@@ -92,7 +94,7 @@ class Pace {
   Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
   Eigen::VectorXd fourth_, products_;   ///< m, N and N^2, the last one, and of two in a row
   Eigen::VectorXd mean_, moved_;        ///< m, N and N^2, of the readings and their sum of squares
-  Eigen::MatrixXd force_per_noise_;     ///< m x m, 1, the sum of squares of leg forces after a reading
+  Eigen::MatrixXd force_per_noise_;  ///< m x m, 1, the sum of squares of leg forces after a reading
   Eigen::VectorXd most_, change_, quiet_, variance_, sorted_;
   std::int64_t n_rest_ = 0, seq_ = -1, n_in_row_ = 0, n_squares_ = 0;
   bool floor_known_ = false, whole_ = false;

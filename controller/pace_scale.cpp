@@ -41,9 +41,9 @@ double power(double base, std::int64_t n) noexcept {
 
 }  // namespace
 
-PaceScale::PaceScale(Index m, Index p, double keep, double free)
+PaceScale::PaceScale(Index m, Index p, double keep)
     : keep_(keep),
-      free_(free / (1 - keep)),
+      free_(VectorXd::Zero(m)),
       per_floor_(MatrixXd::Zero(m, p)),
       per_noise_(MatrixXd::Zero(m, m)),
       per_offset_(MatrixXd::Zero(m, m)),
@@ -109,7 +109,7 @@ void PaceScale::lose_track(const Ref<const VectorXd>& largest) noexcept {
 }
 
 double PaceScale::most(Index i, const VectorXd* largest) const noexcept {
-  const double beside = noise_(i) + doubt_(i) + free_;
+  const double beside = noise_(i) + doubt_(i) + free_(i);
   if (largest == nullptr) return beside + 4 * swing_(i);
   const double any_floor = per_floor_.row(i).dot(*largest);
   return beside + 2 * swing_(i) +

@@ -12,15 +12,18 @@ namespace stillframe::controller {
 ///   |z_i| <= min(F_i, |c_i| + q F_i + D_i) + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i
 ///            + (B d)_i + free / (1 - a),   F = L W,
 /// with L, N2, B, D and S as in pace.hpp, of z in place of the change, and c the z of the designed
-/// loop. Set-up: construction and learn; the rest is hot: noexcept, no allocation.
+/// loop. Set-up: construction, learn and allow; the rest is hot: noexcept, no allocation.
 class PaceScale {
  public:
   /// m legs, p channels of the floor; keep: a.
-  PaceScale(Eigen::Index m, Eigen::Index p, double keep, double free);
+  PaceScale(Eigen::Index m, Eigen::Index p, double keep);
 
   /// The changes (m x n, N) of the designed loop's commands after one sample of floor channel j, or
   /// of sensor j - p.
   void learn(const Eigen::Ref<const Eigen::MatrixXd>& changes, Eigen::Index j);
+
+  /// free: m, N a sample, that is always allowed.
+  void allow(const Eigen::Ref<const Eigen::VectorXd>& free) { free_ = free / (1 - keep_); }
 
   /// Arming begins.
   void restart() noexcept;
@@ -58,7 +61,8 @@ class PaceScale {
   }
 
  private:
-  double keep_, free_;
+  double keep_;
+  Eigen::VectorXd free_;  ///< m, N
   Eigen::MatrixXd per_floor_, per_noise_, per_offset_;
   /// m x p, N per m/s^2: after one sample of the floor z is never more than this, and k samples
   /// later no more than keep_lost_^k of it.

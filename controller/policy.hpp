@@ -58,7 +58,8 @@ struct Policy {
   double limited_part = 0.25;           ///< of the commands of about a second, at the force limit
   std::optional<double> force_limit_n;  ///< N, of every leg; the lower of it and gains
   std::optional<double> rate_limit_n_per_s;  ///< N/s, of every leg
-  /// N/s, of every leg, beside what the floor asks for; none: a tenth of the force limit in a second
+  /// N/s, of every leg, beside what the floor asks for; none: a tenth of the force limit in a second,
+  /// or what a floor of 0.1 mm/s^2 asks for, if that is less
   std::optional<double> free_rate_n_per_s;
   std::optional<double> power_limit_w;               ///< W, of every leg
   std::optional<double> actuator_stiffness_n_per_m;  ///< N/m, with a power limit

@@ -18,6 +18,10 @@ namespace {
 // At first, and after a sleep of its own, the loop listens so long before it commands: another
 // controller may serve the run.
 constexpr double quiet_s = 0.35;
+// Where the policy does not say what may push a frame beside its floor: a tenth of the force limit
+// in a second, as a person or a stage does, but no more than a floor asks for that is too quiet to
+// be measured. A limit that stands for none is no permission to do anything.
+constexpr double free_part = 0.1, free_floor = 1e-4;
 // Of a fade from other than the last command: what is left of the step after a sample.
 constexpr double step_kept = 0.7;
 
@@ -116,8 +120,10 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       limits_(force_limit(gains, policy), policy, gains.n_legs(), gains.sample_time()),
       arming_(gains.n_legs(), policy, gains.sample_rate_hz),
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
-      pace_(gains, policy.free_rate_n_per_s.value_or(0.1 * force_limit(gains, policy)) *
-                       gains.sample_time()),
+      pace_(policy.free_rate_n_per_s
+                ? Pace(gains, *policy.free_rate_n_per_s * gains.sample_time())
+                : Pace(gains, free_part * force_limit(gains, policy) * gains.sample_time(),
+                       free_floor)),
       sample_time_(gains.sample_time()),
       active_(active),
       wanted_(active && policy.start_at_once),
@@ -184,8 +190,7 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   if (engaged()) {
     if (send) run_law(event);
   } else {
-    if (event.measurement != nullptr &&
-        (gap_ > policy_.hold_periods || (unheard_ > 0 && q_ > 0))) {
+    if (event.measurement != nullptr && (gap_ > policy_.hold_periods || (unheard_ > 0 && q_ > 0))) {
       meet(*event.measurement);
     }
     const double before = q_;

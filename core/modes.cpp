@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/linear/balance.hpp"
+#include "core/linear/eigenvalues.hpp"
 #include "core/state_space.hpp"
 #include "core/unstable.hpp"
 
@@ -94,15 +94,13 @@ Eigen::VectorXcd imaginary_pairs(const VectorXd& squares) {
 }
 
 Eigen::VectorXcd sorted_eigenvalues(const MatrixXd& A) {
-  const MatrixXd scaled = balanced(A);
-  const Eigen::EigenSolver<MatrixXd> solver(scaled, false);
-  // Without success the eigenvalues are whatever was in memory.
-  if (!scaled.allFinite() || solver.info() != Eigen::Success) {
+  const auto found = eigenvalues(A);
+  if (!found) {
     throw Refusal(
         "the eigenvalues of the state matrix cannot be computed: it is not finite, or its entries "
         "are too far apart; look for a stiffness, mass or damping with a wrong power of ten");
   }
-  const Eigen::VectorXcd& values = solver.eigenvalues();
+  const Eigen::VectorXcd& values = *found;
   std::vector<Complex> real;
   std::vector<std::pair<Complex, Complex>> pairs;
   for (const Complex& value : values) {
@@ -158,6 +156,11 @@ Modes modes(const LinearModel& model) {
     if (stable) {
       result.natural_frequencies_hz =
           shapes.squares.cwiseMax(0.0).cwiseSqrt() / (2 * std::numbers::pi);
+      if (!result.natural_frequencies_hz.allFinite()) {
+        throw Refusal(
+            "numbers of the model overflow: a natural frequency is not finite; look for a length, "
+            "stiffness or mass with a wrong power of ten");
+      }
       result.shapes = shapes.V;
       undamped = !result.moving && model.D.isZero(0);
       if (undamped) result.eigenvalues = imaginary_pairs(shapes.squares);

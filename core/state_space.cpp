@@ -44,12 +44,34 @@ Eigen::LLT<MatrixXd> mass_factors(const LinearModel& model) {
 
 namespace {
 
+/// Numbers that are each within their range may lead beyond all numbers together. A row each of
+/// what `name_of` names.
+template <class NameOf>
+void require_finite(const MatrixXd& rows, const NameOf& name_of) {
+  for (Index i = 0; i < rows.rows(); ++i) {
+    if (rows.row(i).allFinite()) continue;
+    throw Refusal("numbers of the model overflow: " + name_of(static_cast<size_t>(i)) +
+                  " is not finite; look for a length, stiffness, mass or damping with a wrong "
+                  "power of ten");
+  }
+}
+
+void require_finite_accelerations(const MatrixXd& rows, const LinearModel& model) {
+  require_finite(rows, [&](size_t i) { return "the acceleration of dof " + model.q_names[i]; });
+}
+
+/// Rows of the outputs from `first` on.
+void require_finite_outputs(const MatrixXd& rows, const LinearModel& model, size_t first = 0) {
+  require_finite(rows, [&](size_t i) { return "output '" + model.outputs[first + i].name + "'"; });
+}
+
 MatrixXd state_matrix(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
   const Index n = model.M.rows();
   MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
   A.topRightCorner(n, n).setIdentity();
   A.bottomLeftCorner(n, n) = -M.solve(model.stiffness());
   A.bottomRightCorner(n, n) = -M.solve(model.damping());
+  require_finite_accelerations(A.bottomRows(n), model);
   return A;
 }
 
@@ -121,6 +143,7 @@ StateSpace state_space(const LinearModel& model) {
     system.D.col(to + 2) = model.R_p.col(from);
   }
   const MatrixXd B_2 = M.solve(forces);
+  require_finite_accelerations(B_2, model);
   system.A = state_matrix(model, M);
   system.B = MatrixXd::Zero(2 * n, n_columns);
   system.B.bottomRows(n) = B_2;
@@ -128,6 +151,8 @@ StateSpace state_space(const LinearModel& model) {
   system.C << model.Y_p, model.Y_v;
   system.C += model.Y_a * system.A.bottomRows(n);
   system.D += model.Y_a * B_2;
+  require_finite_outputs(system.C, model);
+  require_finite_outputs(system.D, model);
   system.x0.resize(2 * n);
   system.x0 << model.q_0, model.q_dot_0;
   system.u0 = model.u_0;
@@ -184,6 +209,10 @@ LoopPlant loop_plant(const LinearModel& model, Index n_w, Index n_y) {
     plant.B_w.middleRows(2 * n, n_w).setIdentity();
   }
 
+  for (const MatrixXd* part : {&plant.A, &plant.B_w, &plant.B_u}) {
+    require_finite_accelerations(part->middleRows(n, n), model);
+  }
+
   // y = Y_p q + Y_v q' + Y_a q'' + ..., with q'' the second block of rows of the state equation.
   const auto state_rows = [&](Index first, Index rows) -> MatrixXd {
     MatrixXd C = model.Y_a.middleRows(first, rows) * plant.A.middleRows(n, n);
@@ -201,6 +230,10 @@ LoopPlant loop_plant(const LinearModel& model, Index n_w, Index n_y) {
   plant.D_yu =
       model.Y_a.topRows(n_y) * plant.B_u.middleRows(n, n) + model.D_u.topRightCorner(n_y, m);
   plant.C_sigma = state_rows(n_y, model.Y_p.rows() - n_y);
+  for (const MatrixXd* part : {&plant.C_y, &plant.D_yw, &plant.D_yu}) {
+    require_finite_outputs(*part, model);
+  }
+  require_finite_outputs(plant.C_sigma, model, static_cast<size_t>(n_y));
   return plant;
 }
 

@@ -15,4 +15,11 @@ std::optional<Eigen::VectorXcd> eigenvalues(const Eigen::MatrixXcd& A);
 /// comparison with a bound takes such a matrix for a stable one, whichever way it is written.
 double spectral_radius(const Eigen::MatrixXd& A);
 
+/// A = Q T Q^T of a real matrix, T quasi-triangular and Q orthogonal (n x n), or nothing where it
+/// is not found. Set-up.
+struct RealSchurForm {
+  Eigen::MatrixXd T, Q;
+};
+std::optional<RealSchurForm> real_schur_form(const Eigen::MatrixXd& A);
+
 }  // namespace stillframe

@@ -1,13 +1,14 @@
 #include "core/linear/frequency_sweep.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "core/linear/balance.hpp"
 #include "core/linear/doubled.hpp"
+#include "core/linear/eigenvalues.hpp"
 #include "core/linear/singular_values.hpp"
+#include "core/yaml/input_error.hpp"
 
 namespace stillframe {
 
@@ -119,14 +120,15 @@ FrequencySweep::FrequencySweep(const StateSpace& system)
   B_ = S.cwiseInverse().asDiagonal() * system.B;
   C_ = system.C * S.asDiagonal();
   D_ = system.D;
-  if (n_ > 0) {
-    const Eigen::RealSchur<MatrixXd> schur(A_);
-    if (schur.info() != Eigen::Success) {
-      throw std::invalid_argument("frequency sweep: the Schur form of A was not found");
-    }
-    T_ = schur.matrixT();
-    Q_ = schur.matrixU();
+  const auto schur = real_schur_form(A_);
+  if (!schur) {
+    throw Refusal(
+        "the frequency response cannot be computed: the Schur form of the state matrix is not "
+        "found, or its entries are too far apart; look for a stiffness, mass or damping with a "
+        "wrong power of ten");
   }
+  T_ = schur->T;
+  Q_ = schur->Q;
   poles_ = poles_of(T_);
   norm_ = T_.norm();
   B_q_ = Q_.transpose() * B_;

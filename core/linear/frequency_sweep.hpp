@@ -19,7 +19,7 @@ namespace stillframe {
 class FrequencySweep {
  public:
   /// Set-up, about 25 n^3 flops. Errors: std::invalid_argument for shapes that do not match or
-  /// entries that are not finite.
+  /// entries that are not finite; Refusal if the Schur form is not found.
   explicit FrequencySweep(const StateSpace& system);
 
   /// G(s), p x m, s in rad/s. At a pole, and at s = 0 for an input that acts by its integrals, the

@@ -74,16 +74,18 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
   rig.steps(samples(1) + static_cast<int>(random() % static_cast<std::uint64_t>(samples(2))), wire);
   if (rig.state() != State::active) throw std::runtime_error("a sound loop does not stay active");
   is_broken = true;
-  rig.peak = 0;
   const std::int64_t since = rig.k();
+  alone.steps(static_cast<int>(since));
+  for (Rig* each : {&rig, &alone}) each->peak = each->peak_y = 0;
   for (int k = 0; k < samples(4); ++k) {
     rig.step(wire);
     if (episode.found_s < 0 && rig.state() == State::fault) {
       episode.found_s = static_cast<double>(rig.k() - since) * gains.sample_time();
     }
   }
-  alone.steps(static_cast<int>(rig.k()));
+  alone.steps(static_cast<int>(rig.k() - since));
   episode.peak = rig.peak / alone.peak;
+  episode.acceleration = rig.peak_y / alone.peak_y;
   episode.fault = rig.fault();
   episode.latched = rig.latched();
   episode.named = std::ranges::find(legs, rig.supervisor().first_leg()) != legs.end();

@@ -15,7 +15,9 @@ Gains shipped_gains(const std::string& controller);
 
 /// What came of one or two things that broke in an active loop.
 struct Episode {
-  double peak = 0;      ///< of the leg forces, over those of the passive frame on the same floor
+  /// From the damage on, over those of the passive frame in the same samples of the same floor: of
+  /// the leg forces, and of the accelerations of the frame.
+  double peak = 0, acceleration = 0;
   double found_s = -1;  ///< from the damage to the fault; -1: none
   Fault fault = Fault::none;
   bool latched = false;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/worst.hpp"
 #include "tests/broken_channels/episodes.hpp"
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
@@ -17,13 +18,16 @@ namespace {
 /// The peak that is promised, over the passive one; before forces had a pace it was 15 to 60.
 double promised(const Broken& broken) {
   const bool too_large = broken.damage == Damage::scaled && broken.size > 1;
-  // What it holds acts at once: the more, the more it is too large. 1.66 was reached in ten seeds.
+  // What it holds acts at once: the more, the more it is too large. Ten seeds reach 2.11.
   if (broken.part == Part::actuator && too_large) return 1.9;
   // What grows slowly stays within the pace for longer, and drifts of a tenth of a newton a second
-  // are believed. 1.22 was reached in ten seeds.
+  // are believed. Ten seeds reach 1.24.
   const bool drifts = broken.damage == Damage::drifts || broken.damage == Damage::offset;
   return drifts || (broken.part == Part::read_back && too_large) ? 1.25 : 1.1;
 }
+
+/// Of what the legs feel and of what the frame does.
+double worse(const Episode& episode) { return worst_of(episode.peak, episode.acceleration); }
 
 /// No more than is promised of the worse of the two; or than a loop does that is told at once, but
 /// for what the law does until it knows: an actuator that drops, turns or shakes the force that
@@ -37,10 +41,10 @@ void expect_promised(const Gains& gains, const std::vector<Broken>& broken, std:
   }
   const Episode episode = run_episode(gains, {}, broken, seed);
   EXPECT_EQ(episode.latched, episode.found_s >= 0) << names;
-  if (episode.peak < most) return;
+  if (worse(episode) < most) return;
   const Episode told = run_episode(gains, {}, broken, seed, Told::at_once);
   // Until it is found the law answers what it sees of it: 1.19 was reached.
-  EXPECT_LT(episode.peak, 1.25 * told.peak) << names;
+  EXPECT_LT(worse(episode), 1.25 * worse(told)) << names;
 }
 
 class BrokenChannels : public testing::TestWithParam<const char*> {};
@@ -74,6 +78,16 @@ TEST_P(BrokenChannels, OfASensorAreFoundWithinATwentiethOfASecond) {
   }
 }
 
+TEST_P(BrokenChannels, AForceLimitThatStandsForNoneIsNoPermission) {
+  Gains gains = shipped_gains(GetParam());
+  gains.force_limit_n = 1e9;
+  for (const Broken& broken :
+       {Broken{Part::sensor, Damage::reversed}, Broken{Part::sensor, Damage::open},
+        Broken{Part::read_back, Damage::late}}) {
+    expect_promised(gains, {broken}, 1);
+  }
+}
+
 // The bench is no kinder than the figures: without a pace the same damage is worse than the
 // passive frame many times over.
 TEST_P(BrokenChannels, WouldDoHarmWithoutAPace) {
@@ -81,7 +95,7 @@ TEST_P(BrokenChannels, WouldDoHarmWithoutAPace) {
   free.free_rate_n_per_s = 1e12;
   const Episode episode =
       run_episode(shipped_gains(GetParam()), free, {{Part::sensor, Damage::reversed}}, 1);
-  EXPECT_GT(episode.peak, 5);
+  EXPECT_GT(worse(episode), 5);
 }
 
 // The noise of a sensor from before the loop takes hold is taken for what it is: where the loop

@@ -84,9 +84,10 @@ measurement_t FakePlant::measure(std::int64_t k) const {
   return message;
 }
 
-void FakePlant::move(const std::vector<double>& force) {
+void FakePlant::move(const std::vector<double>& force, double floor) {
   for (size_t i = 0; i < q_.size(); ++i) {
-    toy::move(i, q_[i], v_[i], force[i], 1 / info_.sample_rate_hz);
+    // The floor's acceleration acts on a unit mass as a force of the leg does.
+    toy::move(i, q_[i], v_[i], force[i] + floor, 1 / info_.sample_rate_hz);
   }
   applied_ = force;
 }

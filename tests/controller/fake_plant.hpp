@@ -59,8 +59,8 @@ class FakePlant {
 
   /// The measurement at the toy's present state, with seq and time of sample k.
   stillframe_msgs::measurement_t measure(std::int64_t k) const;
-  /// Moves the toy over one sample with the forces held.
-  void move(const std::vector<double>& force);
+  /// Moves the toy over one sample with the forces held, and its floor's acceleration (m/s^2).
+  void move(const std::vector<double>& force, double floor = 0);
 
   lcm::LCM& lcm() { return lcm_; }
   const stillframe_msgs::run_info_t& info() const { return info_; }

@@ -58,6 +58,7 @@ class Rig {
     reports_.push_back(plant_.C_report * x_ + plant_.D_report * before_);
     reports_.pop_front();
     peak = worst_of(peak, worst_of(sigma));
+    if (y.size() > 0) peak_y = worst_of(peak_y, worst_of(y));
     measurement_.seq = k_;
     measurement_.time_ns = std::llround(static_cast<double>(k_) * 1e9 / gains_.sample_rate_hz);
     measurement_.sigma = sigma;
@@ -115,6 +116,7 @@ class Rig {
   bool deaf = false;         ///< commands do not reach the amplifiers
   Eigen::VectorXd sigma, y;  ///< in the last sample, as they were
   double peak = 0;           ///< of sigma
+  double peak_y = 0;         ///< of y
   double largest_force = 0;
   double largest_jump = 0;  ///< of the force between two commands
   bool sent_any = false;    ///< in the last sample

@@ -106,15 +106,37 @@ TEST_F(LatchProcess, ALatchedFaultOutlivesPlantAndControllerUntilAPersonClearsIt
 }
 
 TEST_F(LatchProcess, ALatchThatCannotBeReadExits2AndThePlantIsTold) {
-  std::ofstream(folder / "latch.yaml") << "fault: something\n";
-  ChildProcess controller(command_line(gains));
-  EXPECT_EQ(plant.announce(), run_state_t::READY);
-  plant.publish_state(run_state_t::RUNNING, monotonic_ns());
-  EXPECT_EQ(controller.wait(), 2);
-  EXPECT_TRUE(contains(controller.err(), "latch.yaml:1:")) << controller.err();
-  while (plant.states.back().state != run_state_t::FAILED && plant.take(1000)) {
-  }
-  EXPECT_EQ(plant.states.back().state, run_state_t::FAILED);
+  const auto expect_exit_2 = [&](const char* reason) {
+    plant.states.clear();
+    ChildProcess controller(command_line(gains));
+    EXPECT_EQ(plant.announce(), run_state_t::READY);
+    plant.publish_state(run_state_t::RUNNING, monotonic_ns());
+    EXPECT_EQ(controller.wait(), 2);
+    EXPECT_TRUE(contains(controller.err(), reason)) << controller.err();
+    while (plant.states.back().state != run_state_t::FAILED && plant.take(1000)) {
+    }
+    EXPECT_EQ(plant.states.back().state, run_state_t::FAILED);
+  };
+  const auto latch = folder / "latch.yaml";
+  std::ofstream(latch) << "fault: something\n";
+  expect_exit_2("latch.yaml:1:");
+  // A link to itself, because a folder that may not be read is read by root.
+  std::filesystem::remove(latch);
+  std::filesystem::create_symlink(latch, latch);
+  expect_exit_2("not known whether a fault is latched");
+}
+
+// Whoever writes a comment into the scene has mended nothing.
+TEST_F(LatchProcess, ASceneThatWasEditedKeepsItsLatch) {
+  std::filesystem::create_directory(folder / "stillframe");
+  std::ofstream(folder / "stillframe/latch-toy.yaml") << "fault: restless\n";
+  command_line(gains);
+  ChildProcess controller({"env", "XDG_STATE_HOME=" + folder.string(), program, "--gains",
+                           gains_file, "--flight-folder", folder});
+  begin();
+  EXPECT_TRUE(goes_on_until(is_latched, true)) << plant.info().scene_hash;
+  controller.signal(SIGTERM);
+  EXPECT_EQ(controller.wait(), 4);
 }
 
 }  // namespace

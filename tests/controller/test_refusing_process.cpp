@@ -76,6 +76,36 @@ TEST_F(ControllerProcess, DisagreementIsToldToThePlantAndExits2) {
   EXPECT_TRUE(contains(controller.err(), "scene_hash")) << controller.err();
 }
 
+// Lock-step runs go without, as do those whose policy has one.
+TEST_F(ControllerProcess, WallClockWithoutForceLimitIsToldToThePlantAndExits3) {
+  Gains gains = toy::gains(5);
+  gains.force_limit_n.reset();
+  const auto begin = [](toy::FakePlant& plant) {
+    ASSERT_EQ(plant.announce(), run_state_t::READY);
+    plant.publish_state(run_state_t::RUNNING, monotonic_ns());
+  };
+  for (const std::string loop : {"active", "passive"}) {
+    SCOPED_TRACE(loop);
+    auto info = toy::run_info(gains, 1, "wall_clock", 100);
+    info.loop = loop;
+    toy::FakePlant plant(info);
+    ChildProcess controller(command_line(gains));
+    begin(plant);
+    EXPECT_EQ(controller.wait(), 3);
+    EXPECT_TRUE(contains(controller.err(), "refused: no force limit")) << controller.err();
+    while (plant.states.back().state != run_state_t::FAILED && plant.take(1000)) {
+    }
+    EXPECT_EQ(plant.states.back().state, run_state_t::FAILED);
+    EXPECT_TRUE(contains(plant.states.back().text, "no force limit"));
+  }
+  std::ofstream(folder / "policy.yaml") << "limits: {force_n: 100}\n";
+  toy::FakePlant plant(toy::run_info(gains, 1, "wall_clock", 100));
+  ChildProcess controller(command_line(gains, {"--policy", folder / "policy.yaml"}));
+  begin(plant);
+  plant.publish_state(run_state_t::ENDED);
+  EXPECT_EQ(controller.wait(), 0) << controller.err();
+}
+
 TEST_F(ControllerProcess, WallClockWithoutDelayExits2) {
   const Gains gains = toy::gains(5, 1000, 0);
   toy::FakePlant plant(toy::run_info(gains, 1, "wall_clock", 1));

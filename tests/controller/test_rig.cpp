@@ -46,6 +46,7 @@ Policy quick() {
   policy.ramp_in_s = 0.05;
   policy.arming_s = 0.2;
   policy.require_motion = false;
+  policy.free_rate_n_per_s = 1e12;
   return policy;
 }
 

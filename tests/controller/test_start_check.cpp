@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <random>
 
 #include "controller/law.hpp"
@@ -286,6 +287,21 @@ TEST(StartCheck, AbsurdNumbersAreNeverStable) {
                  return gains;
                }()),
                std::invalid_argument);
+}
+
+TEST(ForceLimit, IsTheLowerOfTwoAndWithoutAnyRefused) {
+  Gains gains = toy::gains(5);
+  Policy policy;
+  const auto limit = [&](std::optional<double> of_gains, std::optional<double> of_policy) {
+    gains.force_limit_n = of_gains;
+    policy.force_limit_n = of_policy;
+    return force_limit(gains, policy);
+  };
+  EXPECT_EQ(limit(200, 100), 100);
+  EXPECT_EQ(limit(100, 200), 100);
+  EXPECT_EQ(limit(200, {}), 200);
+  EXPECT_EQ(limit({}, 100), 100);
+  EXPECT_THROW(limit({}, {}), Refusal);
 }
 
 // At every fault the loop lets go of the frame: one that grows by itself must not be held at all,

@@ -330,6 +330,24 @@ TEST(Supervisor, TakesOverAForceThatIsThereSmoothly) {
   EXPECT_LT(rig.largest_jump, 2 * 15.0 / 8 * 1e-3 * 1.001);
 }
 
+TEST(Supervisor, WhatIsTakenOverAndLetGoOfPassesTheLastGate) {
+  Policy policy;
+  policy.force_limit_n = 3;
+  Rig rig(policy);
+  const auto left = [](Measurement& m) {
+    m.applied.setConstant(50'000);
+    return true;
+  };
+  rig.steps(400, left);
+  EXPECT_LE(rig.largest_force, 3);
+  EXPECT_GT(rig.largest_force, 2.9);  // there was a takeover
+  rig.steps(2500);
+  rig.steps(1200, toy::nothing);
+  rig.steps(300, left);
+  rig.steps(1000);
+  EXPECT_LE(rig.largest_force, 3);
+}
+
 TEST(Supervisor, GoesOnFromWhatTheAmplifiersReportAfterAGap) {
   Rig rig;
   ASSERT_TRUE(rig.reaches(State::active, to_active));

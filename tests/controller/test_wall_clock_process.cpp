@@ -1,9 +1,12 @@
 #include <sched.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <thread>
 
 #include "controller/supervisor.hpp"
@@ -160,12 +163,31 @@ struct End {
 
 class WallClockEnds : public ControllerProcess, public testing::WithParamInterface<End> {};
 
-// The last command is no force at all, and those before it are next to none: 1 % of the largest,
-// where the ramp's last is 1e-8 of it. A controller that just ends leaves whatever force there is.
-// That the machine takes the processor away makes a fade out of the ramp, which ends in the same
-// way.
+/// The largest change of a force from one command to the next, a sample.
+double steepest(const std::vector<command_t>& commands, std::size_t begin, std::size_t end) {
+  double most = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const command_t &before = commands[i - 1], &now = commands[i];
+    const auto n = static_cast<double>(std::max<std::int64_t>(now.seq - before.seq, 1));
+    for (std::size_t leg = 0; leg < now.force.size(); ++leg) {
+      most = worst_of(most, std::abs(now.force[leg] - before.force[leg]) / n);
+    }
+  }
+  return most;
+}
+
+double size(const command_t& command) {
+  double most = 0;
+  for (const double force : command.force) most = worst_of(most, std::abs(force));
+  return most;
+}
+
+// On a floor that keeps the force up. Where the machine takes the processor away a fade of the same
+// shape takes the ramp's place, for as long as itself.
 TEST_P(WallClockEnds, WithARampToNoForce) {
-  const Gains gains = toy::gains(5, 1000, 1);
+  constexpr double floor_hz = 2, floor_mps2 = 0.002, rate_hz = 1000;
+  const Gains gains = toy::gains(5, rate_hz, 1);
+  const Policy policy;
   toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", 100'000));
   Listener listener(plant);
   ChildProcess controller(command_line(gains));
@@ -174,38 +196,65 @@ TEST_P(WallClockEnds, WithARampToNoForce) {
   plant.publish_state(run_state_t::RUNNING, start);
   bool told = false;
   double largest = 0;
-  std::size_t n_commands = 0;
+  std::size_t n_commands = 0, n_active = 0, n_told = 0;  // that were heard until then
   std::int64_t heard = 0;
-  const auto size = [](const command_t& command) {
-    double most = 0;
-    for (const double force : command.force) most = worst_of(most, std::abs(force));
-    return most;
-  };
   // Until no command has come for 0.3 s.
   for (std::int64_t k = 0; !told || k < heard + 300; ++k) {
+    ASSERT_TRUE(told || k < 30'000) << "never active";
     publish_at(plant, k, start + k * 1'000'000);
     while (plant.take(0)) {
     }
     if (plant.commands.size() > n_commands) heard = k;
     n_commands = plant.commands.size();
-    plant.move(n_commands == 0 ? std::vector<double>(4, 0.0) : plant.commands.back().force);
-    if (n_commands > 0) largest = worst_of(largest, size(plant.commands.back()));
+    plant.move(n_commands == 0 ? std::vector<double>(4, 0.0) : plant.commands.back().force,
+               floor_mps2 * std::sin(toy::two_pi * floor_hz / rate_hz * static_cast<double>(k)));
     if (told || listener.status.state != stillframe_msgs::controller_status_t::ACTIVE) continue;
+    if (n_active == 0) n_active = n_commands;
+    const double now = size(plant.commands.back());
+    largest = worst_of(largest, now);
+    // After a period of the floor, and where a force that is dropped makes a step.
+    if (static_cast<double>(n_commands - n_active) < rate_hz / floor_hz || now < largest / 2) {
+      continue;
+    }
     told = true;
     heard = k;
+    n_told = n_commands;
     if (GetParam().signal != 0) {
       controller.signal(GetParam().signal);
     } else {
       plant.publish_state(GetParam().state, start + GetParam().later_ns, "as it is");
     }
   }
-  if (GetParam().later_ns != 0)
-    controller.signal(SIGTERM);  // it waits for the plant that begins anew
+  // It waits for the plant that begins anew.
+  if (GetParam().later_ns != 0) controller.signal(SIGTERM);
   EXPECT_EQ(controller.wait(), GetParam().exit_code) << controller.err();
-  ASSERT_GT(n_commands, 1u);
-  EXPECT_GT(largest, 0);
+
+  // s(p) U changes by s' U + s U', s' being 15/8 a ramp at the most, U' what the law itself changes
+  // while it is active: twice that, because the frame swings otherwise on its way out. Seen 0.42 to
+  // 0.64 of it, and 27 times of it where the force is dropped.
+  const double ramp = 15.0 / 8 * largest / (policy.ramp_out_s * rate_hz);
+  EXPECT_LT(steepest(plant.commands, n_told, n_commands),
+            2 * (ramp + steepest(plant.commands, n_active, n_told)));
   EXPECT_EQ(size(plant.commands.back()), 0);
-  EXPECT_LT(size(plant.commands[n_commands - 2]), 0.01 * largest);
+
+  const auto end = listener.records.end();
+  const auto stop = std::find_if(listener.records.begin(), end,
+                                 [](const auto& r) { return r.request == Request::stop; });
+  const auto zero =
+      std::find_if(stop, end, [](const auto& r) { return r.sent && r.command.force.isZero(0); });
+  ASSERT_NE(zero, end);
+  const double lasted_s = static_cast<double>(zero->period - stop->period) / rate_hz;
+  // To the sample; a period without a measurement holds the gain.
+  EXPECT_GT(lasted_s, policy.ramp_out_s - 0.005);
+  const bool faded = std::any_of(stop, zero, [](const auto& r) {
+    return r.state == State::fading || r.state == State::fault;
+  });
+  if (faded) return;
+  const auto held = [](std::int64_t n, const auto& r) {
+    return n + (r.defect == Defect::none ? 0 : r.n_elapsed);
+  };
+  const auto n_held = std::accumulate(stop, zero, std::int64_t{0}, held);
+  EXPECT_LT(lasted_s, policy.ramp_out_s + 0.005 + static_cast<double>(n_held) / rate_hz);
 }
 
 INSTANTIATE_TEST_SUITE_P(

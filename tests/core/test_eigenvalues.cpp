@@ -49,6 +49,36 @@ TEST(Eigenvalues, AreUnknownOfWhatIsNotFinite) {
   }
 }
 
+// Modes in pairs of one frequency that hardly couple, undamped: Eigen's QR iteration alone does not
+// end on some of them.
+TEST(Eigenvalues, OfEqualModesThatHardlyCoupleAreFound) {
+  for (const double other : {1.0, 2.0, 3.3}) {
+    for (const double coupling : {1e-9, 3e-10, 1e-10, 1e-11}) {
+      const Index n = 4;
+      MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
+      A.topRightCorner(n, n).setIdentity();
+      for (Index i = 0; i < n; ++i) A(n + i, i) = i < 2 ? -1 : -other * other;
+      for (Index i = 0; i < 2; ++i) {
+        A(n + i, n + i + 1) = coupling;
+        A(n + i + 1, n + i) = -coupling;
+      }
+      const auto values = eigenvalues(A);
+      ASSERT_TRUE(values) << other << " " << coupling;
+      for (const std::complex<double> value : *values) {
+        const double off = std::min(std::abs(std::abs(value.imag()) - 1),
+                                    std::abs(std::abs(value.imag()) - other));
+        EXPECT_LT(off, 2 * coupling) << value;
+        // A skew part moves nothing off the axis: rounding of 8 numbers of up to 3.3^2.
+        EXPECT_LT(std::abs(value.real()), 1e-13) << value;
+      }
+      const auto form = real_schur_form(A);
+      ASSERT_TRUE(form);
+      EXPECT_LT((form->Q * form->T * form->Q.transpose() - A).norm(), 1e-14 * 8 * A.norm());
+      EXPECT_LT((form->Q.transpose() * form->Q - MatrixXd::Identity(2 * n, 2 * n)).norm(), 1e-13);
+    }
+  }
+}
+
 // V D V^-1 with D known and V orthogonal: the radius is that of D at every size of the numbers that
 // doubles have, or it is not known.
 TEST(Eigenvalues, OfTheLargestNumbersAreRightOrUnknown) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "controller/policy.hpp"
+#include "core/worst.hpp"
 #include "tests/faults/passive_frame.hpp"
 
 namespace stillframe::faults {
@@ -64,7 +65,7 @@ struct Peaks {
 };
 
 void raise(Accelerations& largest, const Accelerations& peak) {
-  for (std::size_t i = 0; i < largest.size(); ++i) largest[i] = std::max(largest[i], peak[i]);
+  for (std::size_t i = 0; i < largest.size(); ++i) largest[i] = worst_of(largest[i], peak[i]);
 }
 
 /// Largest difference in samples [0, end) over the peak there.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/scene/scene_reader.hpp"
+#include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 
@@ -81,7 +82,7 @@ Accelerations peak(const std::vector<Accelerations>& samples, std::int64_t begin
 
 double largest_ratio(const Accelerations& a, const Accelerations& b) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, a[i] / b[i]);
+  for (std::size_t i = 0; i < a.size(); ++i) largest = worst_of(largest, a[i] / b[i]);
   return largest;
 }
 

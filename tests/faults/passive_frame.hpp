@@ -43,7 +43,7 @@ class PassiveFrame {
 /// Largest absolute value of each output over samples [begin, end); what was not seen is left out.
 Accelerations peak(const std::vector<Accelerations>& samples, std::int64_t begin, std::int64_t end);
 
-/// The largest of a_i / b_i over the outputs.
+/// The largest of a_i / b_i over the outputs, NaN if one of them is.
 double largest_ratio(const Accelerations& a, const Accelerations& b);
 
 }  // namespace stillframe::faults

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <map>
 
+#include "core/worst.hpp"
+
 namespace stillframe::faults {
 
 namespace {
@@ -37,7 +39,7 @@ std::string outcomes(const KindResult& result) {
 template <class Member>
 double largest(const KindResult& result, Member member) {
   double value = 0;
-  for (const Episode& episode : result.episodes) value = std::max(value, episode.*member);
+  for (const Episode& episode : result.episodes) value = worst_of(value, episode.*member);
   return value;
 }
 

@@ -64,6 +64,7 @@ TEST(PassiveFrame, PeaksLeaveOutWhatWasNotSeen) {
   const std::vector<Accelerations> samples{{1, 1, 1, 1, 1, 1}, {-3, NAN, 0, 0, 0, 0}, {9}};
   EXPECT_EQ(peak(samples, 0, 2), (Accelerations{3, 1, 1, 1, 1, 1}));
   EXPECT_EQ(largest_ratio({1, 2, 3, 4, 5, 6}, {1, 1, 1, 1, 1, 2}), 5);
+  EXPECT_TRUE(std::isnan(largest_ratio({1, 0, 3, 4, 5, 6}, {1, 0, 1, 1, 1, 2})));
 }
 
 }  // namespace

@@ -162,6 +162,60 @@ TEST_P(OperatingPoint, OfATurningTableFeelsTheFloorFromWhereItIs) {
   EXPECT_LT(relative(found.rightCols(1), exact.rightCols(1)), promised);
 }
 
+TEST_P(OperatingPoint, AsWrittenWindsUpASpringByManyTurns) {
+  // An arm of m r^2 = 1 kg m^2 on an axle that leaves at 100 rad/s, against a torsion spring of
+  // 25 N m/rad beside it, which is no dof: 20 sin(5 t) rad, more than three turns and back.
+  if (GetParam() == PlantMethod::linear) GTEST_SKIP() << "about rest alone";
+  const Scene scene = with_method(parse_scene(R"(
+title: An arm on a spring that is wound up
+operating_point: as_written
+nodes:
+  ground: {position: [0, 0, 0]}
+  rotor: {position: [0, 0, 0]}
+  tip: {position: [0.5, 0, 0]}
+  table: {position: [0, 2, 0]}
+  mass: {position: [0.4, 2, 0]}
+masses:
+  - {node: tip, mass: 4}
+  - {node: mass, mass: 10}
+elements:
+  axle: {type: hinge, nodes: [ground, rotor], axis: z}
+  spring: {type: hinge, nodes: [ground, rotor], axis: z, rigid: [], stiffness: [25, 0, 0]}
+  arm: {type: rigid_beam, nodes: [rotor, tip]}
+  leg: {type: truss, nodes: [table, mass], stiffness: 4e3}
+supports:
+  - {nodes: [ground], fix: [x, y, z, rotation]}
+  - {nodes: [table, mass], fix: [y, z]}
+prescribed:
+  - {nodes: [table], move: [x]}
+dofs:
+  - {element: axle, rate: 100}
+  - {element: leg}
+inputs:
+  - {name: floor, acceleration: table, along: x}
+outputs:
+  - {name: tip_x, acceleration: tip, along: x}
+  - {name: tip_y, acceleration: tip, along: y}
+controller: {legs: [leg], target_hz: 1, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1, leak_hz: 0.05}
+)",
+                                              "arm.yaml"),
+                                  GetParam(), tolerance);
+  const Index n = 700;
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(1, n);
+  const auto found = trajectory(scene, none, none);
+  const double r = 0.5, w = 5, T = 1e-3;
+  const auto velocity = [&](double t) {
+    const double angle = 20 * std::sin(w * t), rate = 20 * w * std::cos(w * t);
+    return Eigen::RowVector2d(-r * rate * std::sin(angle), r * rate * std::cos(angle));
+  };
+  Eigen::MatrixXd exact(n, 2);
+  for (Index k = 0; k < n; ++k) {
+    const double t = static_cast<double>(k) * T;
+    exact.row(k) = (velocity(t + T) - velocity(t)) / T;
+  }
+  EXPECT_LT(relative(found.leftCols(2), exact), promised);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, OperatingPoint,
                          testing::Values(PlantMethod::automatic, PlantMethod::linear,
                                          PlantMethod::exponential, PlantMethod::dormand_prince,

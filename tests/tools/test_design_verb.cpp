@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <numbers>
+#include <sstream>
 
 #include "core/worst.hpp"
 #include "tests/tools/verb.hpp"
@@ -56,6 +59,51 @@ TEST_F(DesignVerb, TheLeadThatMatchesARollOffIsInEveryColumn) {
                  continuous = document["continuous_singular_values"][line][0];
     // What the lead leaves is of second order, (omega T_s)^2 of the roll-off's 10 samples.
     EXPECT_NEAR(20 * std::log10(runs / continuous), 0, 0.1) << line;
+  }
+}
+
+// In closed form: of a mass m on a leg k that the law acts on, a force moves the frame by
+//   1 / (m s^2 + k / (1 + P)),   P = (K_P s + K_I) / (s + w_l),
+// and by 1 / (m s^2 + k) without it.
+TEST_F(DesignVerb, TheForceColumnHasTheLeadThatMatchesARollOff) {
+  const double pi = std::numbers::pi, m = 10, k = 4e5, target = 2 * pi * 5, leak = 2 * pi * 0.05;
+  const auto scene = write("scene.yaml", R"(title: 10 kg on a leg
+nodes:
+  floor: {position: [0, 0, 0]}
+  frame: {position: [0, 0, 1]}
+masses: [{node: frame, mass: 10}]
+elements:
+  leg: {type: truss, nodes: [floor, frame], stiffness: 4e5}
+supports: [{nodes: [floor, frame], fix: [x, y]}]
+prescribed: [{nodes: [floor], move: [z]}]
+dofs: [{element: leg}]
+inputs: [{name: floor, acceleration: floor, along: z}]
+outputs: [{name: frame, acceleration: frame, along: z}]
+controller:
+  {legs: [leg], target_hz: 5, damping_ratio: 0.7, sample_rate_hz: 20000, delay_samples: 1,
+   leak_hz: 0.05, roll_off_hz: 320, lead_samples: 11.447}  # delay + 1/2 + 20000 / (2 pi 320)
+)");
+  const Json document = json({"design", scene});
+  const std::string page = run({"design", scene}).output;
+  std::istringstream rest(page.substr(page.find("   Hz  open dB  closed dB  force dB")));
+  std::string row;
+  std::getline(rest, row);
+  for (int line = 0; line < 6; ++line) {
+    const double hz = document["frequencies_hz"][line];
+    const std::complex<double> s(0, 2 * pi * hz);
+    const double X = k / m / (target * target), K_I = 2 * 0.7 * target * X;
+    const auto P = ((X - 1) * s + K_I) / (s + leak);
+    const double exact = 20 * std::log10(std::abs((m * s * s + k) / (m * s * s + k / (1.0 + P))));
+    const double found = 20 * std::log10(document["compliance"][line].get<double>() /
+                                         document["passive_compliance"][line].get<double>());
+    // Of first order in what a sample is of the roll-off, 0.1: 0.022 dB, and half of that at twice
+    // the rate.
+    EXPECT_NEAR(found, exact, 0.05) << hz;
+    std::getline(rest, row);
+    double at = 0, open = 0, closed = 0, force = 0;
+    ASSERT_EQ(std::sscanf(row.c_str(), "%lf %lf %lf %lf", &at, &open, &closed, &force), 4) << row;
+    EXPECT_EQ(at, hz);
+    EXPECT_NEAR(force, found, 0.051) << hz;  // of its last digit
   }
 }
 

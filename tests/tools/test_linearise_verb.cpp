@@ -199,5 +199,25 @@ TEST_F(LineariseVerb, MasslessDofIsRefusedByName) {
                  "the mass matrix is not positive definite: dof e(spring) moves no mass");
 }
 
+// Each number is within its range, and 12 EI / l^3 / m = 1.2e331 1/s^2 is no number.
+TEST_F(LineariseVerb, NumbersThatOverflowTogetherAreRefusedByName) {
+  const auto scene = write("scene.yaml", R"(title: A cantilever that is far too short
+planar: true
+nodes: {root: {position: [0, 0]}, tip: {position: [1e-90, 0]}}
+masses: [{node: tip, mass: 1e-30}]
+elements: {beam: {type: beam, nodes: [root, tip], rigid: [1], EI: 1e30}}
+supports: [{nodes: [root], fix: [x, y, rotation]}, {nodes: [tip], fix: [rotation]}]
+dofs: [{node: tip, along: y}]
+inputs: [{name: push, force: tip, along: y}]
+outputs: [{name: tip, acceleration: tip, along: y}]
+)");
+  for (const char* verb : {"linearise", "sigma"}) {
+    expect_refused({verb, scene}, 3,
+                   "numbers of the model overflow: the acceleration of dof y(tip) is not finite");
+  }
+  expect_refused({"modes", scene}, 3,
+                 "numbers of the model overflow: a natural frequency is not finite");
+}
+
 }  // namespace
 }  // namespace stillframe::test

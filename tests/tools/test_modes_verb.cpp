@@ -56,6 +56,18 @@ TEST_F(ModesVerb, TurningTable) {
   expect_documented_keys("modes", document);
 }
 
+// The state matrix is orthogonal but for 2e-10, and Eigen's QR iteration alone does not end.
+TEST_F(ModesVerb, TableThatHardlyTurnsHasItsPolesAndItsResponse) {
+  const auto scene = table("1e-10", "0");
+  expect_table(json({"modes", scene}), 1e-10, 0);
+  // From the force in spring_x to that in it, s^2 / (s^2 + 1) but for the turning.
+  const Json response = json({"sigma", scene, "--from", "0.3", "--to", "3", "--points", "2"});
+  EXPECT_EQ(response["singular_values"].size(), 2u);
+  for (const Json& row : response["singular_values"]) {
+    for (const Json& value : row) EXPECT_TRUE(value.is_number()) << row;
+  }
+}
+
 TEST_F(ModesVerb, TableThatThrowsItsMassOutIsPrintedInWords) {
   const auto scene = table("2", "0.1");
   const Json document = json({"modes", scene});
