@@ -165,8 +165,11 @@ bool solve_positions(const Model& model, Data& data, const MotionState& state) n
     return true;
   }
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  double last_step = std::numeric_limits<double>::infinity();
-  bool fresh = false;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  constexpr double close = 1e-8;  // of the displacements: factors from there contract as new ones do
+  double last_step = infinity;
+  double moved = infinity;  // since J was factorised, which the caller may have done anywhere
+  bool last_was_near = false;
   for (int iteration = 0; iteration < 50; ++iteration) {
     condition_residual(model, data, state);
     data.J.solve(data.condition);
@@ -178,16 +181,20 @@ bool solve_positions(const Model& model, Data& data, const MotionState& state) n
     // way to displacements that are exactly zero the size shrinks with the step, so that 1e-30 (m,
     // rad), far below all motion that counts, ends it.
     if (step <= 8 * epsilon * size || step < 1e-30) return true;
+    const bool near = moved <= close * size;
+    moved += step;
     if (step > 0.25 * last_step) {
-      // With fresh factors only the rounding of a badly conditioned J stops Newton's method so
-      // close.
-      if (fresh && step <= 1e-8 * size) return true;
-      factorise(model, data);
-      fresh = true;
-    } else {
-      fresh = false;
+      // With factors of this place only the rounding of a badly conditioned J stops Newton's method
+      // so close. Both steps have to be such: the first one with them may have to undo what the last
+      // ones with old factors did, and e is that of before it.
+      if (near && last_was_near && step <= close * size) return true;
+      if (moved > close * size) {
+        factorise(model, data);
+        moved = 0;
+      }
     }
     last_step = step;
+    last_was_near = near;
   }
   return false;
 }

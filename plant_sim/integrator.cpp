@@ -4,6 +4,7 @@
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -13,10 +14,16 @@ namespace stillframe {
 namespace {
 
 constexpr int max_steps = 100'000;  // within one part
+constexpr int max_failures = 20;    // of the right-hand side, one after the other
 
 using Map = Eigen::Map<Eigen::VectorXd>;
 
 Map view(N_Vector vector) { return {N_VGetArrayPointer(vector), N_VGetLength(vector)}; }
+
+bool right_hand_side_failed(int flag) {
+  return flag == ARK_RHSFUNC_FAIL || flag == ARK_FIRST_RHSFUNC_ERR ||
+         flag == ARK_REPTD_RHSFUNC_ERR || flag == ARK_UNREC_RHSFUNC_ERR;
+}
 
 void check(int flag, const char* what) {
   if (flag < 0) throw std::runtime_error(std::string("SUNDIALS: ") + what + " failed");
@@ -30,6 +37,7 @@ struct Integrator::Impl {
   double relative_tolerance;
   double position_scale = 0, velocity_scale = 0;
   long evaluations = 0;
+  Eigen::VectorXd held;  ///< the state after the last step
   SUNContext context = nullptr;
   N_Vector state = nullptr;
   void* memory = nullptr;
@@ -49,6 +57,7 @@ struct Integrator::Impl {
     state = N_VNew_Serial(2 * n + n_filtered, context);
     if (!state) throw std::runtime_error("SUNDIALS: N_VNew_Serial failed");
     view(state).setZero();
+    held = view(state);
     memory = ERKStepCreate(&Impl::right_hand_side, 0.0, state, context);
     if (!memory) throw std::runtime_error("SUNDIALS: ERKStepCreate failed");
     check(ERKStepSetTableNum(memory, ARKODE_DORMAND_PRINCE_7_4_5), "ERKStepSetTableNum");
@@ -67,7 +76,6 @@ struct Integrator::Impl {
   static int right_hand_side(realtype t, N_Vector y, N_Vector dy_dt, void* user) noexcept {
     auto& self = *static_cast<Impl*>(user);
     ++self.evaluations;
-    // Positive: recoverable, SUNDIALS tries a smaller step before it gives up.
     return self.f(t, view(y), view(dy_dt)) ? 0 : 1;
   }
 
@@ -94,8 +102,10 @@ struct Integrator::Impl {
   }
   static void silent(int, const char*, const char*, char*, void*) noexcept {}
 
-  bool restart(double duration) noexcept {
-    return ERKStepReset(memory, 0.0, state) >= 0 && ERKStepSetInitStep(memory, duration) >= 0 &&
+  /// From the held state on, at t, with this step at first.
+  bool restart(double t, double step, double duration) noexcept {
+    view(state) = held;
+    return ERKStepReset(memory, t, state) >= 0 && ERKStepSetInitStep(memory, step) >= 0 &&
            ERKStepSetStopTime(memory, duration) >= 0;
   }
 };
@@ -114,19 +124,27 @@ Integrator::Status Integrator::advance(Eigen::VectorXd& y, double duration,
   // The smallest normal numbers keep the weights finite for a frame at rest on a floor at rest.
   self.position_scale = acceleration * duration * duration + 1e-290;
   self.velocity_scale = acceleration * duration + 1e-290;
-  view(self.state) = y;
-  if (!self.restart(duration)) return Status::failed;
+  self.held = y;
+  if (!self.restart(0.0, duration, duration)) return Status::failed;
   // Step by step up to the stop time: what a call over the whole time returns is interpolated.
-  realtype reached = 0;
-  int flag = 0;
+  realtype reached = 0, held_at = 0, step = duration;
+  int flag = 0, failures = 0;
   for (int steps = 0; reached < duration && flag >= 0; ++steps) {
     if (steps == max_steps) return Status::too_many_steps;
     flag = ERKStepEvolve(self.memory, duration, self.state, &reached, ARK_ONE_STEP);
+    if (flag >= 0) {
+      self.held = view(self.state);
+      held_at = reached;
+      failures = 0;
+      flag = ERKStepGetCurrentStep(self.memory, &step);
+    } else if (right_hand_side_failed(flag) && failures++ < max_failures) {
+      // A stage of too long a step may lie anywhere. SUNDIALS' explicit steps give up at once.
+      step = 0.25 * std::min(step, duration - held_at);
+      if (!self.restart(reached = held_at, step, duration)) return Status::failed;
+      flag = 0;
+    }
   }
-  if (flag == ARK_RHSFUNC_FAIL || flag == ARK_FIRST_RHSFUNC_ERR || flag == ARK_REPTD_RHSFUNC_ERR ||
-      flag == ARK_UNREC_RHSFUNC_ERR) {
-    return Status::right_hand_side_failed;
-  }
+  if (right_hand_side_failed(flag)) return Status::right_hand_side_failed;
   if (flag < 0) return Status::failed;
   y = view(self.state);
   return Status::ok;

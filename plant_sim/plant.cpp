@@ -51,7 +51,7 @@ Plant::Plant(const Scene& scene, std::unique_ptr<floor::FloorSource> floor)
       drive_(make_drive(merged_.scene, model_, std::move(floor))),
       sensors_(n_legs(), scene.instruments.sensor_filter_hz),
       choice_(choose_method(merged_.scene, model_, drive_)),
-      motion_(make_motion(merged_, model_, choice_.method, drive_, durations(*scene.controller))),
+      motion_(make_motion(merged_, model_, choice_, drive_, durations(*scene.controller))),
       force_limit_(force_limit(scene)) {
   if (scene.instruments.force_sensors) {
     force_noise_.emplace(n_legs(), *scene.instruments.force_sensors, sample_time_,

@@ -27,16 +27,21 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The value at which `stable` first fails on the way from `from` (stable) through `values`, halved
-/// down to 1e-6 of the step; infinity if it does not fail.
+/// down to 1e-6 of the step and of the distance from `from`, which for a loop that is nearly
+/// unstable is the smaller of the two; infinity if it does not fail.
 double first_failure(const std::function<bool(double)>& stable, double from,
                      const std::vector<double>& values) {
+  constexpr double part = 1e-6;
+  constexpr int most = 50;  // then two numbers are next to each other, or the distance is none
   double good = from;
   for (double bad : values) {
     if (stable(bad)) {
       good = bad;
       continue;
     }
-    for (int j = 0; j < 20; ++j) {
+    const double step = std::abs(bad - good);
+    for (int j = 0; j < most; ++j) {
+      if (std::abs(bad - good) <= part * std::min(step, std::abs(good - from))) break;
       const double middle = (good + bad) / 2;
       (stable(middle) ? good : bad) = middle;
     }
@@ -119,20 +124,27 @@ class Perturbed {
   /// The delays (samples) at which what goes round through the commands of the legs of `mask`, the
   /// others closed, comes back in antiphase and no smaller, at the frequencies of the poles. A mode
   /// of the plant turns by its own frequency, also where that is above half the rate: within a
-  /// sample it may turn more than once.
+  /// sample it may turn more than once. Every mode is damped by as little as divides stable from
+  /// unstable: at that of an undamped one the return ratio has no value, and beside it not the
+  /// phase of its peak.
   std::vector<double> worst_delays(const VectorXd& mask) const {
-    const SampledPlant plant = sample_and_hold(plant_, sampling_);
+    LoopPlant damped = plant_;
+    damped.A.diagonal().array() += std::log(largest_stable_radius) / sampling_.sample_time;
+    const SampledPlant plant = sample_and_hold(damped, sampling_);
     std::vector<double> angles;  // per sample
-    for (const std::complex<double> pole : known(eigenvalues(close_loop(plant, law_).A))) {
+    for (const std::complex<double> pole :
+         known(eigenvalues(close_loop(sample_and_hold(plant_, sampling_), law_).A))) {
       angles.push_back(std::arg(pole));
     }
+    std::vector<double> delays;
     for (const std::complex<double> mode : known(eigenvalues(plant_.A))) {
       // What has died away after a sample is no resonance.
       const std::complex<double> turn = mode * sampling_.sample_time;
       if (turn.real() > -3) angles.push_back(turn.imag());
+      // One that a small push makes unstable: what the loop does to it is known to first order.
+      if (turn.real() > -0.1 && turn.imag() > slowest) add_driven(turn, mask, delays);
     }
-    constexpr double turn = 2 * std::numbers::pi, nearly_one = 0.9, slowest = 1e-3;
-    std::vector<double> delays;
+    constexpr double turn = 2 * std::numbers::pi, nearly_one = 0.9;
     for (const double angle : angles) {
       if (!(angle > slowest)) continue;
       for (const std::complex<double> round : round_trips(plant, mask, angle)) {
@@ -143,6 +155,41 @@ class Perturbed {
       }
     }
     return delays;
+  }
+  /// Adds the delays at which the loop drives a mode of the plant (its exponent over a sample) the
+  /// hardest. About its pole p the return ratio is R / (z - p) + L_0, and the loop moves p by
+  /// -trace((I + E_0 L_0)^-1 E R), to first order, with the delays E of the mode's own turn and E_0
+  /// of the turn that the samples see: above half the rate these go round at different paces.
+  void add_driven(std::complex<double> turn, const VectorXd& mask,
+                  std::vector<double>& delays) const {
+    constexpr double two_pi = 2 * std::numbers::pi;
+    // Far beyond what p is known to, far below what L_0 changes in.
+    constexpr double beside = 1e-4;
+    const auto at = [&](double growth) {
+      LoopPlant moved = plant_;
+      moved.A.diagonal().array() += (growth - turn.real()) / sampling_.sample_time;
+      return return_ratio(sample_and_hold(moved, sampling_), law_,
+                          turn.imag() / sampling_.sample_time, Cut::command);
+    };
+    const Eigen::MatrixXcd inside = at(-beside), outside = at(beside);
+    const Eigen::MatrixXcd R = beside / 2 * (inside - outside), L_0 = (inside + outside) / 2;
+    const double seen = std::remainder(turn.imag(), two_pi);
+    const auto growth = [&](double samples) {
+      const auto late = [&](double angle) {
+        return VectorXcd((std::complex<double>(0, -angle * samples) * mask).array().exp());
+      };
+      Eigen::MatrixXcd closed = late(seen).asDiagonal() * L_0;
+      closed.diagonal().array() += 1;
+      return -closed.partialPivLu().solve(late(turn.imag()).asDiagonal() * R).trace().real();
+    };
+    // Twelve a turn: the highest of these is within 4 % of the peak.
+    const double step = two_pi / turn.imag() / 12;
+    double before = growth(0), here = growth(step);
+    for (double samples = step; samples < longest_delay; samples += step) {
+      const double next = growth(samples + step);
+      if (here > before && here >= next && here > -turn.real() / 2) delays.push_back(samples);
+      before = here, here = next;
+    }
   }
   /// Of all legs the eigenvalues of the return ratio; of one leg its own with the others closed.
   Eigen::VectorXcd round_trips(const SampledPlant& plant, const VectorXd& mask,
@@ -155,6 +202,8 @@ class Perturbed {
     const std::complex<double> S = (I + L).partialPivLu().inverse()(leg, leg);
     return Eigen::VectorXcd::Constant(1, 1.0 / S - 1.0);
   }
+  static constexpr double slowest = 1e-3;  ///< rad per sample
+
   bool stable(const Sampling& sampling) const {
     const double radius = spectral_radius(close_loop(sample_and_hold(plant_, sampling), law_));
     return radius < largest_stable_radius;

@@ -183,7 +183,10 @@ double ExponentialMotion::collocation_error(const Part& part) noexcept {
   const double a_2 = linear_rate_.lpNorm<Eigen::Infinity>();
   if (a_2 <= rounding * acceleration_) return 0;
   change_.noalias() = part.W_even * linear_rate_;
-  const double ratio = std::min(1.0, a_2 / std::max(a_1, a_2));
+  // A slow and large change of g makes a_1 large and says nothing of a_3, which a fast and small one
+  // makes: 0.1 a_2 of a mode that turns by a radian in the part, 7 j_3(1/2) / (5 j_2(1/2)) in
+  // spherical Bessel functions. Less is not believed.
+  const double ratio = std::clamp(a_2 / std::max(a_1, a_2), 0.1, 1.0);
   return ratio * ratio * size_of(change_);
 }
 

@@ -54,10 +54,37 @@ MinimalEquations::MinimalEquations(const Model& model, const NominalMotion& nomi
       (data_.M_dd.llt().solve(Eigen::MatrixXd::Identity(model.n_d, model.n_d)).cwiseAbs() * forces);
   rest_acceleration_ = std::max((q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>(),
                                 rounding.lpNorm<Eigen::Infinity>());
+  see_rounding_on_the_way(nominal);
   sigma_0_ = data_.sigma;
-  reached_x_ = data_.x;
-  reached_e_ = data_.e;
+  reached_x_ = before_x_ = data_.x;
+  reached_e_ = before_e_ = data_.e;
   q_d_ddot_ = nominal.q_d_ddot;
+}
+
+/// Beside a rotor the accelerations round anew at each of its angles, also where no force acts. All
+/// that they are there besides those of the operating point, which is stationary, is rounding, or
+/// what the equilibrium has left, which is not.
+void MinimalEquations::see_rounding_on_the_way(const NominalMotion& nominal) {
+  const MotionState& begin = nominal.state;
+  const double fastest = begin.q_r_dot.size() > 0 ? begin.q_r_dot.lpNorm<Eigen::Infinity>() : 0.0;
+  if (model_.operating_point == OperatingPoint::as_written || fastest == 0 ||
+      !begin.q_d_dot.isZero(0)) {
+    return;
+  }
+  MotionState at = begin;
+  for (const double angle : {0.3, 0.8, 1.7, 2.9}) {  // no two of them alike for a rotor's blades
+    MotionState next = begin;
+    next.q_r += angle / fastest * begin.q_r_dot;
+    if (!travel(model_, data_, at, next)) break;
+    at = next;
+    if (accelerations(model_, data_, at, sigma_a_, q_d_ddot_) != DynamicsStatus::ok) break;
+    const double seen = (q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>();
+    constexpr double most = 1e-11;  // of a rotor's accelerations, by way of an ill-conditioned J
+    rest_acceleration_ = std::max(
+        rest_acceleration_, std::min(seen, most * data_.x_ddot.lpNorm<Eigen::Infinity>()));
+  }
+  nominal.place(data_);
+  accelerations(model_, data_, begin, sigma_a_, q_d_ddot_);
 }
 
 bool MinimalEquations::evaluate(const Inputs& inputs, double t,
@@ -70,10 +97,7 @@ bool MinimalEquations::evaluate(const Inputs& inputs, double t,
   inputs.at(t, state_.q_r, state_.q_r_dot, state_.q_r_ddot, sigma_a_);
   data_.external = inputs.external().size() > 0 ? &inputs.external() : nullptr;
   if (accelerations(model_, data_, state_, sigma_a_, q_d_ddot_) != DynamicsStatus::ok) {
-    // A shorter step is tried next, and it has to start from positions, and factors, that hold.
-    data_.x = reached_x_;
-    data_.e = reached_e_;
-    geometric_transfer_functions(model_, data_);
+    go_back();  // where the shorter step begins that is tried next
     return false;
   }
   reached_x_ = data_.x;
@@ -85,6 +109,24 @@ bool MinimalEquations::evaluate(const Inputs& inputs, double t,
   }
   // What is not finite would go round in an integrator until it gives up without a reason.
   return dy_dt.allFinite();
+}
+
+bool MinimalEquations::look(const Inputs& inputs, double t,
+                            const Eigen::Ref<const Eigen::VectorXd>& y,
+                            Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept {
+  before_x_ = reached_x_;
+  before_e_ = reached_e_;
+  const bool found = evaluate(inputs, t, y, dy_dt);
+  reached_x_ = before_x_;
+  reached_e_ = before_e_;
+  go_back();
+  return found;
+}
+
+void MinimalEquations::go_back() noexcept {
+  data_.x = reached_x_;
+  data_.e = reached_e_;
+  geometric_transfer_functions(model_, data_);
 }
 
 Eigen::VectorXd MinimalEquations::start() const {

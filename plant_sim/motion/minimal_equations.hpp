@@ -32,6 +32,10 @@ class MinimalEquations {
   /// rates and stresses there in data().
   bool evaluate(const Inputs& inputs, double t, const Eigen::Ref<const Eigen::VectorXd>& y,
                 Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept;
+  /// The same of a y that need not be where the motion comes to: the next evaluation starts from
+  /// the positions of before. Near a singular one those at y may be on the other side of it.
+  bool look(const Inputs& inputs, double t, const Eigen::Ref<const Eigen::VectorXd>& y,
+            Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept;
 
   /// y at the operating point (n).
   Eigen::VectorXd start() const;
@@ -57,12 +61,17 @@ class MinimalEquations {
   long evaluations() const noexcept { return evaluations_; }
 
  private:
+  void see_rounding_on_the_way(const NominalMotion& nominal);
+  /// Back to the last positions that hold, with their factors.
+  void go_back() noexcept;
+
   const Model& model_;
   std::vector<Index> legs_;
   double filter_rate_;
   double stress_scale_;
   Data data_;
   Eigen::VectorXd reached_x_, reached_e_;  ///< n_x, n_e, at the last evaluation that could be made
+  Eigen::VectorXd before_x_, before_e_;    ///< the same, before a look
   MotionState state_;
   Eigen::VectorXd q_0_, q_dot_0_, sigma_0_;  ///< n_d, n_d, n_e
   Eigen::VectorXd sigma_a_, q_d_ddot_;       ///< n_e, n_d

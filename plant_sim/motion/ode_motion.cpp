@@ -28,11 +28,10 @@ Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept 
   drive_ = &drive;
   // The largest of two accelerations scales the error of this part: that at the end of what was
   // before, and that under the inputs at the end of this one, which a force that begins to rise
-  // here from rest has as well.
+  // here from rest has as well. The floor has gone on there, and y has not.
   const double before = equations_.q_d_ddot().lpNorm<Eigen::Infinity>();
   n_looks_ += 2;
-  if (!equations_.evaluate(drive, duration, y_, rate_) &&
-      !equations_.evaluate(drive, 0.0, y_, rate_)) {
+  if (!equations_.look(drive, duration, y_, rate_) && !equations_.look(drive, 0.0, y_, rate_)) {
     return Status::equations_failed;
   }
   // Positions are found to 1e-30 (core/kinematics): no step meets a finer error either.

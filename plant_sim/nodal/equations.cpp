@@ -277,6 +277,7 @@ Eigen::VectorXd Equations::rounding(const NodalState& state) const {
     gather(place.item->parts, state.x, u);
     LocalJacobian D(element.n_deformations(), element.n_local());
     element.jacobian(u, D);
+    columns_to_node_axes(place.item->parts, D);
     LocalDeformation s(D.rows());
     for (Index i = 0; i < D.rows(); ++i) {
       s(i) = std::abs(sigma_(place.item->row[static_cast<size_t>(i)]));

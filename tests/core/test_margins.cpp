@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -219,6 +220,111 @@ TEST_P(DelaysOfRandomLoops, NoneBelowTheLimitIsUnstable) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, DelaysOfRandomLoops, testing::Range(1u, 61u));
+
+/// A mode of 10 Hz, damped by 5 %, at 200 Hz, and one without damping that turns by `turn` rad in a
+/// sample; 4 Hz, zeta 0.7, leak 0.4 Hz, an actuator lag or none.
+LoopSettings with_fast_mode(double turn, double lag_hz) {
+  constexpr double m = 10, T = 5e-3, omega = two_pi * 10, omega_d = two_pi * 4;
+  LoopSettings out;
+  out.plant.A = MatrixXd::Zero(4, 4);
+  out.plant.A.topRightCorner(2, 2).setIdentity();
+  out.plant.A(2, 0) = -omega * omega;
+  out.plant.A(2, 2) = -0.1 * omega;
+  out.plant.A(3, 1) = -std::pow(turn / T, 2);
+  out.plant.B_w = MatrixXd::Zero(4, 0);
+  out.plant.B_u = VectorXd{{0, 0, -1 / m, -1 / m}};
+  out.plant.C_y = MatrixXd::Zero(0, 4);
+  out.plant.D_yw = MatrixXd::Zero(0, 0);
+  out.plant.D_yu = MatrixXd::Zero(0, 1);
+  out.plant.C_sigma = m * omega * omega * Eigen::RowVectorXd{{1, 1, 0, 0}};
+  const double X = std::pow(omega / omega_d, 2);
+  out.feedback = {.K_P = MatrixXd::Constant(1, 1, X - 1),
+                  .K_I = MatrixXd::Constant(1, 1, 1.4 * omega_d * X),
+                  .leak = 0.1 * omega_d};
+  out.sampling.sample_time = T;
+  out.sampling.instruments.actuator_lag_hz = lag_hz;
+  return out;
+}
+
+// An undamped mode that turns several times in a sample is driven at delays of a few hundredths of
+// one, between those of a grid, and its phase is that of its pole together with the rest of the
+// loop.
+TEST(DelaysOfFastModes, NoneBelowTheLimitIsUnstable) {
+  int n_stable = 0;
+  for (const double lag_hz : {0.0, 100.0}) {
+    for (double turn = 20; turn < 45; turn += 0.25) {
+      const LoopSettings loop = with_fast_mode(turn, lag_hz);
+      if (!(spectral_radius(loop) < largest_stable_radius)) continue;
+      ++n_stable;
+      const double limit = margins(loop).all_delay / loop.sampling.sample_time;
+      for (double samples = 0; samples < std::min(limit - 1e-5, 1.0); samples += 0.005) {
+        LoopSettings late = loop;
+        late.sampling.leg_delays = VectorXd::Constant(1, samples);
+        EXPECT_LT(spectral_radius(late), largest_stable_radius)
+            << samples << " of " << limit << ", turn " << turn << ", lag " << lag_hz;
+      }
+    }
+  }
+  EXPECT_GT(n_stable, 100);
+}
+
+/// 10 kg on two legs of k / 2 each, undamped; 2 Hz, zeta 0.7, leak 0.2 Hz, 1 kHz, no delay.
+LoopSettings without_damping(double k) {
+  constexpr double m = 10, omega_d = two_pi * 2;
+  LoopSettings out;
+  out.plant.A = (MatrixXd(2, 2) << 0, 1, -k / m, 0).finished();
+  out.plant.B_w = MatrixXd::Zero(2, 0);
+  out.plant.B_u = (MatrixXd(2, 2) << 0, 0, -1 / m, -1 / m).finished();
+  out.plant.C_y = MatrixXd::Zero(0, 2);
+  out.plant.D_yw = MatrixXd::Zero(0, 0);
+  out.plant.D_yu = MatrixXd::Zero(0, 2);
+  out.plant.C_sigma = (MatrixXd(2, 2) << k / 2, 0, k / 2, 0).finished();
+  const double X = k / (m * omega_d * omega_d);
+  // Both legs share what one would do.
+  out.feedback = {.K_P = MatrixXd::Constant(2, 2, (X - 1) / 2),
+                  .K_I = MatrixXd::Constant(2, 2, 0.7 * omega_d * X),
+                  .leak = two_pi * 0.2};
+  out.sampling.sample_time = 1e-3;
+  return out;
+}
+
+// Of one in ten of these the sampled frequency is a pole on the unit circle to the last bit, where
+// the return ratio is infinite.
+TEST(Margins, OfFramesWithoutDampingAreFound) {
+  for (double k = 10000; k <= 12000; k += 20) {
+    const LoopSettings loop = without_damping(k);
+    ASSERT_LT(spectral_radius(loop), largest_stable_radius) << k;
+    Margins found;
+    ASSERT_NO_THROW(found = margins(loop)) << k;
+    EXPECT_TRUE(found.all_disk > 0) << k;
+    EXPECT_GT(found.all_delay, 0) << k;
+  }
+}
+
+// A loop moved to 5e-5 before its limit: the limit is known to a part of
+// the distance that is left, not to a part of the search's step, which is a thousand times that.
+TEST(Margins, GainsNextToTheirLimitAreFoundToAPartOfTheDistance) {
+  int n_limits = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    LoopSettings loop = random_loop(seed);
+    if (!(spectral_radius(loop) < largest_stable_radius)) continue;
+    const double limit = margins(loop).all_gain.highest;
+    if (std::isinf(limit)) continue;
+    ++n_limits;
+    const VectorXd ones = VectorXd::Ones(loop.plant.B_u.cols());
+    loop.sampling.leg_gains = limit * (1 - 5e-5) * ones;
+    const double left = margins(loop).all_gain.highest;
+    const auto radius = [&](double part) {
+      LoopSettings off = loop;
+      off.sampling.leg_gains *= std::pow(left, part);
+      return spectral_radius(off);
+    };
+    // 1e-6 of the distance is what is promised.
+    EXPECT_LT(radius(1 - 1e-5), largest_stable_radius) << seed;
+    EXPECT_GE(radius(1 + 1e-5), largest_stable_radius) << seed;
+  }
+  EXPECT_GT(n_limits, 4);
+}
 
 TEST(Margins, AnUnstableLoopHasNone) {
   LoopSettings loop = frame_loop(1.75, 0);

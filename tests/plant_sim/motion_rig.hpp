@@ -50,6 +50,7 @@ struct MotionRig {
   Model model;
   Drive drive;
   MinimalEquations equations;
+  MotionChoice choice;
   std::unique_ptr<Motion> motion;
 
   MotionRig(const Scene& scene, PlantMethod method, Eigen::MatrixXd floor)
@@ -61,7 +62,8 @@ struct MotionRig {
               Disturbances(merged.scene, model, 1 / scene.controller->sample_rate_hz),
               legs_of(scene, model)),
         equations(model, nominal_motion(model), drive.legs(), 0),
-        motion(make_motion(merged, model, method, drive, {1 / scene.controller->sample_rate_hz})) {}
+        choice{method, ""},
+        motion(make_motion(merged, model, choice, drive, {1 / scene.controller->sample_rate_hz})) {}
 
   static std::vector<Index> legs_of(const Scene& scene, const Model& model) {
     std::vector<Index> rows;

@@ -1,11 +1,13 @@
 #include "tests/random_scenes/loop_run.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
+#include "core/linear/eigenvalues.hpp"
 #include "core/node_moves.hpp"
+#include "core/state_space.hpp"
 #include "core/worst.hpp"
 #include "plant_sim/floor/sources.hpp"
 #include "tools/run/closed_loop.hpp"
@@ -73,14 +75,14 @@ Scene without_nonlinear_instruments(Scene scene) {
   return scene;
 }
 
-double fastest_rate(const tools::LoopDesign& design) {
-  const LoopPlant& plant = design.settings.plant;
-  const Index n = plant.A.rows() - plant.n_exogenous;
-  return plant.A.topLeftCorner(n, n).eigenvalues().cwiseAbs().maxCoeff();
+double fastest_rate(Case& scene) {
+  const auto rates = eigenvalues(state_matrix(scene.linear()));
+  if (!rates) throw std::runtime_error("the eigenvalues of the linear model are not found");
+  return rates->size() > 0 ? rates->cwiseAbs().maxCoeff() : 0.0;
 }
 
 RunRounding::RunRounding(Case& scene) {
-  const double fastest = fastest_rate(scene.design());
+  const double fastest = fastest_rate(scene);
     const Model& model = scene.model();
     double stiffest = 0, static_force = 0;
     for (const ModelElement& element : model.elements) {

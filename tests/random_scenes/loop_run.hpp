@@ -42,8 +42,8 @@ long affordable_evaluations(Case& scene);
 /// sensors, disturbances.
 Scene without_nonlinear_instruments(Scene scene);
 
-/// Fastest rate of the linear plant, 1/s.
-double fastest_rate(const tools::LoopDesign& design);
+/// Fastest rate of the linear model, 1/s, of all its modes: the design may go without most of them.
+double fastest_rate(Case& scene);
 
 /// What rounding makes of a run (m/s^2, N): that of positions, of the size of the scene, in the stiffest leg
 /// and in the fastest motion, and that of the forces that balance.

@@ -54,12 +54,13 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
                     active, most);
   };
   std::vector<Method> minimal = {{"auto", PlantMethod::automatic}};
-  const double stiffness = fastest_rate(design) / own.controller->sample_rate_hz;
+  const double stiffness = fastest_rate(scene) / own.controller->sample_rate_hz;
   const bool smooth = std::isinf(own.instruments.force_rate_limit) &&
                       !(own.instruments.hysteresis && own.instruments.actuator_lag_hz > 0);
   // Where a sample is hundreds of the fastest turns and nothing damps them, the estimate of the
   // exponential method is too small in large motion (docs/scene.md).
-  if (smooth && stiffness < 500) minimal.push_back({"exponential", PlantMethod::exponential});
+  const bool exact = smooth && stiffness < 500;
+  if (exact) minimal.push_back({"exponential", PlantMethod::exponential});
   // Explicit steps are bound by the fastest mode: some two stages for each radian of it. Where that
   // takes a hundred in a sample nobody would choose them.
   const bool mild = !skips(finding, "dormand_prince", stiffness, 50);
@@ -112,8 +113,8 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
     finding.take(1, 0, ends.front() + ", by" + ended);
     return finding;
   }
-  if ((smooth || mild) && !turning) {
-    const Signals other = run(smooth ? PlantMethod::exponential : PlantMethod::dormand_prince,
+  if ((exact || mild) && !turning) {  // a reference is of no more use than as a method
+    const Signals other = run(exact ? PlantMethod::exponential : PlantMethod::dormand_prince,
                               of_reference * tolerance, all);
     if (!too_short(finding, "the reference of nodal", other.n_samples(), all)) {
       judge({"nodal", PlantMethod::nodal}, other);
