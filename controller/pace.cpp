@@ -4,6 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/linear/smooth_step.hpp"
+#include "core/worst.hpp"
+
 namespace stillframe::controller {
 
 using Eigen::Index;
@@ -64,9 +67,22 @@ MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece, Ref<Vecto
   return changes.leftCols(most_samples);
 }
 
+/// The changes of its commands (m x n, N) while the gain comes up within so many samples, and as
+/// many again, with sensor k constantly off by one.
+MatrixXd changes_by_offset(DesignedLoop& loop, Index m, Index k, Index ramp) {
+  const VectorXd w = VectorXd::Zero(loop.n_floor()), v = VectorXd::Unit(m, k);
+  MatrixXd changes(m, 2 * ramp);
+  loop.reset();
+  for (Index n = 0; n < changes.cols(); ++n) {
+    const double passed = static_cast<double>(n + 1) / static_cast<double>(ramp);
+    changes.col(n) = loop.step(1, w, v, smooth_step(std::min(1.0, passed)));
+  }
+  return changes;
+}
+
 }  // namespace
 
-Pace::Pace(const Gains& gains, double free, double beside)
+Pace::Pace(const Gains& gains, const Settings& settings)
     : designed_(gains),
       keep_(std::exp(-gains.sample_time() / forgotten_s)),
       sample_time_(gains.sample_time()) {
@@ -88,9 +104,18 @@ Pace::Pace(const Gains& gains, double free, double beside)
     for (PaceScale& scale : scales_) scale.learn(changes, j);
   }
   force_per_noise_ = squares.rightCols(m);
-  VectorXd allowed = VectorXd::Constant(m, free);
-  if (p > 0 && std::isfinite(beside))
-    allowed = allowed.cwiseMin(beside * per_floor().rowwise().sum());
+  const auto ramp = std::clamp<Index>(std::llround(settings.ramp_in_s * gains.sample_rate_hz), 1,
+                                      most_samples / 2);
+  most_doubt_.resize(m);
+  for (Index k = 0; k < m; ++k) {
+    const MatrixXd changes = changes_by_offset(designed_, m, k, ramp);
+    for (PaceScale& scale : scales_) scale.learn_offset(changes, k);
+    // The leak leaves such a drift a gain of hundreds: what is more than this ends at the limit.
+    most_doubt_(k) = settings.force_limit / worst_of(changes.rowwise().sum());
+  }
+  VectorXd allowed = VectorXd::Constant(m, settings.free);
+  if (p > 0 && std::isfinite(settings.beside))
+    allowed = allowed.cwiseMin(settings.beside * per_floor().rowwise().sum());
   for (PaceScale& scale : scales_) scale.allow(allowed);
   rest_ = moves_ = largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
@@ -143,7 +168,8 @@ void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
     const double converter = smallest_(i) < std::numeric_limits<double>::max() ? smallest_(i) : 0;
     variance_(i) = squares_(i) / (squares_of_a_difference * n) + converter * converter / 12;
   }
-  for (PaceScale& scale : scales_) scale.begin(doubt, variance_);
+  change_ = doubt.cwiseMin(most_doubt_);
+  for (PaceScale& scale : scales_) scale.begin(change_, variance_);
   designed_.reset();
 }
 

@@ -15,7 +15,7 @@ namespace stillframe::controller {
 /// of it, what the noise of its sensors does, and what a frame asks that swung freely before. A
 /// loop that wants more has a broken sensor, actuator or cable, whatever else it looks like. Of leg
 /// i and a sample:
-///   most_i = min(F_i, |c_i| + F_i / 4 + D_i) + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i
+///   most_i = min(F_i, |c_i| + min(F_i / 4, 2 C_i) + D_i) + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i
 ///            + sum_k B_ik d_k + free,   F_i = sum_j L_ij W_j.
 /// c: what the designed loop, which is followed sample by sample, changes its command by now; L_ij:
 /// the sum of |change of its command i| after one sample of unit acceleration of the floor, until
@@ -24,16 +24,23 @@ namespace stillframe::controller {
 /// seconds; D_i: what samples of the floor that were lost or not believed may still do; N_ik: the
 /// root of the sum of squares after a unit reading of sensor k; v_k its noise, from the fourth
 /// differences of what it reads while arming; S_i the largest change of its reading then; B_ik: the
-/// largest change after a step of sensor k, d_k the doubt about its offset; both forgotten within
+/// largest change while the gain comes up with sensor k constantly off by one, d_k the doubt about
+/// its offset, as far as the loop could hold it; both forgotten within
 /// seconds. The same holds of what a loop changes within some milliseconds, every change remembered
 /// for so long (pace_scale.hpp): what grows slowly is seen there. Where the floor is not measured,
 /// or what it does is not known by its acceleration alone, S_i counts four times and is kept.
 /// Construction is set-up; the rest is hot: noexcept, no allocation.
 class Pace {
  public:
-  /// free: N a sample, that is always allowed, but no more of it than a floor of the acceleration
-  /// `beside` (m/s^2) asks for. Errors: as law_from_gains and sample_and_hold.
-  Pace(const Gains& gains, double free, double beside = std::numeric_limits<double>::infinity());
+  struct Settings {
+    /// N a sample, that is always allowed, but no more of it than a floor of that acceleration
+    /// (m/s^2) asks for.
+    double free = 0, beside = std::numeric_limits<double>::infinity();
+    double ramp_in_s = 1;  ///< s, in which the gain comes up
+    double force_limit = std::numeric_limits<double>::infinity();  ///< N
+  };
+  /// Errors: as law_from_gains and sample_and_hold.
+  Pace(const Gains& gains, const Settings& settings);
 
   /// Arming begins: what was learned is forgotten.
   void restart() noexcept;
@@ -94,6 +101,7 @@ class Pace {
   Eigen::VectorXd squares_, smallest_;  ///< m, N^2 and N, of fourth differences and of steps
   Eigen::VectorXd fourth_, products_;   ///< m, N and N^2, the last one, and of two in a row
   Eigen::VectorXd mean_, moved_;        ///< m, N and N^2, of the readings and their sum of squares
+  Eigen::VectorXd most_doubt_;          ///< m, N, offsets that would meet the force limit
   Eigen::MatrixXd force_per_noise_;  ///< m x m, 1, the sum of squares of leg forces after a reading
   Eigen::VectorXd most_, change_, quiet_, variance_, sorted_;
   std::int64_t n_rest_ = 0, seq_ = -1, n_in_row_ = 0, n_squares_ = 0;

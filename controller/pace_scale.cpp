@@ -20,6 +20,9 @@ constexpr double sure = 9;
 // that was met asks for more, a frame with other masses, stiffnesses, calibrations and clocks than
 // the model's stays within it.
 constexpr double not_as_designed = 0.25;
+// Nor by more than this many times of what the designed loop has done of late: one that swings as
+// much in another phase differs by twice that.
+constexpr double of_its_own = 2;
 
 /// The smallest memory with which 2 max |h| memory^k is at least |h[k]| for every sample k and leg.
 double memory_of(const MatrixXd& h) {
@@ -48,12 +51,16 @@ PaceScale::PaceScale(Index m, Index p, double keep)
       per_noise_(MatrixXd::Zero(m, m)),
       per_offset_(MatrixXd::Zero(m, m)),
       per_lost_(MatrixXd::Zero(m, p)) {
-  reading_ = swing_ = doubt_ = noise_ = designed_ = lost_ = force_ = VectorXd::Zero(m);
+  reading_ = swing_ = doubt_ = noise_ = designed_ = met_ = lost_ = force_ = VectorXd::Zero(m);
+}
+
+MatrixXd PaceScale::remembered(MatrixXd z) const {
+  for (Index k = 1; k < z.cols(); ++k) z.col(k) += keep_ * z.col(k - 1);
+  return z;
 }
 
 void PaceScale::learn(const Ref<const MatrixXd>& changes, Index j) {
-  MatrixXd z = changes;
-  for (Index k = 1; k < z.cols(); ++k) z.col(k) += keep_ * z.col(k - 1);
+  const MatrixXd z = remembered(changes);
   const Index p = per_floor_.cols();
   if (j < p) {
     per_floor_.col(j) = z.cwiseAbs().rowwise().sum();
@@ -62,8 +69,10 @@ void PaceScale::learn(const Ref<const MatrixXd>& changes, Index j) {
     return;
   }
   per_noise_.col(j - p) = z.cwiseAbs2().rowwise().sum();
-  for (Index k = 1; k < z.cols(); ++k) z.col(k) += z.col(k - 1);
-  per_offset_.col(j - p) = z.cwiseAbs().rowwise().maxCoeff();
+}
+
+void PaceScale::learn_offset(const Ref<const MatrixXd>& changes, Index k) {
+  per_offset_.col(k) = remembered(changes).cwiseAbs().rowwise().maxCoeff();
 }
 
 void PaceScale::restart() noexcept {
@@ -86,17 +95,20 @@ void PaceScale::begin(const Ref<const VectorXd>& doubt,
   noise_.noalias() = per_noise_ * variance;
   noise_ = sure * noise_.cwiseSqrt();
   designed_.setZero();
+  met_.setZero();
   lost_.setZero();
   force_.setZero();
 }
 
 void PaceScale::forget(double kept, std::int64_t n, bool whole, bool floor_known) noexcept {
   doubt_ *= kept;
+  met_ *= kept;
   if (floor_known) swing_ *= whole ? std::min(kept, power(keep_lost_, n)) : kept;
 }
 
 void PaceScale::expect(std::int64_t n, const Ref<const VectorXd>& change) noexcept {
   designed_ = power(keep_, n) * designed_ + change;
+  met_ = met_.cwiseMax(designed_.cwiseAbs());
   lost_ *= power(keep_lost_, n);
 }
 
@@ -113,7 +125,9 @@ double PaceScale::most(Index i, const VectorXd* largest) const noexcept {
   if (largest == nullptr) return beside + 4 * swing_(i);
   const double any_floor = per_floor_.row(i).dot(*largest);
   return beside + 2 * swing_(i) +
-         std::min(any_floor, std::abs(designed_(i)) + not_as_designed * any_floor + lost_(i));
+         std::min(any_floor, std::abs(designed_(i)) +
+                                 std::min(not_as_designed * any_floor, of_its_own * met_(i)) +
+                                 lost_(i));
 }
 
 void PaceScale::command(std::int64_t n, const Ref<const VectorXd>& change) noexcept {

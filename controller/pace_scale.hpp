@@ -9,10 +9,11 @@ namespace stillframe::controller {
 /// What a sound loop does within some time: the changes of its commands, each remembered for so
 /// long, z[k] = a z[k-1] + change[k]; a = 0: the change alone. All is linear in what makes the
 /// changes, so that of leg i
-///   |z_i| <= min(F_i, |c_i| + q F_i + D_i) + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i
+///   |z_i| <= min(F_i, |c_i| + min(q F_i, 2 C_i) + D_i) + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i
 ///            + (B d)_i + free / (1 - a),   F = L W,
-/// with L, N2, B, D and S as in pace.hpp, of z in place of the change, and c the z of the designed
-/// loop. Set-up: construction, learn and allow; the rest is hot: noexcept, no allocation.
+/// with L, N2, B, D and S as in pace.hpp, of z in place of the change, c the z of the designed
+/// loop, and C the largest |c| of the last seconds. Set-up: construction, both learn and allow; the
+/// rest is hot: noexcept, no allocation.
 class PaceScale {
  public:
   /// m legs, p channels of the floor; keep: a.
@@ -22,6 +23,8 @@ class PaceScale {
   /// of sensor j - p.
   void learn(const Eigen::Ref<const Eigen::MatrixXd>& changes, Eigen::Index j);
 
+  /// The same, while the gain comes up, with a reading of sensor k that is constantly wrong by one.
+  void learn_offset(const Eigen::Ref<const Eigen::MatrixXd>& changes, Eigen::Index k);
   /// free: m, N a sample, that is always allowed.
   void allow(const Eigen::Ref<const Eigen::VectorXd>& free) { free_ = free / (1 - keep_); }
 
@@ -57,10 +60,13 @@ class PaceScale {
   template <class Archive>
   void visit(Archive& archive) {
     archive(reading_), archive(swing_), archive(doubt_), archive(noise_), archive(designed_);
-    archive(lost_), archive(force_);
+    archive(lost_), archive(met_), archive(force_);
   }
 
  private:
+  /// z of changes.
+  Eigen::MatrixXd remembered(Eigen::MatrixXd changes) const;
+
   double keep_;
   Eigen::VectorXd free_;  ///< m, N
   Eigen::MatrixXd per_floor_, per_noise_, per_offset_;
@@ -73,6 +79,7 @@ class PaceScale {
   Eigen::VectorXd doubt_;     ///< m, N, B d
   Eigen::VectorXd noise_;     ///< m, N
   Eigen::VectorXd designed_;  ///< m, N, c
+  Eigen::VectorXd met_;       ///< m, N, the largest |c| of the last seconds
   Eigen::VectorXd lost_;      ///< m, N, D
   Eigen::VectorXd force_;     ///< m, N, z of what is commanded
 };

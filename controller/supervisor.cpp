@@ -25,6 +25,14 @@ constexpr double free_part = 0.1, free_floor = 1e-4;
 // Of a fade from other than the last command: what is left of the step after a sample.
 constexpr double step_kept = 0.7;
 
+Pace::Settings pace_settings(const Gains& gains, const Policy& policy) {
+  Pace::Settings settings{.ramp_in_s = policy.ramp_in_s, .force_limit = force_limit(gains, policy)};
+  if (!policy.free_rate_n_per_s) settings.beside = free_floor;
+  settings.free =
+      policy.free_rate_n_per_s.value_or(free_part * settings.force_limit) * gains.sample_time();
+  return settings;
+}
+
 template <class T>
 concept Scalar = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
@@ -120,10 +128,7 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       limits_(force_limit(gains, policy), policy, gains.n_legs(), gains.sample_time()),
       arming_(gains.n_legs(), policy, gains.sample_rate_hz),
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
-      pace_(policy.free_rate_n_per_s
-                ? Pace(gains, *policy.free_rate_n_per_s * gains.sample_time())
-                : Pace(gains, free_part * force_limit(gains, policy) * gains.sample_time(),
-                       free_floor)),
+      pace_(gains, pace_settings(gains, policy)),
       sample_time_(gains.sample_time()),
       active_(active),
       wanted_(active && policy.start_at_once),

@@ -54,7 +54,7 @@ TEST(Pace, IsWhatOneKickDoesToTheCommands) {
   for (int trial = 0; trial < 8; ++trial) {
     Gains gains = random_gains(random);
     if (!is_stable(gains)) continue;
-    const Pace pace(gains, 0);
+    const Pace pace(gains, {});
     const auto changes = [&](Index sensor, double seconds) {
       const auto n = static_cast<int>(seconds * gains.sample_rate_hz);
       Rig rig(quick(), true, gains);
@@ -98,7 +98,7 @@ TEST(Pace, NoFloorMakesASoundLoopHurry) {
   for (int trial = 0; trial < 12; ++trial) {
     const Gains gains = random_gains(random);
     if (!is_stable(gains)) continue;
-    const Pace pace(gains, 0);
+    const Pace pace(gains, {});
     Policy policy = quick();
     policy.free_rate_n_per_s = 1e-9;
     policy.ramp_in_s = 1;
@@ -267,7 +267,7 @@ TEST(Pace, WithoutAFloorItIsThatOfTheFrame) {
 // broken sensor; the same as noise is.
 TEST(Pace, ALegThatSwingsAloneIsNotNoisy) {
   const Gains gains = toy::damped_gains();
-  Pace pace(gains, 0);
+  Pace pace(gains, {});
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   const auto noisy_leg = [&](double swing, double periods_a_sample, double noise) {

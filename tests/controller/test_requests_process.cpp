@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
@@ -94,7 +95,10 @@ class RequestsProcess : public ControllerProcess {
 };
 
 TEST_F(RequestsProcess, AStopThatIsOldOrWasObeyedBeforeStopsNothing) {
-  ChildProcess controller(command_line(gains));
+  // Nobody measures what moves this frame.
+  const auto policy = folder / "policy.yaml";
+  std::ofstream(policy) << "limits: {free_rate_n_per_s: 1.0e+6}\n";
+  ChildProcess controller(command_line(gains, {"--policy", policy}));
   begin();
   ASSERT_TRUE(goes_on_until(is(controller_status_t::ACTIVE)));
   // A recording of somebody else's, sound but for its age.

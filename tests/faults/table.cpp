@@ -68,7 +68,10 @@ std::vector<std::string> failures(const KindResult& result) {
     // Where the machine has made the loop let go once more, the frame that is left to itself is no
     // longer the one to compare with; each letting go adds at most one such motion (the frame is
     // linear), so twice the peak.
-    if (!(episode.over_passive <= (episode.disturbed ? 2.0 : 1.01))) {
+    // Of a sensor that lies the law makes something until it is found: the tenth that is the rule
+    // for what breaks.
+    const bool lies = is_allowed(result, "restless, latched");
+    if (!(episode.over_passive <= (episode.disturbed ? 2.0 : lies ? 1.1 : 1.01))) {
       all.push_back(where + "peak active over passive " + shown("%.3f", episode.over_passive));
     }
     // The model is linear and exact, the plant's integrator errs by 1e-5 within a sample.
