@@ -114,8 +114,9 @@ Pace::Pace(const Gains& gains, const Settings& settings)
     most_doubt_(k) = settings.force_limit / worst_of(changes.rowwise().sum());
   }
   VectorXd allowed = VectorXd::Constant(m, settings.free);
-  if (p > 0 && std::isfinite(settings.beside))
+  if (p > 0 && std::isfinite(settings.beside)) {
     allowed = allowed.cwiseMin(settings.beside * per_floor().rowwise().sum());
+  }
   for (PaceScale& scale : scales_) scale.allow(allowed);
   rest_ = moves_ = largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);

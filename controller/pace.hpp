@@ -25,17 +25,18 @@ namespace stillframe::controller {
 /// root of the sum of squares after a unit reading of sensor k; v_k its noise, from the fourth
 /// differences of what it reads while arming; S_i the largest change of its reading then; B_ik: the
 /// largest change while the gain comes up with sensor k constantly off by one, d_k the doubt about
-/// its offset, as far as the loop could hold it; both forgotten within
-/// seconds. The same holds of what a loop changes within some milliseconds, every change remembered
-/// for so long (pace_scale.hpp): what grows slowly is seen there. Where the floor is not measured,
-/// or what it does is not known by its acceleration alone, S_i counts four times and is kept.
-/// Construction is set-up; the rest is hot: noexcept, no allocation.
+/// its offset, no more of it than the force limit could hold; C_i the largest |c_i| of the last
+/// seconds; S_i and d_k are forgotten within seconds, too. The same holds of what a loop changes
+/// within some milliseconds, every change remembered for so long (pace_scale.hpp): what grows
+/// slowly is seen there. Where the floor is not measured, or what it does is not known by its
+/// acceleration alone, S_i counts four times and is kept. Construction is set-up; the rest is hot:
+/// noexcept, no allocation. Source: docs/safety.md.
 class Pace {
  public:
   struct Settings {
-    /// N a sample, that is always allowed, but no more of it than a floor of that acceleration
-    /// (m/s^2) asks for.
-    double free = 0, beside = std::numeric_limits<double>::infinity();
+    double free = 0;  ///< N a sample, that is always allowed
+    /// m/s^2: but no more of `free` than F_i of a floor of this acceleration.
+    double beside = std::numeric_limits<double>::infinity();
     double ramp_in_s = 1;  ///< s, in which the gain comes up
     double force_limit = std::numeric_limits<double>::infinity();  ///< N
   };

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/linear/balance.hpp"
 #include "core/linear/eigenvalues.hpp"
 #include "core/linear/singular_values.hpp"
 
@@ -114,13 +113,7 @@ std::vector<double> level_angles(const LinearSystem& system, Index leg, double l
   sum << F + I, G, Q, I + F.transpose();
   difference << F - I, G, -Q, I - F.transpose();
   const MatrixXd pencil = sum.partialPivLu().solve(difference);
-  auto values = eigenvalues(pencil);
-  if (!values) {
-    // Values that are known to rounding of the pencil's norm alone will do: the angles are only
-    // looked between.
-    const auto form = real_schur_form(balanced(pencil));
-    if (form) values = eigenvalues(form->T);
-  }
+  const auto values = eigenvalues(pencil);
   if (!values) return {};
   std::vector<double> angles{0.0, pi};
   for (const Complex s : *values) {

@@ -1,6 +1,5 @@
 #include "core/yaml/ranges.hpp"
 
-#include <charconv>
 #include <limits>
 
 #include "core/files/utf8.hpp"
@@ -12,13 +11,6 @@ namespace {
 /// They say their own bounds.
 constexpr double any = std::numeric_limits<double>::infinity();
 
-/// The fewest digits that give the number back, the same under every locale.
-std::string shown(double value) {
-  char buffer[32];
-  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
-  return {buffer, end};
-}
-
 [[noreturn]] void refuse(const YamlReader& value, const std::string& allowed) {
   value.fail("found '" + printable(value.text(), 80) + "', allowed is " + allowed);
 }
@@ -28,13 +20,13 @@ std::string shown(double value) {
 double number_within(const YamlReader& value, double lowest, double highest) {
   const double number = value.number(any);
   if (number >= lowest && number <= highest) return number;
-  refuse(value, "a number from " + shown(lowest) + " to " + shown(highest));
+  refuse(value, "a number from " + shortest_digits(lowest) + " to " + shortest_digits(highest));
 }
 
 double positive_up_to(const YamlReader& value, double highest) {
   const double number = value.number(any);
   if (number > 0 && number <= highest) return number;
-  refuse(value, "a number above 0 and up to " + shown(highest));
+  refuse(value, "a number above 0 and up to " + shortest_digits(highest));
 }
 
 std::int64_t integer_within(const YamlReader& value, std::int64_t lowest, std::int64_t highest) {

@@ -37,12 +37,6 @@ std::string join(std::initializer_list<std::string_view> words) {
   return text;
 }
 
-/// The fewest digits that give the number back, the same under every locale.
-std::string shown(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
 std::optional<double> to_number(const std::string& text) {
   const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const char* end = text.data() + text.size();
@@ -53,6 +47,11 @@ std::optional<double> to_number(const std::string& text) {
 }
 
 }  // namespace
+
+std::string shortest_digits(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
 
 YamlReader::YamlReader(std::shared_ptr<const Source> source, const YAML::Node& node,
                        std::string name)
@@ -140,7 +139,7 @@ double YamlReader::number(double largest) const {
   const auto value = node_->IsScalar() ? to_number(node_->Scalar()) : std::nullopt;
   if (!value) fail_found("a finite number without a unit (SI units are understood)");
   if (std::abs(*value) > largest) {
-    fail_found("a number from -" + shown(largest) + " to " + shown(largest));
+    fail_found("a number from -" + shortest_digits(largest) + " to " + shortest_digits(largest));
   }
   return *value;
 }
@@ -148,7 +147,8 @@ double YamlReader::number(double largest) const {
 double YamlReader::positive() const {
   const double value = number();
   if (!(value > 0)) fail_found("a number above 0");
-  if (value < smallest_number) fail_found("a number from " + shown(smallest_number) + " up");
+  if (value < smallest_number)
+    fail_found("a number from " + shortest_digits(smallest_number) + " up");
   return value;
 }
 
@@ -156,7 +156,7 @@ double YamlReader::non_negative() const {
   const double value = number();
   if (!(value >= 0)) fail_found("a number that is not negative");
   if (value > 0 && value < smallest_number) {
-    fail_found("0 or a number from " + shown(smallest_number) + " up");
+    fail_found("0 or a number from " + shortest_digits(smallest_number) + " up");
   }
   return value;
 }

@@ -23,6 +23,9 @@ namespace stillframe {
 /// the squares of those, still are numbers: nothing a model is computed from overflows.
 inline constexpr double largest_number = 1e30, smallest_number = 1e-30;
 
+/// A number as messages show it: the fewest digits that give it back, the same under every locale.
+std::string shortest_digits(double value);
+
 /// One value of a YAML file that knows where it stands and how it is called, so that every error
 /// can say so. All functions throw InputError "file:line:column: key: found ..., allowed ...".
 class YamlReader {

@@ -88,8 +88,12 @@ Marks play(Rig& rig, const Kind& kind, std::uint64_t seed) {
 }  // namespace
 
 KindResult run_kind(Workbench& bench, const Kind& kind, int number, const TableOptions& options) {
-  KindResult result{
-      .name = kind.name, .allowed = kind.allowed, .episodes = {}, .exit_code = {}, .trouble = {}};
+  KindResult result{.name = kind.name,
+                    .allowed = kind.allowed,
+                    .at_most = kind.at_most,
+                    .episodes = {},
+                    .exit_code = {},
+                    .trouble = {}};
   std::vector<Marks> all;
   Rig rig(
       bench,

@@ -38,6 +38,7 @@ struct Episode {
 struct KindResult {
   std::string name;
   std::vector<std::string> allowed;
+  double at_most = 1.01;  ///< as of its kind
   std::vector<Episode> episodes;
   std::optional<int> exit_code;  ///< of the controller, when the plant was ended by SIGTERM
   std::string trouble;           ///< why the episodes were broken off; empty: they were not

@@ -62,16 +62,11 @@ std::vector<std::string> failures(const KindResult& result) {
     if (!allowed && (!episode.disturbed || is_latched(episode.outcome))) {
       all.push_back(where + "the outcome was '" + episode.outcome + "'; " + episode.lateness);
     }
-    // The frame is never driven harder than it would be without control; NaN fails as well. That
-    // it is let go of within a second, and not at once, moves it by up to 0.75 % of the floor's
-    // acceleration (docs/safety.md): the hundredth.
+    // The frame is never driven harder than it would be without control; NaN fails as well.
     // Where the machine has made the loop let go once more, the frame that is left to itself is no
     // longer the one to compare with; each letting go adds at most one such motion (the frame is
     // linear), so twice the peak.
-    // Of a sensor that lies the law makes something until it is found: the tenth that is the rule
-    // for what breaks.
-    const bool lies = is_allowed(result, "restless, latched");
-    if (!(episode.over_passive <= (episode.disturbed ? 2.0 : lies ? 1.1 : 1.01))) {
+    if (!(episode.over_passive <= (episode.disturbed ? 2.0 : result.at_most))) {
       all.push_back(where + "peak active over passive " + shown("%.3f", episode.over_passive));
     }
     // The model is linear and exact, the plant's integrator errs by 1e-5 within a sample.
