@@ -1,6 +1,7 @@
 #include "controller/designed_loop.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace stillframe::controller {
 
@@ -9,8 +10,25 @@ using Eigen::MatrixXd;
 using Eigen::Ref;
 using Eigen::VectorXd;
 
+namespace {
+
+// Of the lowest target: where a floor is slower its points move as one, and the loop follows it.
+// Integrals from further below are of how its sensors drift.
+constexpr double slow = 0.1;
+constexpr double no_target_hz = 1;
+
+double floor_corner(const Gains& gains) {
+  const auto& targets = gains.target_hz;
+  const double lowest_hz =
+      targets.empty() ? no_target_hz : *std::min_element(targets.begin(), targets.end());
+  return 2 * std::numbers::pi * slow * lowest_hz;
+}
+
+}  // namespace
+
 DesignedLoop::DesignedLoop(const Gains& gains)
-    : plant_(sample_and_hold(gains.loop_plant(), gains.sampling())), law_(law_from_gains(gains)) {
+    : plant_(sample_and_hold(gains.loop_plant(floor_corner(gains)), gains.sampling())),
+      law_(law_from_gains(gains)) {
   const Index m = gains.n_legs();
   x_ = x_next_ = VectorXd::Zero(plant_.Phi.rows());
   w_ = w_now_ = VectorXd::Zero(n_floor());

@@ -10,8 +10,9 @@
 namespace stillframe::controller {
 
 /// The loop as it was designed, frame and law, sample by sample under the floor that is measured:
-/// what a sound loop would command now. Its frame begins at rest. Construction is set-up; the rest
-/// is hot: noexcept, no allocation.
+/// what a sound loop would command now. Its frame begins at rest. Where the floor acts by its
+/// position, too, that is of what it does above a tenth of the lowest target. Construction is
+/// set-up; the rest is hot: noexcept, no allocation.
 class DesignedLoop {
  public:
   /// Samples that it goes through at most at once.

@@ -43,7 +43,7 @@ Eigen::MatrixXd read_matrix(const YamlReader& reader, Index rows, Index cols) {
 }
 
 PassivePlant read_plant(const YamlReader& reader, Index n_legs) {
-  reader.allow_only({"hash", "A", "B", "C", "B_w"});
+  reader.allow_only({"hash", "A", "B", "C", "B_w", "A_w", "C_w"});
   const YamlReader A = reader.require("A");
   const auto n = static_cast<Index>(A.items().size());
   if (n == 0) A.fail("found no rows, the plant has one state or more");
@@ -65,6 +65,11 @@ PassivePlant read_plant(const YamlReader& reader, Index n_legs) {
     }
     plant.B_w = read_matrix(*floor, n, p);
   }
+  const auto A_w = reader.find("A_w"), C_w = reader.find("C_w");
+  if (!A_w && !C_w) return plant;
+  if (plant.B_w.cols() == 0) reader.require("B_w");
+  plant.A_w = read_matrix(reader.require("A_w"), n, 2 * plant.B_w.cols());
+  plant.C_w = read_matrix(reader.require("C_w"), n_legs, 2 * plant.B_w.cols());
   return plant;
 }
 
@@ -174,11 +179,28 @@ LoopPlant Gains::feedback_plant() const {
           .C_sigma = plant.C};
 }
 
-LoopPlant Gains::loop_plant() const {
+LoopPlant Gains::loop_plant(double corner) const {
   LoopPlant with_floor = feedback_plant();
+  const Index n = plant.A.rows(), p = plant.B_w.cols(), n_floor = plant.A_w.cols();
   with_floor.B_w = plant.B_w;
-  with_floor.C_y = plant.C;
-  with_floor.D_yw = Eigen::MatrixXd::Zero(n_legs(), plant.B_w.cols());
+  if (n_floor > 0) {
+    const Index total = n + n_floor;
+    const auto grow = [](Eigen::MatrixXd& M, Index rows, Index cols) {
+      M.conservativeResizeLike(Eigen::MatrixXd::Zero(rows, cols));
+    };
+    grow(with_floor.A, total, total);
+    grow(with_floor.B_u, total, n_legs());
+    grow(with_floor.B_w, total, p);
+    with_floor.C_sigma.conservativeResize(n_legs(), total);
+    with_floor.A.topRightCorner(n, n_floor) = plant.A_w;
+    with_floor.A.diagonal().tail(n_floor).setConstant(-corner);
+    with_floor.A.block(n + p, n, p, p).setIdentity();
+    with_floor.B_w.middleRows(n, p).setIdentity();
+    with_floor.C_sigma.rightCols(n_floor) = plant.C_w;
+    with_floor.n_exogenous = n_floor;
+  }
+  with_floor.C_y = with_floor.C_sigma;
+  with_floor.D_yw = Eigen::MatrixXd::Zero(n_legs(), p);
   with_floor.D_yu = Eigen::MatrixXd::Identity(n_legs(), n_legs());
   return with_floor;
 }

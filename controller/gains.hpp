@@ -16,12 +16,14 @@ namespace stillframe::controller {
 std::string_view to_text(Realisation realisation);
 
 /// The passive plant as the legs see it, n states z, m legs, u the leg forces sigma_a (N), w the p
-/// accelerations of the floor (m/s^2):
-///   dz/dt = A z + B u + B_w w,   sigma = C z + u.
+/// accelerations of the floor (m/s^2), v and x its velocities and positions:
+///   dz/dt = A z + B u + B_w w + A_w (v, x),   sigma = C z + C_w (v, x) + u.
 /// A: n x n, B: n x m, C: m x n (N per unit of state), B_w: n x p; without columns where what the
-/// floor does to the legs is not known, or not by its acceleration alone.
+/// floor does to the legs is not known. A_w: n x 2 p, C_w: m x 2 p; both without columns where its
+/// acceleration alone does it: not where a frame leans with its weight when its supports move
+/// apart, or has more legs than motions.
 struct PassivePlant {
-  Eigen::MatrixXd A, B, C, B_w;
+  Eigen::MatrixXd A, B, C, B_w, A_w = {}, C_w = {};
 };
 
 /// The contents of a gains file: all that the controller needs to know of a design, for m legs.
@@ -50,8 +52,10 @@ struct Gains {
   Sampling sampling() const;
   /// What the loop is closed around: no floor and no outputs, which stability does not ask for.
   LoopPlant feedback_plant() const;
-  /// The same with its floor; y: what the force sensors read.
-  LoopPlant loop_plant() const;
+  /// The same with its floor; y: what the force sensors read. Velocities and positions of the floor
+  /// are its accelerations integrated, each time behind a high-pass of first order at `corner`
+  /// (rad/s).
+  LoopPlant loop_plant(double corner = 0) const;
 };
 
 /// More states of a loop take minutes to be judged, the time being their cube.

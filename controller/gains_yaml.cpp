@@ -1,9 +1,9 @@
-#include "controller/gains.hpp"
-
 #include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
+
+#include "controller/gains.hpp"
 
 namespace stillframe::controller {
 
@@ -69,8 +69,8 @@ std::string instruments_block(const Instruments& has) {
 
 std::string plant_hash(const Gains& gains) {
   std::string text = gains.scene_hash + names(gains.legs);
-  for (const Eigen::MatrixXd* M :
-       {&gains.plant.A, &gains.plant.B, &gains.plant.C, &gains.plant.B_w}) {
+  for (const Eigen::MatrixXd* M : {&gains.plant.A, &gains.plant.B, &gains.plant.C, &gains.plant.B_w,
+                                   &gains.plant.A_w, &gains.plant.C_w}) {
     text += rows(*M, "");
   }
   std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
@@ -106,6 +106,10 @@ std::string to_yaml(const Gains& gains) {
   out += "  B:\n" + rows(gains.plant.B, "    ");
   out += "  C:\n" + rows(gains.plant.C, "    ");
   if (gains.plant.B_w.cols() > 0) out += "  B_w:\n" + rows(gains.plant.B_w, "    ");
+  if (gains.plant.A_w.cols() > 0) {
+    out += "  A_w:\n" + rows(gains.plant.A_w, "    ");
+    out += "  C_w:\n" + rows(gains.plant.C_w, "    ");
+  }
   return out;
 }
 

@@ -237,9 +237,12 @@ const VectorXd& Pace::most(std::int64_t n) noexcept {
     most_.setConstant(std::numeric_limits<double>::infinity());
     return most_;
   }
-  for (Index i = 0; i < most_.size(); ++i) most_(i) = scales_.front().most(i, known_floor());
   // What a loop that lost samples has to catch up with; in a longer gap it has begun to let go.
-  most_ *= static_cast<double>(std::clamp<std::int64_t>(n, 1, DesignedLoop::longest_step));
+  const auto at_once =
+      static_cast<double>(std::clamp<std::int64_t>(n, 1, DesignedLoop::longest_step));
+  for (Index i = 0; i < most_.size(); ++i) {
+    most_(i) = scales_.front().most(i, known_floor(), at_once);
+  }
   return most_;
 }
 

@@ -15,22 +15,24 @@ namespace stillframe::controller {
 /// of it, what the noise of its sensors does, and what a frame asks that swung freely before. A
 /// loop that wants more has a broken sensor, actuator or cable, whatever else it looks like. Of leg
 /// i and a sample:
-///   most_i = min(F_i, |c_i| + min(F_i / 4, 2 C_i) + D_i) + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i
-///            + sum_k B_ik d_k + free,   F_i = sum_j L_ij W_j.
+///   most_i = min(max(F_i + G_i, |c_i| + F_i / 4), |c_i| + min(F_i / 4, 2 C_i) + D_i)
+///            + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i + sum_k B_ik d_k + free,
+///   F_i = sum_j L_ij W_j.
 /// c: what the designed loop, which is followed sample by sample, changes its command by now; L_ij:
 /// the sum of |change of its command i| after one sample of unit acceleration of the floor, until
 /// it no longer swings, so that no floor with |w_j| <= W_j makes it meet F, but one that is
 /// accelerated one way for as long as the leak remembers; W_j the largest |w_j|, forgotten within
-/// seconds; D_i: what samples of the floor that were lost or not believed may still do; N_ik: the
-/// root of the sum of squares after a unit reading of sensor k; v_k its noise, from the fourth
-/// differences of what it reads while arming; S_i the largest change of its reading then; B_ik: the
-/// largest change while the gain comes up with sensor k constantly off by one, d_k the doubt about
-/// its offset, no more of it than the force limit could hold; C_i the largest |c_i| of the last
-/// seconds; S_i and d_k are forgotten within seconds, too. The same holds of what a loop changes
-/// within some milliseconds, every change remembered for so long (pace_scale.hpp): what grows
-/// slowly is seen there. Where the floor is not measured, or what it does is not known by its
-/// acceleration alone, S_i counts four times and is kept. Construction is set-up; the rest is hot:
-/// noexcept, no allocation. Source: docs/safety.md.
+/// seconds; G_i: the largest |c_i| since more samples in a row were lost than the designed loop
+/// follows, for as long as it swings; D_i: what samples of the floor that were lost or not believed
+/// may still do; N_ik: the root of the sum of squares after a unit reading of sensor k; v_k its
+/// noise, from the fourth differences of what it reads while arming; S_i the largest change of its
+/// reading then; B_ik: the largest change while the gain comes up with sensor k constantly off by
+/// one, d_k the doubt about its offset, no more of it than the force limit could hold; C_i the
+/// largest |c_i| of the last seconds; S_i and d_k are forgotten within seconds, too. The same holds
+/// of what a loop changes within some milliseconds, every change remembered for so long
+/// (pace_scale.hpp): what grows slowly is seen there. Where the floor is not measured, S_i counts
+/// four times and is kept. Construction is set-up; the rest is hot: noexcept, no allocation.
+/// Source: docs/safety.md.
 class Pace {
  public:
   struct Settings {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/designed_loop.hpp"
+
 namespace stillframe::controller {
 
 using Eigen::Index;
@@ -51,7 +53,8 @@ PaceScale::PaceScale(Index m, Index p, double keep)
       per_noise_(MatrixXd::Zero(m, m)),
       per_offset_(MatrixXd::Zero(m, m)),
       per_lost_(MatrixXd::Zero(m, p)) {
-  reading_ = swing_ = doubt_ = noise_ = designed_ = met_ = lost_ = force_ = VectorXd::Zero(m);
+  reading_ = swing_ = doubt_ = noise_ = designed_ = met_ = lost_ = caught_up_ = force_ =
+      VectorXd::Zero(m);
 }
 
 MatrixXd PaceScale::remembered(MatrixXd z) const {
@@ -97,6 +100,7 @@ void PaceScale::begin(const Ref<const VectorXd>& doubt,
   designed_.setZero();
   met_.setZero();
   lost_.setZero();
+  caught_up_.setZero();
   force_.setZero();
 }
 
@@ -109,7 +113,10 @@ void PaceScale::forget(double kept, std::int64_t n, bool whole, bool floor_known
 void PaceScale::expect(std::int64_t n, const Ref<const VectorXd>& change) noexcept {
   designed_ = power(keep_, n) * designed_ + change;
   met_ = met_.cwiseMax(designed_.cwiseAbs());
-  lost_ *= power(keep_lost_, n);
+  const double kept = power(keep_lost_, n);
+  lost_ *= kept;
+  caught_up_ *= kept;
+  if (n > DesignedLoop::longest_step) caught_up_ = caught_up_.cwiseMax(designed_.cwiseAbs());
 }
 
 void PaceScale::doubt_floor(const Ref<const VectorXd>& w) noexcept {
@@ -120,14 +127,14 @@ void PaceScale::lose_track(const Ref<const VectorXd>& largest) noexcept {
   lost_.noalias() = per_floor_ * largest;
 }
 
-double PaceScale::most(Index i, const VectorXd* largest) const noexcept {
+double PaceScale::most(Index i, const VectorXd* largest, double n) const noexcept {
   const double beside = noise_(i) + doubt_(i) + free_(i);
-  if (largest == nullptr) return beside + 4 * swing_(i);
-  const double any_floor = per_floor_.row(i).dot(*largest);
-  return beside + 2 * swing_(i) +
-         std::min(any_floor, std::abs(designed_(i)) +
-                                 std::min(not_as_designed * any_floor, of_its_own * met_(i)) +
-                                 lost_(i));
+  if (largest == nullptr) return n * (beside + 4 * swing_(i));
+  const double any_floor = per_floor_.row(i).dot(*largest), designed = std::abs(designed_(i));
+  const double other = not_as_designed * any_floor;
+  return n * (beside + 2 * swing_(i)) +
+         std::min(std::max(n * any_floor + caught_up_(i), designed + n * other),
+                  designed + n * (std::min(other, of_its_own * met_(i)) + lost_(i)));
 }
 
 void PaceScale::command(std::int64_t n, const Ref<const VectorXd>& change) noexcept {

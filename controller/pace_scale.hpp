@@ -9,11 +9,14 @@ namespace stillframe::controller {
 /// What a sound loop does within some time: the changes of its commands, each remembered for so
 /// long, z[k] = a z[k-1] + change[k]; a = 0: the change alone. All is linear in what makes the
 /// changes, so that of leg i
-///   |z_i| <= min(F_i, |c_i| + min(q F_i, 2 C_i) + D_i) + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i
-///            + (B d)_i + free / (1 - a),   F = L W,
+///   |z_i| <= min(max(F_i + G_i, |c_i| + q F_i), |c_i| + min(q F_i, 2 C_i) + D_i)
+///            + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i + (B d)_i + free / (1 - a),   F = L W,
 /// with L, N2, B, D and S as in pace.hpp, of z in place of the change, c the z of the designed
-/// loop, and C the largest |c| of the last seconds. Set-up: construction, both learn and allow; the
-/// rest is hot: noexcept, no allocation.
+/// loop, C the largest |c| of the last seconds, and G the largest |c| since more samples in a row
+/// were lost than the designed loop follows, as far as it remembers it. F is of a loop that hears
+/// every sample; one that misses some catches up with more, as the designed one does, which misses
+/// the same. Set-up: construction, both learn and allow; the rest is hot:
+/// noexcept, no allocation.
 class PaceScale {
  public:
   /// m legs, p channels of the floor; keep: a.
@@ -44,8 +47,9 @@ class PaceScale {
   void doubt_floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
   /// The loop is not where the designed one is. largest: p, m/s^2, W.
   void lose_track(const Eigen::Ref<const Eigen::VectorXd>& largest) noexcept;
-  /// The bound of leg i; largest: p, m/s^2, W, none where the floor is not known.
-  double most(Eigen::Index i, const Eigen::VectorXd* largest) const noexcept;
+  /// The bound of leg i; largest: p, m/s^2, W, none where the floor is not known; n: samples, whose
+  /// changes are made at once.
+  double most(Eigen::Index i, const Eigen::VectorXd* largest, double n = 1) const noexcept;
   /// n samples after the command before, it was changed by that much (m, N).
   void command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
   /// The z of leg i over its bound; largest: p, m/s^2, W.
@@ -60,7 +64,7 @@ class PaceScale {
   template <class Archive>
   void visit(Archive& archive) {
     archive(reading_), archive(swing_), archive(doubt_), archive(noise_), archive(designed_);
-    archive(lost_), archive(met_), archive(force_);
+    archive(lost_), archive(caught_up_), archive(met_), archive(force_);
   }
 
  private:
@@ -74,14 +78,15 @@ class PaceScale {
   /// later no more than keep_lost_^k of it.
   Eigen::MatrixXd per_lost_;
   double keep_lost_ = 0;
-  Eigen::VectorXd reading_;   ///< m, N, z of what the sensors read while arming
-  Eigen::VectorXd swing_;     ///< m, N, S
-  Eigen::VectorXd doubt_;     ///< m, N, B d
-  Eigen::VectorXd noise_;     ///< m, N
-  Eigen::VectorXd designed_;  ///< m, N, c
-  Eigen::VectorXd met_;       ///< m, N, the largest |c| of the last seconds
-  Eigen::VectorXd lost_;      ///< m, N, D
-  Eigen::VectorXd force_;     ///< m, N, z of what is commanded
+  Eigen::VectorXd reading_;    ///< m, N, z of what the sensors read while arming
+  Eigen::VectorXd swing_;      ///< m, N, S
+  Eigen::VectorXd doubt_;      ///< m, N, B d
+  Eigen::VectorXd noise_;      ///< m, N
+  Eigen::VectorXd designed_;   ///< m, N, c
+  Eigen::VectorXd met_;        ///< m, N, the largest |c| of the last seconds
+  Eigen::VectorXd lost_;       ///< m, N, D
+  Eigen::VectorXd caught_up_;  ///< m, N, G
+  Eigen::VectorXd force_;      ///< m, N, z of what is commanded
 };
 
 }  // namespace stillframe::controller

@@ -222,7 +222,8 @@ double ramp_radius(const Gains& gains) {
 }
 
 double require_stable_ramp(const Gains& gains) {
-  const double alone = spectral_radius(sample_and_hold(gains.feedback_plant(), gains.sampling()).Phi);
+  const double alone =
+      spectral_radius(sample_and_hold(gains.feedback_plant(), gains.sampling()).Phi);
   // A frame that moves freely has double poles at 1, which rounding spreads by its square root.
   if (!(alone < 1 + 1e-6)) {
     throw Refusal(
@@ -288,8 +289,16 @@ double require_stable(const Gains& gains) {
   if (radius < largest_stable_radius) return radius;
   std::string text = "the sampled closed loop is not stable: its spectral radius is " +
                      shown_radius(radius) + ", and below 1 is needed.";
+  // A pole at 1 comes out within 1e-13 of it: this one decays, but far too slowly to be sure of.
+  const bool slow = radius < 1 - 1e-11;
+  if (slow) {
+    text = "whether the sampled closed loop is stable cannot be told: its spectral radius is " +
+           shown(radius, "%.11f") + ", and what takes longer than " +
+           shown(gains.sample_time() / (1 - largest_stable_radius)) +
+           " s to settle cannot be told from what drifts at this sample rate.";
+  }
   const Causes causes = causes_of(gains);
-  const bool of_law = causes.drifts || causes.others || causes.unreached_hz.empty();
+  const bool of_law = !slow && (causes.drifts || causes.others || causes.unreached_hz.empty());
   if (of_law) text += " " + of_the_law(gains, causes);
   if (!causes.unreached_hz.empty()) {
     // No change of the gains file makes this loop stable, so none is tried.

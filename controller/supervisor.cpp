@@ -18,6 +18,9 @@ namespace {
 // At first, and after a sleep of its own, the loop listens so long before it commands: another
 // controller may serve the run.
 constexpr double quiet_s = 0.35;
+// Amplifiers let go of a force within about a second; one that still acts after that many is held
+// by somebody, or the read-back lies.
+constexpr double stuck_s = 10;
 // Where the policy does not say what may push a frame beside its floor: a tenth of the force limit
 // in a second, as a person or a stage does, but no more than a floor asks for that is too quiet to
 // be measured. A limit that stands for none is no permission to do anything.
@@ -145,7 +148,8 @@ void Supervisor::visit(Archive& archive) {
   archive(state_), archive(fault_), archive(latched_), archive(wanted_), archive(met_);
   archive(law_ran_), archive(missing_), archive(unheard_), archive(missing_part_);
   archive(last_defect_);
-  archive(quiet_), archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
+  archive(quiet_), archive(beyond_), archive(n_beyond_);
+  archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
   archive(base_), archive(step_), archive(force_), archive(offset_);
   archive(asked_before_), archive(met_limit_);
   archive(seq_), archive(law_seq_), archive(time_ns_);
@@ -178,7 +182,7 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
     seq_ = event.measurement->seq;
     pace_.floor(event.measurement->floor);
     time_ns_ = static_cast<double>(event.measurement->time_ns);
-    if (!met_) fade_from(event.measurement->applied);  // what another controller has left there
+    if (!met_) take_over(event.measurement->applied);
     met_ = true;
   } else {
     seq_ += event.n_elapsed;
@@ -213,11 +217,9 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
       arm(event);
     }
   }
-  if (quiet_ > 0) {
-    quiet_ -= event.n_elapsed;
+  if (quiet_ > 0 || beyond_) {
+    listen(event);
     send = false;
-    // What the amplifier does meanwhile is its own; go on from what it reports.
-    if (event.measurement != nullptr) fade_from(event.measurement->applied);
   }
   command.seq = seq_;
   command.time_ns = static_cast<std::int64_t>(time_ns_);
@@ -313,13 +315,31 @@ void Supervisor::fade_from(const VectorXd& force) noexcept {
   q_ = base_.isZero(0) ? 0 : 1;
 }
 
+// What another controller has left there, or the amplifiers by themselves. To lead it into the
+// limit would take commands beyond it, on the word of a read-back alone; amplifiers that hear
+// nothing let go of it as smoothly.
+void Supervisor::take_over(const VectorXd& applied) noexcept {
+  fade_from(applied);
+  beyond_ = limits_.is_beyond(applied);
+}
+
+// Nothing is sent: what the amplifiers do is their own; go on from what they report.
+void Supervisor::listen(const Event& event) noexcept {
+  quiet_ = std::max<std::int64_t>(0, quiet_ - event.n_elapsed);
+  if (event.measurement != nullptr) take_over(event.measurement->applied);
+  n_beyond_ = beyond_ && !latched_ ? n_beyond_ + event.n_elapsed : 0;
+  if (static_cast<double>(n_beyond_) * sample_time_ <= stuck_s) return;
+  n_beyond_ = 0;
+  latch(Fault::out_of_range);
+}
+
 // After a gap the amplifiers may have let go by themselves: then go on from what they report. Where
 // they have followed, but for the few samples that a report is old, the fade goes on as it is: with
 // one begun anew after every gap it would never end.
 void Supervisor::meet(const Measurement& measurement) noexcept {
   constexpr double followed = 0.02;  // of the force at the beginning; 2 ms of a fade are 0.4 %
   if ((measurement.applied - force_).norm() > followed * base_.norm()) {
-    fade_from(measurement.applied);
+    take_over(measurement.applied);
   }
 }
 
@@ -331,7 +351,7 @@ void Supervisor::let_go(Fault fault, const Event& event) noexcept {
   state_ = State::fault;
   p_ = 0;
   if (fault == Fault::suspended) {
-    if (event.measurement != nullptr) fade_from(event.measurement->applied);
+    if (event.measurement != nullptr) take_over(event.measurement->applied);
   } else if (!fades) {
     // What a loop that has run away commanded last is nothing to hold.
     const bool ran_away = fault == Fault::limited || fault == Fault::restless;
@@ -365,7 +385,7 @@ void Supervisor::begin_latched(Fault fault) noexcept {
 
 // Out of a passing fault, once the force is gone and measurements are there again.
 void Supervisor::come_back(const Event& event) noexcept {
-  if (latched_ || q_ > 0 || quiet_ > 0 || event.measurement == nullptr) return;
+  if (latched_ || q_ > 0 || quiet_ > 0 || beyond_ || event.measurement == nullptr) return;
   if (wanted_ && rejoins_ + 1 > static_cast<double>(policy_.rejoins_a_minute)) {
     latched_ = true;
     wanted_ = false;
@@ -387,7 +407,8 @@ void Supervisor::arm(const Event& event) noexcept {
   if (event.measurement == nullptr) return;
   arming_.add(event.measurement->sigma);
   pace_.listen(event.measurement->seq, event.measurement->sigma);
-  if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0 || quiet_ > 0) return;
+  if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0) return;
+  if (quiet_ > 0 || beyond_) return;
   const Fault found = arming_.judge(offset_, u_);
   if (found != Fault::none) return latch(found);
   pace_.begin(u_);

@@ -6,6 +6,7 @@
 #include "core/dynamics.hpp"
 #include "core/equilibrium.hpp"
 #include "core/linearisation/projection.hpp"
+#include "core/unsymmetric_load.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
@@ -64,11 +65,12 @@ Buckling buckling(const Model& model) {
   columns.compute(model, data, false);
   first_order_stresses(model, data, columns, factors.solve(data.f_dd));
   const MatrixXd G = geometric_stiffness(model, data, columns) - at_rest.G;
-  // Rounding of the projections leaves 1e-13; a load that follows, parts of the order of G itself.
+  // Rounding of the projections leaves 1e-13; a load that turns, parts of the
+  // order of G itself.
   if ((G - G.transpose()).norm() > 1e-9 * G.norm()) {
     throw Refusal(
-        "the geometric stiffness is not symmetric, as a load follows its node: such a "
-        "load has no buckling multiplier; follow the modes under growing load instead");
+        "the geometric stiffness is not symmetric, as " + unsymmetric_load(model) +
+        ": such a load has no buckling multiplier; follow the modes under growing load instead");
   }
   // G v = mu K v with mu = -1 / lambda: the smallest multipliers are the best determined numbers.
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(0.5 * (G + G.transpose()), K);

@@ -14,8 +14,8 @@ struct Buckling {
 };
 
 /// Errors: Refusal if the scene has no load, if a prescribed motion has a rate or an acceleration, if K is not positive definite (the unloaded scene can
-/// move freely), or if G is not symmetric (a load that follows a node may cause flutter, which has
-/// no multiplier of this kind).
+/// move freely), or if G is not symmetric (a load that follows a node, or a torque in space that does not,
+/// may cause flutter, which has no multiplier of this kind).
 Buckling buckling(const Model& model);
 
 }  // namespace stillframe

@@ -112,8 +112,8 @@ class Certifier {
 
   /// The same of q''^d and y; entries that are not known well enough are those of the step, out of
   /// some, that they are known best from. A hundredth of the scene is far for an element that is a
-  /// fiftieth of it; and what is linear, as answers to accelerations are, rounds the less the longer
-  /// the step is.
+  /// fiftieth of it; and what is linear, as answers to accelerations are, rounds the less the
+  /// longer the step is.
   Extrapolated best_derivative(const std::function<VectorXd(double)>& values, double step) {
     Extrapolated best = derivative(values, step);
     for (const double factor : {8.0, 0.125, 64.0, 1.0 / 64}) {
@@ -138,8 +138,8 @@ class Certifier {
   VectorXd scales_of(const VectorXd& answer) const {
     VectorXd scale = answer.cwiseAbs();
     const Index n = model_.n_d;
-    scale.tail(scale.size() - n) = scale.tail(scale.size() - n)
-                                       .cwiseMax(1e-6 * (linear_.Y_a.cwiseAbs() * scale.head(n)));
+    scale.tail(scale.size() - n) =
+        scale.tail(scale.size() - n).cwiseMax(1e-6 * (linear_.Y_a.cwiseAbs() * scale.head(n)));
     scale.head(n).setConstant(worst_of(answer.head(n)));
     return scale;
   }
@@ -230,11 +230,13 @@ class Certifier {
   /// What rounding leaves of C and N where the operating point moves, whatever is left of the terms
   /// they are sums of: M D2F q', M D3F q' q', S_d D2F_e q'. A rotor's motion reaches the rows of a
   /// frame that does not turn by way of one solution with J, and sums over n_x coordinates: each
-  /// known to n eps of its terms (N. J. Higham, Accuracy and stability of numerical algorithms,
-  /// chapters 3 and 9).
+  /// known to n eps of its terms, times what that solution makes of them (N. J. Higham, Accuracy
+  /// and stability of numerical algorithms, chapters 3, 7 and 9).
   double moving_rounding(char block) const {
-    return static_cast<double>(model_.n_x) * std::numeric_limits<double>::epsilon() *
-           moving_terms(block);
+    const double terms = moving_terms(block);
+    if (terms == 0) return 0;
+    return static_cast<double>(model_.n_x) * std::numeric_limits<double>::epsilon() * terms *
+           base_.J.componentwise_condition();
   }
   double moving_terms(char block) const {
     const double rate = largest_move(model_, base_.x_dot),
@@ -252,8 +254,7 @@ class Certifier {
   }
 
   /// floor: a block below it is zero to rounding of its neighbours.
-  void add(const std::string& name, double difference, double known_to, double size,
-           double floor) {
+  void add(const std::string& name, double difference, double known_to, double size, double floor) {
     const double scale = worst_of(size, floor);
     const auto relative = [scale](double error) { return error == 0 ? 0 : error / scale; };
     result_.push_back({name, relative(difference), relative(known_to), size});
@@ -263,11 +264,10 @@ class Certifier {
     const LinearModel& l = linear_;
     const double position = worst_of({worst_of(l.K), worst_of(l.N), worst_of(l.G)});
     const double mass = worst_of(l.M);
-    const double size =
-        order == Order::position ? position
-        : order == Order::velocity
-            ? worst_of({worst_of(l.C), worst_of(l.D), std::sqrt(mass * position)})
-            : mass;
+    const double size = order == Order::position ? position
+                        : order == Order::velocity
+                            ? worst_of({worst_of(l.C), worst_of(l.D), std::sqrt(mass * position)})
+                            : mass;
     // Where all blocks of a unit are zero, those of the next unit say how large forces are.
     return 1e-12 * (size != 0 ? size : worst_of(mass, position));
   }
@@ -363,8 +363,8 @@ class Certifier {
       terms << (y - from_q_ddot).cwiseAbs() + linear_.Y_a.cwiseAbs() * q_ddot.cwiseAbs(),
           answers_to_states_.replicate(1, y.cols());
       if (states) answers_to_states_ = terms.rowwise().maxCoeff();
-      judge(states ? "A" : "B", q_ddot, expected.topRows(model_.n_d),
-            rounding.topRows(model_.n_d), q_ddot.cwiseAbs(), false);
+      judge(states ? "A" : "B", q_ddot, expected.topRows(model_.n_d), rounding.topRows(model_.n_d),
+            q_ddot.cwiseAbs(), false);
       judge(states ? "C_y" : "D_y", y, expected.bottomRows(n_y), rounding.bottomRows(n_y), terms,
             true);
     }

@@ -76,6 +76,22 @@ void ConditionFactors::factorise() noexcept {
   sparse_->sound = sparse_->lu.info() == Eigen::Success;
 }
 
+int ConditionFactors::sign() const noexcept {
+  if (n_ == 0) return 1;
+  if (small()) return small_.sign();
+  if (!dense()) return sparse_->sound ? static_cast<int>(sparse_->lu.signDeterminant()) : 0;
+  int sign = 1;
+  const auto& target = lu_.permutationP().indices();
+  for (Index k = 0; k < n_; ++k) {
+    const double pivot = lu_.matrixLU()(k, k);
+    if (!std::isfinite(pivot) || pivot == 0.0) return 0;
+    // Of a permutation that of its inversions: its cycles would need memory of where one has been.
+    const auto inversions = (target.tail(n_ - k - 1).array() < target(k)).count();
+    if ((pivot < 0) != (inversions % 2 != 0)) sign = -sign;
+  }
+  return sign;
+}
+
 /// Eigen permutes in place with a mask that it allocates, so the rows go by way of work space.
 template <class Matrix>
 void ConditionFactors::solve_dense(Matrix& b) noexcept {
@@ -142,6 +158,22 @@ double ConditionFactors::reciprocal_condition() const {
     if (!std::isfinite(inverse_norm)) return 0;
   }
   return 1.0 / (inverse_norm * sparse_->J.norm());
+}
+
+double ConditionFactors::componentwise_condition() const {
+  if (n_ == 0) return 1;
+  if (dense()) {
+    const Eigen::MatrixXd product = library_factors().inverse().cwiseAbs() * J_.cwiseAbs();
+    return product.rowwise().sum().maxCoeff();
+  }
+  if (!sparse_->sound) return std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd sizes = sparse_->J.cwiseAbs() * Eigen::VectorXd::Ones(n_);
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(n_);
+  for (Index k = 0; k < n_; ++k) {
+    const Eigen::VectorXd column = sparse_->lu.solve(Eigen::VectorXd::Unit(n_, k));
+    sums += sizes(k) * column.cwiseAbs();
+  }
+  return sums.maxCoeff();
 }
 
 }  // namespace stillframe

@@ -30,6 +30,10 @@ class ConditionFactors {
   void factorise() noexcept;
   Index size() const { return n_; }
 
+  /// Of the determinant of J, after factorise(): 1 or -1, 0 if J is singular. Motion that the dofs
+  /// describe keeps it: it changes where they no longer say where the nodes are.
+  int sign() const noexcept;
+
   /// J^-1 b and J^-T b in place, b n x k.
   void solve(Eigen::VectorXd& b) noexcept;
   void solve(RowMatrix& b) noexcept;
@@ -38,6 +42,11 @@ class ConditionFactors {
   /// Estimate of the smallest over the largest singular value, from a few steps of inverse
   /// iteration on the factors; 0 if J is singular.
   double reciprocal_condition() const;
+
+  /// Largest row sum of |J^-1| |J|: how many times larger than the rounding of b that of J^-1 b may
+  /// be, whatever the units of its rows (R. D. Skeel, J. ACM 26 (1979) 494-526). As dear as n
+  /// solutions.
+  double componentwise_condition() const;
 
  private:
   template <class Matrix>

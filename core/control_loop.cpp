@@ -7,6 +7,7 @@
 #include "core/linear/loop_settings.hpp"
 #include "core/operating_point.hpp"
 #include "core/scene/signals.hpp"
+#include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
 
 namespace stillframe {
@@ -87,6 +88,7 @@ ControlLoop make_control_loop(const Scene& scene, const Model& model) {
   loop.n_y = static_cast<Index>(scene.outputs.size());
   loop.n_legs = static_cast<Index>(controller.legs.size());
   // A driving stress acts on the dofs as -E^T sigma_a, E = D_dF^(e) of the legs.
+  mass_factors(loop.plant);  // names a dof without mass, which in leg coordinates nobody knows
   const Eigen::MatrixXd E = -loop.plant.B.rightCols(loop.n_legs).transpose();
   loop.design = design_model(loop.plant.M, loop.plant.K, E, controller.reduction,
                              {loop.plant.q_names, controller.legs});

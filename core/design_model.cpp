@@ -70,17 +70,20 @@ std::string moved_most(const Frame& frame, const VectorXd& p, const DesignNames&
   return leading(q.cwiseProduct(rounded(frame.L).rowwise().norm()), names.dofs, "dof");
 }
 
+[[noreturn]] void refuse_dependent(const VectorXd& elongations, const DesignNames& names) {
+  throw Refusal("the elongations of " + leading(elongations, names.legs, "leg") +
+                " depend on each other: no motion of the frame moves these legs one by one; leave "
+                "one of them out of the loop, where it stays as a spring, or stand the frame on as "
+                "many as can move alone (docs/design.md)");
+}
+
 void require_full_rank(const Frame& frame, const DesignNames& names) {
   const Eigen::JacobiSVD<MatrixXd> svd(rounded(frame.E), Eigen::ComputeFullU | Eigen::ComputeFullV);
   const VectorXd& values = svd.singularValues();
   const Index m = frame.E.rows(), n = frame.E.cols(), r = values.size();
   if (values(r - 1) > zero_part * values(0)) return;
   const Index rank = (values.array() > zero_part * values(0)).count();
-  if (m < n) {
-    throw Refusal("the elongations of " + leading(svd.matrixU().col(r - 1), names.legs, "leg") +
-                  " depend on each other: no motion of the frame moves these legs one by one; " +
-                  "leave one of them out of the loop");
-  }
+  if (m < n) refuse_dependent(svd.matrixU().col(r - 1), names);
   std::string way_out = "take legs that strain it";
   if (rank > 0) {
     way_out += ", or leave " + std::to_string(m - rank) + " of the " + std::to_string(m) +
@@ -154,6 +157,14 @@ LegMatrices on_static_shapes(const Frame& frame, const DesignNames& names) {
   const ExtendedMatrix W = forward_solve(L, frame.E.transpose());
   const ExtendedMatrix F = W.transpose() * W;  // static compliance of the legs
   const ExtendedMatrix K = symmetric(solve(F, ExtendedMatrix::Identity(m, m)));
+  try {
+    require_stiffness(rounded(K));
+  } catch (const Refusal&) {
+    // All motions have stiffness: what has none to rounding is an elongation that there hardly is,
+    // as where the weight bends what would depend on each other by a hair.
+    const Eigen::JacobiSVD<MatrixXd> svd(rounded(frame.E), Eigen::ComputeFullU);
+    refuse_dependent(svd.matrixU().col(m - 1), names);
+  }
   const ExtendedMatrix shapes = backward_solve(L, W) * K;
   return {.M = rounded(symmetric(shapes.transpose() * shapes)), .K = rounded(K)};
 }

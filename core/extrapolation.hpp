@@ -16,7 +16,8 @@ struct Extrapolated {
 /// and Richardson's extrapolation; of every entry the value in the tableau whose neighbours differ
 /// least (C. J. F. Ridders, Advances in Engineering Software 4 (1982) 75-76). Error near 1e-12 of f
 /// over h where f is smooth over h. The least difference may be a chance: known to is ten times
-/// that, or what the rounding of f, as the shortest step shows it, makes at the step that was taken.
+/// that, or what the rounding of f, as the three shortest steps show it, makes at the step that was
+/// taken.
 template <class F>
 Extrapolated extrapolated_derivative(const F& f, double h) {
   constexpr int levels = 8;
@@ -43,7 +44,11 @@ Extrapolated extrapolated_derivative(const F& f, double h) {
         }
       }
     }
-    if (i == levels - 1) noise = (row[i] - previous[i - 1]).cwiseAbs();
+    // Rounding is what the longest extrapolations differ by, and twice as much a level further.
+    if (i >= levels - 3) {
+      const Eigen::VectorXd differ = (row[i] - previous[i - 1]).cwiseAbs();
+      noise = i == levels - 3 ? differ : (2 * noise).cwiseMax(differ).eval();
+    }
     for (int k = 0; k <= i; ++k) previous[k] = row[k];
   }
   return {best, 10 * error.cwiseMax(noise.cwiseQuotient(longer))};

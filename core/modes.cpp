@@ -7,9 +7,8 @@
 #include <complex>
 #include <cstdio>
 #include <numbers>
-#include <vector>
 
-#include "core/linear/eigenvalues.hpp"
+#include "core/own_values.hpp"
 #include "core/state_space.hpp"
 #include "core/unstable.hpp"
 
@@ -21,10 +20,6 @@ using Eigen::VectorXd;
 namespace {
 
 using Complex = std::complex<double>;
-
-/// Below this part of the largest one, an eigenvalue is the rounding of a zero one, which is
-/// double: about the square root of epsilon.
-constexpr double zero_part = 1e-7;
 
 /// Squares of the natural frequencies, upwards, and mass-normalised shapes.
 struct Shapes {
@@ -93,46 +88,29 @@ Eigen::VectorXcd imaginary_pairs(const VectorXd& squares) {
   return values;
 }
 
-Eigen::VectorXcd sorted_eigenvalues(const MatrixXd& A) {
-  const auto found = eigenvalues(A);
-  if (!found) {
-    throw Refusal(
-        "the eigenvalues of the state matrix cannot be computed: it is not finite, or its entries "
-        "are too far apart; look for a stiffness, mass or damping with a wrong power of ten");
+/// What they are known to, from the shapes: of an undamped model at rest those are its
+/// eigenvectors.
+VectorXd known_to(const LinearModel& model, const Eigen::VectorXcd& values, const MatrixXd& V) {
+  const EigenvalueRounding rounding(model);
+  VectorXd known(values.size());
+  for (Index i = 0; i < V.cols(); ++i) {
+    const Eigen::VectorXcd v = V.col(i).cast<Complex>();
+    known.segment<2>(2 * i).setConstant(rounding.known_to(values(2 * i), v, v));
   }
-  const Eigen::VectorXcd& values = *found;
-  std::vector<Complex> real;
-  std::vector<std::pair<Complex, Complex>> pairs;
-  for (const Complex& value : values) {
-    if (value.imag() == 0) real.push_back(value);
-    if (value.imag() > 0) pairs.emplace_back(value, std::conj(value));
-  }
-  const auto smaller = [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); };
-  std::stable_sort(real.begin(), real.end(), smaller);
-  for (size_t i = 0; i + 1 < real.size(); i += 2) pairs.emplace_back(real[i], real[i + 1]);
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [&](const auto& a, const auto& b) { return smaller(a.first, b.first); });
-  Eigen::VectorXcd sorted(values.size());
-  Index next = 0;
-  for (const auto& [one, other] : pairs) {
-    sorted(next++) = one;
-    sorted(next++) = other;
-  }
-  return sorted;
+  return known;
 }
 
 /// damping_ratios and n_growing from the eigenvalues.
 void judge(Modes& modes) {
   const Eigen::VectorXcd& values = modes.eigenvalues;
-  const double largest = values.size() ? values.cwiseAbs().maxCoeff() : 0.0;
   modes.damping_ratios.setZero(values.size() / 2);
   for (Index i = 0; i < values.size(); ++i) {
     const double modulus = std::abs(values(i)), real = values(i).real();
-    if (modulus <= zero_part * largest) continue;
+    if (modulus <= modes.known_to(i)) continue;
     double& ratio = modes.damping_ratios(i / 2);
     ratio = i % 2 == 0 ? -real / modulus : std::min(ratio, -real / modulus);
-    // The rounding of an undamped one is no growth.
-    if (real > std::max(1e-8 * modulus, 1e-12 * largest)) ++modes.n_growing;
+    // Nor is it growth what the position is off by: forces balance to some 1e-9 of the largest.
+    if (real > std::max(1e-8 * modulus, modes.known_to(i))) ++modes.n_growing;
   }
 }
 
@@ -149,9 +127,7 @@ Modes modes(const LinearModel& model) {
     if (!stable && !result.moving) {
       char square[32];
       std::snprintf(square, sizeof square, "%.6g", shapes.squares(0));
-      throw Unstable(std::string("the configuration is not stable: omega^2 = ") + square +
-                         " (rad/s)^2 in mode 1",
-                     shapes.V.col(0));
+      throw Unstable(std::string("omega^2 = ") + square + " (rad/s)^2 in mode 1", shapes.V.col(0));
     }
     if (stable) {
       result.natural_frequencies_hz =
@@ -163,12 +139,37 @@ Modes modes(const LinearModel& model) {
       }
       result.shapes = shapes.V;
       undamped = !result.moving && model.D.isZero(0);
-      if (undamped) result.eigenvalues = imaginary_pairs(shapes.squares);
+      if (undamped) {
+        result.eigenvalues = imaginary_pairs(shapes.squares);
+        result.known_to = known_to(model, result.eigenvalues, shapes.V);
+      }
     }
   }
-  if (!undamped) result.eigenvalues = sorted_eigenvalues(state_matrix(model));
+  if (!undamped) {
+    const OwnValues own = own_values(model);
+    result.eigenvalues = own.values;
+    result.known_to = own.known_to;
+  }
   judge(result);
   return result;
+}
+
+Stability stability(const LinearModel& model) {
+  const bool at_rest = model.C.isZero(0) && model.N.isZero(0);
+  const bool by_stiffness = at_rest && is_symmetric(model);
+  // Dampers take energy, and so change nothing about which stiffness is stable.
+  if (by_stiffness && is_stable(model)) return {true, "", {}};
+  try {
+    const Modes found = modes(model);
+    if (found.n_growing == 0) return {true, "", {}};
+    return {
+        false, std::to_string(found.n_growing) + " eigenvalue(s) with a positive real part", {}};
+  } catch (const Unstable& error) {
+    return {false, error.why(), error.shape()};
+  } catch (const Refusal&) {
+    if (by_stiffness) return {false, "the stiffness is not positive definite", {}};
+    return {};
+  }
 }
 
 }  // namespace stillframe

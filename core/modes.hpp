@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 
 #include "core/linearisation.hpp"
 
@@ -18,6 +20,7 @@ struct Modes {
   Eigen::VectorXd damping_ratios;          ///< n_d, 1
   Eigen::MatrixXd shapes;                  ///< n_d x n_d or 0 x 0
   Eigen::VectorXcd eigenvalues;            ///< 2 n_d, rad/s
+  Eigen::VectorXd known_to;                ///< 2 n_d, rad/s, as of OwnValues
   bool moving = false;                     ///< C or N is not zero
   Eigen::Index n_growing = 0;              ///< eigenvalues with a real part above zero
 };
@@ -25,5 +28,14 @@ struct Modes {
 /// Errors: Refusal if M is not positive definite, or if the model is at rest, its stiffness
 /// symmetric, and a square of a natural frequency negative (not stable).
 Modes modes(const LinearModel& model);
+
+/// Whether a disturbed operating point comes back or stays about, as modes() judges it: by the
+/// stiffness alone where that decides, which asks for no mass.
+struct Stability {
+  std::optional<bool> stable;  ///< nothing where it is not known
+  std::string why_not;         ///< a sentence without a full stop, empty unless it is not stable
+  Eigen::VectorXd shape;       ///< n_d, what moves, or empty
+};
+Stability stability(const LinearModel& model);
 
 }  // namespace stillframe

@@ -33,6 +33,17 @@ class SmallFactors {
     }
   }
 
+  /// Of the determinant of J: 1 or -1, 0 where it is zero or not finite.
+  int sign() const noexcept {
+    int sign = 1;
+    for (int k = 0; k < n_; ++k) {
+      const double pivot = row(k)[k];
+      if (!std::isfinite(pivot) || pivot == 0.0) return 0;
+      if ((pivot < 0) != (swapped_[static_cast<size_t>(k)] != k)) sign = -sign;
+    }
+    return sign;
+  }
+
   /// J^-1 b in place; b: n rows of `columns` contiguous entries.
   void solve(double* b, Eigen::Index columns) const noexcept {
     const int m = static_cast<int>(columns);

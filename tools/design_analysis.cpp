@@ -8,6 +8,7 @@
 #include "core/compliance.hpp"
 #include "core/frequency_response.hpp"
 #include "core/gain_design.hpp"
+#include "tools/design_remedies.hpp"
 #include "tools/design_warnings.hpp"
 
 namespace stillframe::tools {
@@ -29,7 +30,20 @@ struct ForceResponses {
   SampledLoop open, closed;
 };
 
-FrequencyLine line_at(const LoopDesign& design, const ForceResponses& forces, double hz) {
+/// Whether output i stands where input i acts: of a frame that slowly follows its floor, it is the
+/// one that follows that input most. Other outputs may be as many and mean nothing in pairs.
+bool outputs_pair_up(const LoopDesign& design, double lowest_hz) {
+  const Eigen::MatrixXd T = design.loop.open({0, two_pi * lowest_hz}).cwiseAbs();
+  if (T.rows() != T.cols()) return false;
+  for (Index i = 0; i < T.rows(); ++i) {
+    Index most = 0;
+    if (!(T.col(i).maxCoeff(&most) > 0) || most != i) return false;
+  }
+  return true;
+}
+
+FrequencyLine line_at(const LoopDesign& design, const ForceResponses& forces, bool paired,
+                      double hz) {
   const Complex s(0, two_pi * hz);
   FrequencyLine line;
   line.hz = hz;
@@ -40,7 +54,7 @@ FrequencyLine line_at(const LoopDesign& design, const ForceResponses& forces, do
   line.noise = singular_values(noise_transfer(design.closed, two_pi * hz))(0);
   line.compliance = singular_values(transfer(forces.closed, two_pi * hz))(0);
   line.passive_compliance = singular_values(transfer(forces.open, two_pi * hz))(0);
-  if (T.rows() == T.cols()) line.decoupling = decoupling(T);
+  if (paired) line.decoupling = decoupling(T);
   return line;
 }
 
@@ -85,7 +99,7 @@ std::optional<Recommendation> judged(const LoopDesign& design, const LoopSetting
   if (!(spectral_radius(settings) < largest_stable_radius)) return std::nullopt;
   const double price =
       price_of_sampling(design.loop, design.scene.controller->lowest_target_hz(), settings);
-  if (!(price <= 3)) return std::nullopt;
+  if (!(price <= most_price_db)) return std::nullopt;
   const auto [disk, disk_hz] = all_leg_disk_margin(settings, least_disk_margin);
   if (!(disk >= least_disk_margin)) return std::nullopt;
   Recommendation found{.rate_hz = 1 / settings.sampling.sample_time,
@@ -136,10 +150,14 @@ double price_of_sampling(const ControlLoop& loop, double target, const LoopSetti
 }
 
 std::optional<Recommendation> recommend(const LoopDesign& design) {
+  return recommend(design, design.settings);
+}
+
+std::optional<Recommendation> recommend(const LoopDesign& design, const LoopSettings& own) {
   const double target = design.scene.controller->lowest_target_hz();
   constexpr double highest = 1e5, none = 0;
   const auto tuned = [&](double rate, double times) {
-    LoopSettings settings = at_rate(design.settings, rate);
+    LoopSettings settings = at_rate(own, rate);
     if (times == none) return settings;
     settings.feedback.roll_off = two_pi * times * target;
     settings.law.lead_samples = matched_lead(settings, settings.feedback.roll_off);
@@ -172,13 +190,24 @@ DesignAnalysis analyse(const LoopDesign& design) {
   out.deck = effect_of(design, GainOrder::deck);
   const ForceResponses forces(design);
   const FrequencyRange range = axis_of(design, design.scene.controller->target_hz);
-  for (const double hz : round_frequencies(range)) out.lines.push_back(line_at(design, forces, hz));
+  const std::vector<double> round = round_frequencies(range);
+  const bool paired = outputs_pair_up(design, round.front());
+  for (const double hz : round) out.lines.push_back(line_at(design, forces, paired, hz));
+  LoopGains gains = gains_of(design);
+  const Eigen::Map<const Eigen::VectorXd> rows(round.data(), static_cast<Index>(round.size()));
+  for (const PeakRow& row : peak_rows(rows, gains, design.gains.sample_rate_hz)) {
+    out.peaks.push_back({row, line_at(design, forces, paired, row.peak.hz)});
+  }
   out.radius = design.radius;
   out.misaligned_radius = misaligned_radius(design.settings);
   if (out.radius < largest_stable_radius) out.margins = margins(design.settings);
+  if (out.margins && out.margins->all_disk < least_disk_margin) {
+    out.widened = what_widens(design, out.margins->all_disk);
+  }
   out.rates = stable_rates(design.settings, 2 * design.scene.controller->lowest_target_hz(),
                            highest_rate_hz);
   out.recommended = recommend(design);
+  if (!out.recommended) out.why_none = why_none_recommended(design);
   out.warnings = design_warnings(design, out);
   return out;
 }

@@ -9,6 +9,7 @@
 #include "core/linear/continuous_loop.hpp"
 #include "core/linear/margins.hpp"
 #include "tools/loop_design.hpp"
+#include "tools/loop_peaks.hpp"
 
 namespace stillframe::tools {
 
@@ -21,6 +22,12 @@ struct FrequencyLine {
   double compliance = 0;                 ///< largest singular value, m/N
   double passive_compliance = 0;         ///< the same with the loop open
   std::optional<Decoupling> decoupling;  ///< of the T that runs, where inputs and outputs pair up
+};
+
+/// The line at a peak that the others miss.
+struct PeakLine {
+  PeakRow row;
+  FrequencyLine line;
 };
 
 /// How the continuous poles lie about their targets.
@@ -42,19 +49,24 @@ struct Recommendation {
 
 /// Everything that the design page says.
 struct DesignAnalysis {
-  Eigen::VectorXcd poles;  ///< of the continuous loop with the whole plant, slowest first
-  PoleSpread exact, deck;  ///< on the design model, without leak
-  std::vector<FrequencyLine> lines;
+  Eigen::VectorXcd poles;            ///< of the continuous loop with the whole plant, slowest first
+  PoleSpread exact, deck;            ///< on the design model, without leak
+  std::vector<FrequencyLine> lines;  ///< at round frequencies
+  std::vector<PeakLine> peaks;       ///< between them
   double radius = 0;
   double misaligned_radius = 0;  ///< with the reported force one sample older
   std::optional<Margins> margins;
+  std::string widened;  ///< what widens a thin disk margin, in words; empty if it is not thin
   std::vector<std::pair<double, double>> rates;  ///< stable ones, Hz
   std::optional<Recommendation> recommended;
+  std::string why_none;  ///< recommended, in words; empty if one is
   std::vector<std::string> warnings;
 };
 
 /// The disk margin of all legs below which one is warned of it.
 inline constexpr double least_disk_margin = 0.5;
+/// The price of sampling, dB, above which no rate is recommended.
+inline constexpr double most_price_db = 3;
 
 /// Analyses a design; an unstable one has no margins. Errors: as margins and the core's.
 DesignAnalysis analyse(const LoopDesign& design);
@@ -73,5 +85,7 @@ double price_of_sampling(const ControlLoop& loop, double target_hz, const LoopSe
 /// roll-off at 20, 40 or 80 times the lowest target and the lead that matches it. Delay stays so
 /// many samples. What could not be computed recommends nothing.
 std::optional<Recommendation> recommend(const LoopDesign& design);
+/// The same with other settings than the scene's.
+std::optional<Recommendation> recommend(const LoopDesign& design, const LoopSettings& own);
 
 }  // namespace stillframe::tools

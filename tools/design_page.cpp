@@ -78,32 +78,68 @@ std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis)
   return text + "\n";
 }
 
+/// A line of the table and, where it is there for a peak, of what.
+struct TableLine {
+  const FrequencyLine* line = nullptr;
+  const PeakRow* peak = nullptr;
+};
+
+/// Round frequencies and the peaks between them, ascending.
+std::vector<TableLine> lines_of(const DesignAnalysis& analysis) {
+  std::vector<TableLine> lines;
+  for (const FrequencyLine& line : analysis.lines) lines.push_back({&line, nullptr});
+  for (const PeakLine& peak : analysis.peaks) lines.push_back({&peak.line, &peak.row});
+  std::sort(lines.begin(), lines.end(),
+            [](const TableLine& a, const TableLine& b) { return a.line->hz < b.line->hz; });
+  return lines;
+}
+
 std::string transfer_text(const DesignAnalysis& analysis) {
   std::string text =
       "Floor to frame (largest singular value of T), noise of the force sensors to frame, and how "
       "far a force on the\nframe moves it against no control; all of the loop that runs, but for "
-      "its continuous law: without sampling,\ndelay and instruments\n";
+      "its continuous law: without sampling,\ndelay and instruments. The largest singular value is "
+      "what inputs that move each on their own can do at most:\na frame that follows its floor is "
+      "above 0 dB wherever several inputs share its motion\n";
   const bool square = !analysis.lines.empty() && analysis.lines.front().decoupling.has_value();
   std::vector<std::string> header{"Hz",       "open dB",       "closed dB",
                                   "force dB", "noise um/s2/N", "continuous dB"};
   if (square) header.insert(header.end(), {"spread dB", "crosstalk dB"});
+  const std::vector<TableLine> lines = lines_of(analysis);
+  if (!analysis.peaks.empty()) header.push_back("peak of");
   report::Table table(header, 0);
-  for (const FrequencyLine& line : analysis.lines) {
-    std::vector<std::string> row{cell("%g", line.hz),
-                                 cell("%.1f", decibels(line.open(0))),
-                                 cell("%.1f", decibels(line.closed(0))),
-                                 cell("%.1f", decibels(line.compliance / line.passive_compliance)),
+  for (const auto& [line_there, peak] : lines) {
+    const FrequencyLine& line = *line_there;
+    // At its own pole an undamped response has no value.
+    const auto gain = [&, peak = peak](double value, PeakRow::Of of) {
+      const bool unbounded = peak && peak->of == of && std::isinf(peak->peak.value);
+      return unbounded ? "inf" : cell("%.1f", decibels(value));
+    };
+    const double force = decibels(line.compliance / line.passive_compliance);
+    const bool passive_unbounded =
+        peak && peak->of == PeakRow::Of::open && std::isinf(peak->peak.value);
+    std::vector<std::string> row{cell(peak ? "%.4g" : "%g", line.hz),
+                                 gain(line.open(0), PeakRow::Of::open),
+                                 gain(line.closed(0), PeakRow::Of::closed),
+                                 passive_unbounded ? "-" : cell("%.1f", force),
                                  cell("%.4g", 1e6 * line.noise),
-                                 cell("%.1f", decibels(line.continuous(0)))};
+                                 gain(line.continuous(0), PeakRow::Of::continuous)};
     if (line.decoupling) {
       row.push_back(cell("%.2f", line.decoupling->spread_db));
       // Nothing reaches another output, and there may be no other.
       const double crosstalk = line.decoupling->crosstalk_db;
       row.push_back(std::isinf(crosstalk) ? "-" : cell("%.1f", crosstalk));
     }
+    if (!analysis.peaks.empty()) row.push_back(peak ? name_of(peak->of) : "");
     table.add(row);
   }
-  return text + table.print();
+  text += table.print();
+  if (square) {
+    text +=
+        "spread: largest over smallest singular value of the loop that runs; crosstalk: what gets "
+        "from an input to\nother outputs than the one of the same number, over what gets to that\n";
+  }
+  return text;
 }
 
 std::string factor(double value) {
@@ -158,7 +194,7 @@ std::string limits_text(const DesignAnalysis& analysis) {
         std::max(best.price_db, 0.0), best.disk);
     for (const std::string& warning : best.standing) text += "  there still: " + warning + "\n";
   } else {
-    text += " no rate up to 100 kHz can be recommended with this delay\n";
+    text += " no rate up to 100 kHz can be recommended: " + analysis.why_none + "\n";
   }
   return text;
 }
@@ -196,10 +232,14 @@ Json spread_json(const PoleSpread& effect) {
 }  // namespace
 
 std::string design_page(const LoopDesign& design, const DesignAnalysis& analysis) {
+  const std::string by_the_clock =
+      design.scene.controller->force_limit_n
+          ? ""
+          : "force_limit_n is not given: stillframe run --mode wall_clock asks for it\n";
   return heading(design) + warnings_text(analysis) + "\n" +
          matrix_table("K_P (1)", design.gains.K_P) + matrix_table("K_I (1/s)", design.gains.K_I) +
          "\n" + poles_text(design, analysis) + "\n" + transfer_text(analysis) + "\n" +
-         margins_text(design, analysis) + "\n" + limits_text(analysis);
+         margins_text(design, analysis) + "\n" + limits_text(analysis) + by_the_clock;
 }
 
 Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
@@ -220,6 +260,11 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
     crosstalk.push_back(line.decoupling ? Json(line.decoupling->crosstalk_db) : Json());
   }
   for (const auto& [slowest, fastest] : analysis.rates) rates.push_back({slowest, fastest});
+  Json peaks = Json::array();
+  for (const auto& [row, line] : analysis.peaks) {
+    peaks.push_back(
+        {{"of", name_of(row.of)}, {"hz", row.peak.hz}, {"singular_value", row.peak.value}});
+  }
   Json out{{"scene", design.scene.title},
            {"scene_hash", design.scene.hash},
            {"order", block.order == GainOrder::exact ? "exact" : "deck"},
@@ -243,6 +288,7 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
            {"passive_compliance", passive},
            {"spread_db", spread},
            {"crosstalk_db", crosstalk},
+           {"peaks", peaks},
            {"margins", analysis.margins ? margins_json(*analysis.margins) : Json()},
            {"stable_rates_hz", rates},
            {"recommended", recommendation_json(analysis)},

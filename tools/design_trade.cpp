@@ -15,7 +15,8 @@ constexpr double factors[] = {0.4, 1, 2, 4};
 constexpr double delays[] = {0, 1, 2};
 constexpr Index n_rates = 17;
 
-/// Gains for all targets times a factor.
+}  // namespace
+
 ControlLoop retargeted(const LoopDesign& design, double factor) {
   SceneController block = *design.scene.controller;
   for (double& target : block.target_hz) target *= factor;
@@ -26,8 +27,6 @@ ControlLoop retargeted(const LoopDesign& design, double factor) {
   loop.gains.K_I = gains.K_I;
   return loop;
 }
-
-}  // namespace
 
 DesignTrade design_trade(const LoopDesign& design, const std::function<void(double)>& progress) {
   const double slowest = design.scene.controller->lowest_target_hz();

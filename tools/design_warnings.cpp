@@ -1,5 +1,6 @@
 #include "tools/design_warnings.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
@@ -66,28 +67,57 @@ void warn_of_order(const LoopDesign& design, const DesignAnalysis& analysis,
   }
 }
 
-/// How much farther a constant force moves the frame with the law than without, in the direction
-/// where that is most; infinity where nothing holds it.
-double softening(const LoopDesign& design) {
+/// What holds the frame at standstill, symmetric, N per unit of dof: its stiffness and what the law
+/// leaves of that of the legs with an integrator that leaks by `leak` (rad/s). With K_I / omega_l
+///   u = C(0) sigma, sigma = Y q + u: u = -(I omega_l + K_I)^-1 K_I Y q,
+/// and u = -Y q on what the legs can do without a leak.
+Eigen::MatrixXd stiffness_at_standstill(const LoopDesign& design, double leak) {
   const LinearModel& plant = design.loop.plant;
   const Eigen::Index m = design.loop.n_legs;
-  const SceneController& block = *design.scene.controller;
-  if (block.leak_hz > 0 && block.high_pass_hz > 0) return 1;  // C(0) = 0
-  // u = C(0) sigma, sigma = Y q + u: with the integrator leaking by K_I / omega_l
-  //   u = -(I omega_l + K_I)^-1 K_I Y q, and u = -Y q on what the legs can do without a leak.
   const Eigen::MatrixXd Y = plant.Y_p.bottomRows(m), B = plant.B.rightCols(m);
   const Eigen::MatrixXd& K_I = design.gains.K_I;
-  const double leak = two_pi * (block.leak_hz + block.high_pass_hz);
   const Eigen::MatrixXd softened =
       leak > 0 ? Eigen::MatrixXd(
                      (leak * Eigen::MatrixXd::Identity(m, m) + K_I).partialPivLu().solve(K_I * Y))
                : Y;
-  const Eigen::MatrixXd K = plant.stiffness(), left = K + B * softened;
+  const Eigen::MatrixXd left = plant.stiffness() + B * softened;
+  return (left + left.transpose()) / 2;
+}
+
+/// How much farther a constant force moves the frame with the law than without, in the direction
+/// where that is most; infinity where nothing holds it.
+double softening(const LoopDesign& design) {
+  const SceneController& block = *design.scene.controller;
+  if (block.leak_hz > 0 && block.high_pass_hz > 0) return 1;  // C(0) = 0
+  const Eigen::MatrixXd K = design.loop.plant.stiffness();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> pencil(
-      (left + left.transpose()) / 2, (K + K.transpose()) / 2, Eigen::EigenvaluesOnly);
+      stiffness_at_standstill(design, two_pi * (block.leak_hz + block.high_pass_hz)),
+      (K + K.transpose()) / 2, Eigen::EigenvaluesOnly);
   const double stiffest = pencil.eigenvalues().cwiseAbs().maxCoeff();
   const double softest = pencil.eigenvalues().minCoeff();
   return softest > 1e-9 * stiffest ? 1 / softest : std::numeric_limits<double>::infinity();
+}
+
+/// The leak (rad/s) from which on it alone holds the frame at standstill, to a thousandth; 0 if the
+/// least leak of any use does, infinity if none does. Parts that lean on others but on no leg count
+/// with what holds them: the law takes nothing of that away.
+double least_leak(const LoopDesign& design) {
+  const double omega_d = two_pi * design.scene.controller->lowest_target_hz();
+  const auto holds = [&](double leak) {
+    return stiffness_at_standstill(design, leak).llt().info() == Eigen::Success;
+  };
+  double low = 1e-4 * omega_d, high = low;
+  if (holds(low)) return 0;
+  while (!holds(high)) {
+    low = high;
+    high *= 4;
+    if (high > 1e6 * omega_d) return std::numeric_limits<double>::infinity();
+  }
+  while (high > 1.001 * low) {
+    const double middle = std::sqrt(low * high);
+    (holds(middle) ? high : low) = middle;
+  }
+  return high;
 }
 
 /// The plant's stiffness without the legs' feedback, and what is left of it at standstill.
@@ -100,21 +130,18 @@ void warn_of_standstill(const LoopDesign& design, std::vector<std::string>& out)
         "offset makes it drift for ever. Set leak_hz, a hundredth of target_hz for a start");
     return;
   }
-  const Eigen::MatrixXd& geometric = design.loop.plant.G;
-  if (geometric.norm() > 1e-9 * design.loop.plant.K.norm()) {
-    // Along each motion the weight takes g = v' G v of what the loop leaves, omega_d^2 v' M v: the
-    // leak has to hold 2 zeta omega_d g / omega_d^2 against it (docs/design.md).
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> pencil(
-        (geometric + geometric.transpose()) / 2, design.loop.plant.M);
-    const double softest = -pencil.eigenvalues().minCoeff();
-    const double omega_d = two_pi * block.lowest_target_hz();
-    if (softest > 0) {
-      const double needed = 2 * block.damping_ratio.front() * softest / omega_d / two_pi;
+  if (design.loop.plant.G.norm() > 1e-9 * design.loop.plant.K.norm()) {
+    const double needed = least_leak(design);
+    if (needed > 0 && std::isfinite(needed)) {
+      // Of one motion alone the weight takes g of what the loop leaves, omega_d^2 m, and the leak
+      // has to hold 2 zeta omega_d g / (omega_d^2 m) against it (docs/design.md).
+      const double omega_d = two_pi * block.lowest_target_hz();
+      const double taken = needed / (2 * block.damping_ratio.front() * omega_d);
       out.push_back(cell(
           "the weight and preload on the legs take up to %.1f %% off the stiffness that the loop "
           "leaves; a leak alone holds the frame from about %.2g Hz on (with a high-pass beside it "
           "see docs/design_cases.md), here leak_hz is %.2g",
-          100 * softest / (omega_d * omega_d), needed, block.leak_hz));
+          100 * taken, needed / two_pi, block.leak_hz));
     }
   }
   if (softer > 1.05 && std::isfinite(softer)) {
@@ -196,20 +223,42 @@ void warn_of_targets(const LoopDesign& design, std::vector<std::string>& out) {
   }
 }
 
+/// Legs along which no input moves the floor. The mass stands still against a floor that shakes
+/// fast, and an input along a leg elongates it by as much as the foot moves then, whatever the dofs
+/// are: the static part of what is read less what the masses take up.
+void warn_of_inputs(const LoopDesign& design, std::vector<std::string>& out) {
+  const LinearModel& plant = design.loop.plant;
+  const Index m = design.loop.n_legs, n_w = design.loop.n_w;
+  const Eigen::MatrixXd follow = plant.M.ldlt().solve(plant.M_r.leftCols(n_w));
+  const Eigen::MatrixXd Y = plant.Y_p.bottomRows(m);
+  const Eigen::MatrixXd read = plant.R_p.bottomLeftCorner(m, n_w) - Y * follow;
+  std::string legs;
+  for (Index i = 0; i < m; ++i) {
+    // Stress over elongation.
+    const double stiffness = Y.row(i).norm() / plant.B.col(plant.B.cols() - m + i).norm();
+    constexpr double hardly = 0.1;  // 84 degrees
+    if (read.row(i).cwiseAbs().maxCoeff() >= hardly * stiffness) continue;
+    legs += (legs.empty() ? "" : ", ") + design.gains.legs[static_cast<size_t>(i)];
+  }
+  if (legs.empty()) return;
+  out.push_back("no input moves the floor along " + legs +
+                ": what comes through there is in no number of this page");
+}
+
 void warn_of_margins(const DesignAnalysis& analysis, std::vector<std::string>& out) {
   if (!analysis.margins) return;
   const Margins& margins = *analysis.margins;
   if (std::isnan(margins.all_disk)) {
     out.push_back("the disk margin of all legs could not be computed: it is not known");
   } else if (margins.all_disk < least_disk_margin) {
-    out.push_back(
-        cell("thin margin: the disk margin of all legs is %.2f (at %.3g Hz); forces off "
-             "by factors of %.2f to %.2f, or %.0f degrees, each in the worst way, make "
-             "the loop unstable; a roll_off_hz with the lead_samples that match it, or less lead, "
-             "widens it",
-             margins.all_disk, margins.all_disk_hz, (2 - margins.all_disk) / (2 + margins.all_disk),
-             (2 + margins.all_disk) / (2 - margins.all_disk),
-             2 * std::atan(margins.all_disk / 2) * 180 / std::numbers::pi));
+    out.push_back(cell("thin margin: the disk margin of all legs is %.2f (at %.3g Hz); forces off "
+                       "by factors of %.2f to %.2f, or %.0f degrees, each in the worst way, make "
+                       "the loop unstable",
+                       margins.all_disk, margins.all_disk_hz,
+                       (2 - margins.all_disk) / (2 + margins.all_disk),
+                       (2 + margins.all_disk) / (2 - margins.all_disk),
+                       2 * std::atan(margins.all_disk / 2) * 180 / std::numbers::pi) +
+                  (analysis.widened.empty() ? "" : "; " + analysis.widened));
   }
 }
 
@@ -277,6 +326,7 @@ std::vector<std::string> design_warnings(const LoopDesign& design, const DesignA
   warn_of_standstill(design, out);
   warn_of_motions(design, analysis, out);
   warn_of_targets(design, out);
+  warn_of_inputs(design, out);
   const double target_hz = design.scene.controller->lowest_target_hz();
   for (const auto& warnings : {settings_warnings(design.settings, target_hz, analysis),
                                standing_warnings(design.settings, target_hz, analysis)}) {

@@ -12,6 +12,7 @@
 #include "report/table.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
+#include "tools/stability_note.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -157,7 +158,7 @@ void print_page(const Page& page) {
   if (!page.held.empty()) std::cout << "\nWhat supports and drives exert\n" << reactions.print();
 }
 
-void print_json(const Page& page) {
+void print_json(const Page& page, const Json& stable) {
   const Equilibrium& found = page.equilibrium;
   Json elements = Json::array(), reactions = Json::array();
   for (const ModelElement* element : elements_of(page)) {
@@ -175,6 +176,7 @@ void print_json(const Page& page) {
       {{"scene", page.scene.title},
        {"scene_hash", page.scene.hash},
        {"moving", found.motion.moving()},
+       {"stable", stable},
        {"dofs", page.linear.q_names},
        {"dof_units", page.linear.q_units},
        {"q", to_json(found.motion.state.q_d)},
@@ -189,7 +191,9 @@ void print_json(const Page& page) {
 
 int run(const Options& options) {
   const Page page = solve(options);
-  options.json ? print_json(page) : print_page(page);
+  const Json stable =
+      warn_unless_stable(page.model, linearise(page.model, page.equilibrium.motion, {}, {}));
+  options.json ? print_json(page, stable) : print_page(page);
   return exit_done;
 }
 
@@ -206,8 +210,10 @@ void add_equilibrium(CLI::App& app, int& exit_code) {
   verb->footer(
       "The loads grow in steps where they are too large to be balanced at once; what cannot be\n"
       "balanced is refused with the part of the load that was reached.\n"
+      "An equilibrium that is not stable is printed all the same, with a warning and exit code 0.\n"
       "Keys of --json:\n"
       "  scene, scene_hash, moving\n"
+      "  stable                whether nothing grows about it, as `modes` judges; null: not known\n"
       "  dofs, dof_units, q    names, units and values of the degrees of freedom\n"
       "  nodal_displacements   {node, displacement (m), rotation (rad, angle times axis)}\n"
       "  elements              {element, deformations (m, rad), stress_resultants (N, N m)}\n"

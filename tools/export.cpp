@@ -90,7 +90,8 @@ int run(const Options& options) {
 }
 
 constexpr const char* footer =
-    "Columns: seq and time_s (plant time), then the signals, floor:NAME and frame:NAME in m/s^2,\n"
+    "Columns: seq and time_s (plant time), then the signals, floor:NAME and frame:NAME in m/s^2\n"
+    "(floor: the scene's inputs; frame: its outputs and monitors, those of floor points too),\n"
     "sigma:LEG, applied:LEG and command:LEG in N. A lost sample has no row; a sample without an\n"
     "answer has NaN for its commands. Numbers read back to the same bits. docs/exports.md has the\n"
     "line to load each file in Octave, MATLAB and Python.\n"

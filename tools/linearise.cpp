@@ -12,6 +12,7 @@
 #include "tools/matrix_table.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
+#include "tools/stability_note.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -56,7 +57,8 @@ void print_signals(const LinearModel& linear, const StateSpace& system) {
   if (!system.outputs.empty()) std::cout << outputs.print();
 }
 
-void print_matrix(const std::string& title, const Eigen::MatrixXd& matrix) {
+void print_matrix(const std::string& title, const Eigen::MatrixXd& matrix,
+                  Units units = Units::as_they_stand) {
   const std::string size = report::cell(" (%td x %td)", matrix.rows(), matrix.cols());
   if (matrix.size() == 0) return;
   if (matrix.isZero(0)) {
@@ -64,7 +66,7 @@ void print_matrix(const std::string& title, const Eigen::MatrixXd& matrix) {
   } else if (matrix.cols() > page_columns) {
     std::cout << title << size << ": too wide for the page, see --json or --mat\n";
   } else {
-    std::cout << matrix_table(title + size, matrix);
+    std::cout << matrix_table(title + size, matrix, units);
   }
 }
 
@@ -75,9 +77,11 @@ void print_page(const Scene& scene, const LinearModel& linear, const StateSpace&
   print_signals(linear, system);
   std::cout << "\nM q'' + (C + D) q' + (K + N + G) q = forces of the inputs\n";
   const auto matrices = second_order_matrices(linear);
-  for (size_t i = 0; i < 6; ++i) print_matrix(matrices[i].first, *matrices[i].second);
+  for (size_t i = 0; i < 6; ++i) {
+    print_matrix(matrices[i].first, *matrices[i].second, Units::of_dofs);
+  }
   std::cout << "\nx' = A x + B u, y = C x + D u, x = (q, q')\n";
-  print_matrix("A", system.A);
+  print_matrix("A", system.A, Units::of_dofs);
   print_matrix("B", system.B);
   print_matrix("C", system.C);
   print_matrix("D", system.D);
@@ -112,6 +116,7 @@ int run(const Options& options) {
   patience.now("linearising");
   const LinearModel linear = linearise(model, scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);
+  const Json stable = warn_unless_stable(model, linear);
   std::vector<BlockCertificate> certificates;
   if (options.certify) {
     certificates = certify(scene, [&](double share) { patience.now("certifying", 100 * share); });
@@ -120,7 +125,8 @@ int run(const Options& options) {
   if (options.json) {
     Json document{{"scene", scene.title},
                   {"scene_hash", scene.hash},
-                  {"operating_point", operating_point_in_words(scene)}};
+                  {"operating_point", operating_point_in_words(scene)},
+                  {"stable", stable}};
     document.update(to_json(linear, system));
     document["nodal_displacements"] = to_json(model, node_displacements(model, linear.x_0));
     if (options.certify) document["certificates"] = json_of(certificates);
@@ -142,6 +148,9 @@ constexpr const char* footer =
     "acceleration, velocity and position, whichever of these the input is.\n"
     "Keys of --json, numbers with 17 digits, matrices as lists of rows:\n"
     "  scene, scene_hash, operating_point\n"
+    "  stable        whether nothing grows about it, as `modes` judges; null: not known. Where it "
+    "is\n"
+    "                not stable a warning says so, exit code 0\n"
     "  dofs, dof_units, states, state_units   lists of texts\n"
     "  inputs        {name, unit, kind, columns: [{column, of, unit}]}, column from 0;\n"
     "                kind and of: direct, position, velocity or acceleration\n"

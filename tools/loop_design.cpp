@@ -1,8 +1,10 @@
 #include "tools/loop_design.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 
 #include "controller/law.hpp"
+#include "core/own_values.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
@@ -10,11 +12,36 @@
 
 namespace stillframe::tools {
 
+using Eigen::MatrixXd;
+
 namespace {
+
+/// The plant with a state that is zero where the frame has followed its floor, z - (R x, R v): of
+/// a floor that moves as one only its acceleration is left, whatever the dofs are.
+controller::PassivePlant passive_plant(const LoopPlant& plant) {
+  const Index n = plant.A.rows() - plant.n_exogenous, p = plant.B_w.cols(), n_q = n / 2;
+  controller::PassivePlant out{.A = plant.A.topLeftCorner(n, n),
+                               .B = plant.B_u.topRows(n),
+                               .C = plant.C_sigma.leftCols(n),
+                               .B_w = plant.B_w.topRows(n)};
+  if (plant.n_exogenous == 0) return out;
+  out.A_w = plant.A.topRightCorner(n, 2 * p);
+  out.C_w = plant.C_sigma.rightCols(2 * p);
+  const MatrixXd stiffness = out.A.bottomLeftCorner(n_q, n_q);
+  const MatrixXd R =
+      -stiffness.completeOrthogonalDecomposition().solve(out.A_w.bottomRightCorner(n_q, p));
+  MatrixXd follows = MatrixXd::Zero(n, 2 * p);
+  follows.topRightCorner(n_q, p) = R;
+  follows.bottomLeftCorner(n_q, p) = R;
+  out.A_w += out.A * follows;
+  out.A_w.topLeftCorner(n_q, p) -= R;
+  out.C_w += out.C * follows;
+  out.B_w.bottomRows(n_q) -= R;
+  return out;
+}
 
 controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const LoopPlant& plant) {
   const SceneController& block = *scene.controller;
-  const Index n = plant.A.rows() - plant.n_exogenous;
   return {.scene_hash = scene.hash,
           .legs = block.legs,
           .sample_rate_hz = block.sample_rate_hz,
@@ -29,9 +56,7 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .K_P = loop.gains.K_P,
           .K_I = loop.gains.K_I,
           .instruments = scene.instruments,
-          // Where the floor's position strains elements by itself, its acceleration is not enough.
-          .plant = {plant.A.topLeftCorner(n, n), plant.B_u.topRows(n), plant.C_sigma.leftCols(n),
-                    plant.B_w.topLeftCorner(n, plant.n_exogenous > 0 ? 0 : plant.B_w.cols())}};
+          .plant = passive_plant(plant)};
 }
 
 /// Replaces the design by that of another model with the controller block of this one.
@@ -68,7 +93,7 @@ void sample(LoopDesign& design) {
 }
 
 FrequencyRange axis_of(const LoopDesign& design, const std::vector<double>& targets_hz) {
-  return frequency_range(own_frequencies_hz(feedback_part(design.settings.plant).A), targets_hz,
+  return frequency_range(own_frequencies_hz(design.loop.plant), targets_hz,
                          design.gains.sample_rate_hz);
 }
 

@@ -32,7 +32,9 @@ constexpr const char* footer =
     "Every verb has --help, and --json for machines.\n"
     "Exit codes: 0 done; 1 internal error, or output that cannot be written; 2 bad usage or "
     "input;\n"
-    "3 refused (an unstable design, a singular model); 4 a run that failed or fell back.";
+    "3 refused (an unstable design, a singular model); 4 a run that failed, or did not meet what "
+    "its\n"
+    "scene accepts.";
 
 /// CLI11 says no more of an unknown verb than that one is required.
 void require_known_verb(CLI::App& app, int argc, char** argv) {

@@ -6,6 +6,7 @@
 
 #include "core/scene/scene_reader.hpp"
 #include "core/unstable.hpp"
+#include "core/unsymmetric_load.hpp"
 #include "report/table.hpp"
 #include "tools/largest_parts.hpp"
 #include "tools/node_parts.hpp"
@@ -21,9 +22,6 @@ struct Options {
   std::filesystem::path scene;
   bool json = false;
 };
-
-/// A ratio below 1e-10 is the rounding of an eigenvalue problem, not damping.
-double shown_ratio(double ratio) { return std::abs(ratio) < 1e-10 ? 0.0 : ratio; }
 
 void print_frequencies(const NodeParts& parts, const Modes& result) {
   constexpr Index most_shapes = 24;  // a screen
@@ -44,24 +42,23 @@ void print_frequencies(const NodeParts& parts, const Modes& result) {
 
 void print_eigenvalues(const Modes& result) {
   report::Table table({"pair", "real 1/s", "imaginary rad/s", "frequency Hz", "damping ratio"}, 0);
-  // Parts below 1e-10 of the largest are the rounding of zeros.
-  const double rounding =
-      result.eigenvalues.size() ? 1e-10 * result.eigenvalues.cwiseAbs().maxCoeff() : 0.0;
-  const auto shown = [&](double part) { return std::abs(part) < rounding ? 0.0 : part; };
   for (Index i = 0; i < result.eigenvalues.size(); ++i) {
     const std::complex<double> value = result.eigenvalues(i);
     // A complex pair is one line, with its positive frequency.
     if (value.imag() < 0) continue;
+    const double known_to = result.known_to(i);
+    const auto shown = [&](double part) { return std::abs(part) <= known_to ? 0.0 : part; };
+    const double ratio = result.damping_ratios(i / 2);
     table.add({i % 2 == 0 ? report::cell("%td", i / 2 + 1) : "",
                report::cell("%.6g", shown(value.real())), report::cell("%.6g", shown(value.imag())),
                report::cell("%.6g", shown(value.imag()) / (2 * std::numbers::pi)),
-               report::cell("%.4g", shown_ratio(result.damping_ratios(i / 2)))});
+               report::cell("%.4g", shown(ratio * std::abs(value)) == 0 ? 0.0 : ratio)});
   }
   std::cout << "Eigenvalues\n" << table.print();
 }
 
-void print_page(const Scene& scene, const LinearModel& linear, const NodeParts& parts,
-                const Modes& result) {
+void print_page(const Scene& scene, const Model& model, const LinearModel& linear,
+                const NodeParts& parts, const Modes& result) {
   const bool natural = result.natural_frequencies_hz.size() == result.eigenvalues.size() / 2;
   std::cout << scene.title << ": " << linear.q_names.size() << " degrees of freedom, about "
             << operating_point_in_words(scene) << "\n";
@@ -71,8 +68,8 @@ void print_page(const Scene& scene, const LinearModel& linear, const NodeParts& 
     std::cout
         << "No natural frequencies: the stiffness is not symmetric or not positive in motion\n";
   } else {
-    std::cout << "No natural frequencies: the stiffness is not symmetric, as a load follows its "
-                 "node\n";
+    std::cout << "No natural frequencies: the stiffness is not symmetric, as "
+              << unsymmetric_load(model) << "\n";
   }
   if (!natural || result.moving || !linear.D.isZero(0)) print_eigenvalues(result);
   if (result.n_growing > 0) {
@@ -114,7 +111,8 @@ int run(const Options& options) {
   patience.now("eigenvalues");
   const NodeParts parts = node_parts(model, linear.x_0);
   const Modes result = solve(parts, linear);
-  options.json ? print_json(scene, linear, result) : print_page(scene, linear, parts, result);
+  options.json ? print_json(scene, linear, result)
+               : print_page(scene, model, linear, parts, result);
   return exit_done;
 }
 

@@ -14,6 +14,7 @@
 #include "tools/loop_design.hpp"
 #include "tools/patience.hpp"
 #include "tools/robustness_file.hpp"
+#include "tools/robustness_spread.hpp"
 #include "tools/robustness_text.hpp"
 #include "tools/verbs.hpp"
 
@@ -168,34 +169,32 @@ void print_page(const Record& record, const WorstCases& worst, const Evaluator& 
   }
 }
 
-void plot(const Record& record, const WorstCases& worst, const std::filesystem::path& path) {
+void plot(const Record& record, const WorstCases& worst, const Evaluator& evaluator,
+          const std::filesystem::path& path) {
   const robustness::Tally& tally = record.tally;
-  const Eigen::Index n = record.frequencies_hz.size();
-  report::RobustnessPlot picture;
-  picture.title = record.scene + ": floor to frame on plants that differ from the model";
-  picture.frequencies_hz.assign(record.frequencies_hz.begin(), record.frequencies_hz.end());
-  picture.nominal = record.nominal.gain;
-  if (tally.n_stable > 0) {
-    for (Eigen::VectorXd* curve : {&picture.low, &picture.high, &picture.most}) curve->resize(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto at = static_cast<size_t>(i);
-      const auto edge = [&](double share) {
-        return std::pow(
-            10, quantile_within(tally.gain_db[at], in_decibels(tally.gain[at]), share) / 20);
-      };
-      picture.low(i) = edge(0.05);
-      picture.high(i) = edge(0.95);
-      picture.most(i) = tally.gain[at].most;
+  std::vector<Eigen::VectorXd> drawn{Eigen::VectorXd::Zero(evaluator.size())};
+  if (!worst.empty()) {
+    const WorstCase& highest = worst[static_cast<size_t>(Measure::peak)];
+    if (highest.outcome.verdict == robustness::Outcome::Verdict::stable) {
+      drawn.push_back(highest.values);
     }
   }
-  if (!worst.empty()) picture.worst = worst[static_cast<size_t>(Measure::peak)].outcome.gain;
-  picture.nominal_damping = record.nominal.damping;
-  picture.damping_width = tally.least_damping.width;
-  for (const auto& [bin, count] : tally.least_damping.counts) {
-    picture.damping.push_back(
-        {bin * tally.least_damping.width,
-         static_cast<double>(count) / static_cast<double>(tally.n_samples())});
+  const Spread spread(record);
+  const Eigen::VectorXd frequencies = frequencies_of(evaluator, drawn, spread);
+  report::RobustnessPlot picture;
+  picture.title = record.scene + ": floor to frame on plants that differ from the model";
+  picture.frequencies_hz.assign(frequencies.begin(), frequencies.end());
+  picture.nominal = evaluator.curve(drawn.front(), frequencies, false).gain;
+  if (drawn.size() > 1) picture.worst = evaluator.curve(drawn.back(), frequencies, false).gain;
+  if (tally.n_stable > 0) {
+    picture.low = spread.low(frequencies);
+    picture.high = spread.high(frequencies);
+    picture.most = spread.most(frequencies);
   }
+  picture.nominal_damping = record.nominal.damping;
+  const DampingBars bars = damping_bars(tally, record.nominal.damping);
+  picture.damping_width = bars.width;
+  for (const auto& [from, share] : bars.shares) picture.damping.push_back({from, share});
   report::plot_robustness(picture, path);
 }
 
@@ -235,7 +234,7 @@ int run(Options options) {
     if (!options.no_search && options.shard.empty()) {
       worst = search(options, *evaluator, record, patience);
     }
-    if (options.plot) plot(record, worst, *options.plot);
+    if (options.plot) plot(record, worst, *evaluator, *options.plot);
   }
   options.json ? print_json(record, worst, *evaluator) : print_page(record, worst, *evaluator);
   return exit_done;
@@ -272,8 +271,9 @@ constexpr const char* footer =
     "  counts (stable, unstable, failed), failures (how many by why)\n"
     "  extremes [least, most] and histograms (width of a bin, first_bin, counts) of "
     "spectral_radius,\n"
-    "    least_damping_ratio, peak, largest_singular_values at each frequency; bin k is k to k + "
-    "1\n"
+    "    least_damping_ratio (by the logarithm of its size), peak, largest_singular_values at "
+    "each\n"
+    "    frequency, highest_singular_values with the resonances next to it; bin k is k to k + 1\n"
     "    widths\n"
     "  worst_samples by each measure: index, values (-1 to 1 for each parameter)\n"
     "\n"

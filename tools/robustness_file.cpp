@@ -18,7 +18,7 @@ using robustness::Tally;
 namespace {
 
 constexpr const char* format = "stillframe robustness";
-constexpr int version = 1;
+constexpr int version = 2;
 
 /// The keys under which the samples that are worst by each measure stand.
 constexpr const char* worst_keys[] = {"spectral_radius", "least_damping_ratio", "peak"};
@@ -80,9 +80,11 @@ void add_tally(const Tally& tally, Json& document) {
   document["counts"] = {
       {"stable", tally.n_stable}, {"unstable", tally.n_unstable}, {"failed", tally.n_failed()}};
   document["failures"] = Json(tally.failures);
-  Json gain = Json::array(), gain_db = Json::array(), worst;
+  Json gain = Json::array(), gain_db = Json::array(), highest = gain, highest_db = gain, worst;
   for (const Extremes& extremes : tally.gain) gain.push_back(pair(extremes));
   for (const Histogram& histogram : tally.gain_db) gain_db.push_back(bins(histogram));
+  for (const Extremes& extremes : tally.highest) highest.push_back(pair(extremes));
+  for (const Histogram& histogram : tally.highest_db) highest_db.push_back(bins(histogram));
   for (const Measure measure : robustness::measures) {
     const auto m = static_cast<size_t>(measure);
     worst[worst_keys[m]] = Json::array();
@@ -91,11 +93,14 @@ void add_tally(const Tally& tally, Json& document) {
   document["extremes"] = {{"spectral_radius", pair(tally.radius)},
                           {"least_damping_ratio", pair(tally.damping)},
                           {"peak", pair(tally.peak)},
-                          {"largest_singular_values", gain}};
+                          {"largest_singular_values", gain},
+                          {"highest_singular_values", highest}};
   document["histograms"] = {{"log10_decay_per_s", bins(tally.decay)},
-                            {"least_damping_ratio", bins(tally.least_damping)},
+                            {"log10_negative_damping_ratio", bins(tally.least_damping.below)},
+                            {"log10_damping_ratio", bins(tally.least_damping.above)},
                             {"peak_db", bins(tally.peak_db)},
-                            {"largest_singular_values_db", gain_db}};
+                            {"largest_singular_values_db", gain_db},
+                            {"highest_singular_values_db", highest_db}};
   document["worst_samples"] = worst;
 }
 
@@ -110,11 +115,14 @@ Tally tally_from(const Json& document, size_t n_frequencies) {
   tally.damping = extremes_from(extremes.at("least_damping_ratio"));
   tally.peak = extremes_from(extremes.at("peak"));
   read_counts(histograms.at("log10_decay_per_s"), tally.decay);
-  read_counts(histograms.at("least_damping_ratio"), tally.least_damping);
+  read_counts(histograms.at("log10_negative_damping_ratio"), tally.least_damping.below);
+  read_counts(histograms.at("log10_damping_ratio"), tally.least_damping.above);
   read_counts(histograms.at("peak_db"), tally.peak_db);
   for (size_t i = 0; i < n_frequencies; ++i) {
     tally.gain[i] = extremes_from(extremes.at("largest_singular_values").at(i));
     read_counts(histograms.at("largest_singular_values_db").at(i), tally.gain_db[i]);
+    tally.highest[i] = extremes_from(extremes.at("highest_singular_values").at(i));
+    read_counts(histograms.at("highest_singular_values_db").at(i), tally.highest_db[i]);
   }
   for (const Measure measure : robustness::measures) {
     const auto m = static_cast<size_t>(measure);

@@ -55,7 +55,8 @@ std::string count_lines(const Record& record) {
 }
 
 /// A row of the spread of one number: nominal, quantiles, worst.
-void add_spread(Table& table, const std::string& name, double nominal, const Histogram& histogram,
+template <class H>
+void add_spread(Table& table, const std::string& name, double nominal, const H& histogram,
                 const Extremes& extremes, double worst, double (*shown)(double),
                 const char* format) {
   std::vector<std::string> row{name, cell(format, nominal)};
@@ -96,13 +97,13 @@ std::string spread_table(const Record& record) {
   add_spread(table, "slowest decay, 1/s", record.nominal.decay, tally.decay, decay_extremes(record),
              -std::log(tally.radius.most) / record.sample_time, power, "%.3g");
   add_spread(table, "least damping ratio", record.nominal.damping, tally.least_damping,
-             tally.damping, tally.damping.least, same, "%.3f");
+             tally.damping, tally.damping.least, same, "%.3g");
   return "T is the largest singular value from the floor to the frame, of stable loops\n" +
          table.print() +
          cell(
              "Under a percentage: the middle of its bin, within what was found. Bins are %g dB, %g "
-             "decades of decay and\n%g of damping ratio wide\n",
-             tally.peak_db.width, tally.decay.width, tally.least_damping.width);
+             "decades of decay and\n%g decades of damping ratio wide\n",
+             tally.peak_db.width, tally.decay.width, tally.least_damping.above.width);
 }
 
 std::string worst_table(const Tally& tally) {
@@ -113,7 +114,7 @@ std::string worst_table(const Tally& tally) {
     const auto& list = tally.worst[m];
     for (size_t i = 0; i < std::min(n_worst_shown, list.size()); ++i) {
       table.add({i == 0 ? by[m] : "", cell("%llu", static_cast<unsigned long long>(list[i].index)),
-                 cell("%.6f", list[i].radius), cell("%.3f", list[i].damping),
+                 cell("%.6f", list[i].radius), cell("%.3g", list[i].damping),
                  std::isnan(list[i].peak) ? "unstable" : cell("%.2f", decibels(list[i].peak))});
     }
   }
@@ -126,9 +127,21 @@ Extremes in_decibels(const Extremes& values) {
   return {.least = decibels(values.least), .most = decibels(values.most)};
 }
 
-double quantile_within(const Histogram& histogram, const Extremes& extremes, double share) {
-  const double middle = histogram.quantile(share);
+namespace {
+
+double within(double middle, const Extremes& extremes) {
   return std::isnan(middle) ? middle : std::clamp(middle, extremes.least, extremes.most);
+}
+
+}  // namespace
+
+double quantile_within(const Histogram& histogram, const Extremes& extremes, double share) {
+  return within(histogram.quantile(share), extremes);
+}
+
+double quantile_within(const robustness::RatioHistogram& histogram, const Extremes& extremes,
+                       double share) {
+  return within(histogram.quantile(share), extremes);
 }
 
 BadShare bad_share(const Tally& tally) {
@@ -154,7 +167,7 @@ std::string verdict_text(const Outcome& outcome) {
     case Outcome::Verdict::stable:
       break;
   }
-  return cell("stable, spectral radius %.6f, damping ratio %.3f, peak of T %.2f dB", outcome.radius,
+  return cell("stable, spectral radius %.6f, damping ratio %.3g, peak of T %.2f dB", outcome.radius,
               outcome.damping, decibels(outcome.peak));
 }
 

@@ -19,6 +19,8 @@ std::string page_of(const robustness::WorstCase& worst, robustness::Measure meas
 /// nothing beyond the extremes of the same values; NaN if there are none.
 double quantile_within(const robustness::Histogram& histogram, const robustness::Extremes& extremes,
                        double share);
+double quantile_within(const robustness::RatioHistogram& histogram,
+                       const robustness::Extremes& extremes, double share);
 /// The same extremes in dB.
 robustness::Extremes in_decibels(const robustness::Extremes& values);
 

@@ -9,6 +9,7 @@
 #include "core/cli/numbers.hpp"
 #include "core/frequency_response.hpp"
 #include "core/linear/frequency_sweep.hpp"
+#include "core/own_values.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/state_space.hpp"
 #include "core/yaml/input_error.hpp"
@@ -18,8 +19,10 @@
 #include "tools/given_files.hpp"
 #include "tools/json.hpp"
 #include "tools/loop_design.hpp"
+#include "tools/loop_peaks.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
+#include "tools/stability_note.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -53,13 +56,22 @@ Eigen::MatrixXd rows_of(const Eigen::VectorXd& frequencies_hz,
   return rows;
 }
 
-/// The state space of the scene about its operating point.
-StateSpace open_system(const Scene& scene) {
+/// The scene about its operating point.
+struct OpenSystem {
+  Model model;
+  LinearModel linear;
+  StateSpace system;
+};
+
+OpenSystem open_system(const Scene& scene) {
   if (scene.inputs.empty() || scene.outputs.empty()) {
     throw InputError(scene.file +
                      ": singular values need at least one of 'inputs' and of 'outputs'");
   }
-  return state_space(linearise(make_model(scene), scene.inputs, scene.outputs));
+  Model model = make_model(scene);
+  LinearModel linear = linearise(model, scene.inputs, scene.outputs);
+  StateSpace system = state_space(linear);
+  return {std::move(model), std::move(linear), std::move(system)};
 }
 
 Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequencies_hz,
@@ -101,7 +113,8 @@ Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequenc
   return curves;
 }
 
-void print_table(const std::string& title, const Curves& curves, double sample_rate_hz) {
+void print_table(const std::string& title, const Curves& curves, const std::vector<PeakRow>& peaks,
+                 double sample_rate_hz) {
   const bool loop = curves.closed.size() > 0;
   std::cout << title << ": singular values, largest first"
             << (loop
@@ -114,28 +127,58 @@ void print_table(const std::string& title, const Curves& curves, double sample_r
     for (Index i = 0; i < curves.open.cols(); ++i)
       header.push_back(report::cell("%s %td", kind, i + 1));
   }
+  if (!peaks.empty()) header.push_back("peak of");
   report::Table table(header, 0);
   for (Index f = 0; f < curves.frequencies_hz.size(); ++f) {
-    std::vector<std::string> row{report::cell("%.4g", curves.frequencies_hz(f))};
+    const double hz = curves.frequencies_hz(f);
+    const auto peak = std::find_if(peaks.begin(), peaks.end(),
+                                   [hz](const PeakRow& row) { return row.peak.hz == hz; });
+    // At its own pole an undamped response has no values.
+    const bool undamped = peak != peaks.end() && std::isinf(peak->peak.value);
+    std::vector<std::string> row{report::cell("%.4g", hz)};
     for (const auto* values : {&curves.open, &curves.closed}) {
       if (values->size() == 0) continue;
+      const bool closed = values == &curves.closed;
+      const bool unbounded = undamped && closed == (peak->of == PeakRow::Of::closed);
       for (Index i = 0; i < values->cols(); ++i) {
         const double value = (*values)(f, i);
-        row.push_back(std::isnan(value) ? "-" : report::cell("%.4e", value));
+        if (unbounded) {
+          row.push_back(i == 0 ? "no bound" : "-");
+        } else {
+          row.push_back(std::isnan(value) ? "-" : report::cell("%.4e", value));
+        }
       }
+    }
+    if (!peaks.empty()) {
+      row.push_back(peak == peaks.end() ? "" : name_of(peak->of) + std::string(" 1"));
     }
     table.add(row);
   }
   std::cout << table.print();
 }
 
-void print_json(const std::string& title, const Curves& curves) {
+Eigen::VectorXd with_peaks(const Eigen::VectorXd& frequencies_hz,
+                           const std::vector<PeakRow>& peaks) {
+  std::vector<double> all(frequencies_hz.begin(), frequencies_hz.end());
+  for (const PeakRow& row : peaks) all.push_back(row.peak.hz);
+  std::sort(all.begin(), all.end());
+  return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Index>(all.size()));
+}
+
+void print_json(const std::string& title, const Json& stable, const Curves& curves,
+                const std::vector<PeakRow>& peaks) {
   Json document{{"scene", title},
+                {"stable", stable},
                 {"frequencies_hz", to_json(curves.frequencies_hz)},
                 {"singular_values", to_json(curves.open)}};
   if (curves.closed.size() > 0) {
     document["closed_singular_values"] = to_json(curves.closed);
     document["continuous_singular_values"] = to_json(curves.continuous);
+  }
+  document["peaks"] = Json::array();
+  for (const PeakRow& row : peaks) {
+    document["peaks"].push_back(
+        {{"of", name_of(row.of)}, {"hz", row.peak.hz}, {"singular_value", row.peak.value}});
   }
   print(document);
 }
@@ -180,21 +223,25 @@ int run(const Options& options) {
   Patience patience("linearising");
   const Scene scene = read_scene(options.scene, options.controller);
   std::optional<LoopDesign> design;
-  StateSpace system;
+  std::optional<OpenSystem> open;
   if (scene.controller) {
     design = make_loop_design(options.scene, options.controller);
   } else {
-    system = open_system(scene);
+    open = open_system(scene);
   }
+  const Json stable = design ? warn_unless_stable(design->model, design->loop.plant)
+                             : warn_unless_stable(open->model, open->linear);
   const FrequencyRange range =
       range_of(options, design ? axis_of(*design, scene.controller->target_hz)
-                               : frequency_range(own_frequencies_hz(system.A), {}, 0));
-  const auto curves_of = [&](int points) {
+                               : frequency_range(own_frequencies_hz(open->linear), {}, 0));
+  LoopGains gains = design ? gains_of(*design) : LoopGains{LargestGain(open->system), {}, {}};
+  const auto grid = [&](int points) {
+    return logarithmic_frequencies(range.lowest_hz, range.highest_hz, points);
+  };
+  const auto curves_of = [&](const Eigen::VectorXd& frequencies) {
     patience.now("singular values");
-    const Eigen::VectorXd frequencies =
-        logarithmic_frequencies(range.lowest_hz, range.highest_hz, points);
     return design ? with_controller(*design, frequencies)
-                  : without_controller(system, frequencies, patience);
+                  : without_controller(open->system, frequencies, patience);
   };
   if (design) {
     const std::string left_out = left_out_of_analysis(design->scene.instruments);
@@ -203,14 +250,18 @@ int run(const Options& options) {
   if (design && range.highest_hz > design->gains.sample_rate_hz / 2) {
     std::cerr << "stillframe: note: above half the sample rate the loop that runs has no curve\n";
   }
-  // A picture shows a resonance only as high as its grid is fine.
-  if (options.plot)
-    plot(scene.title, curves_of(std::max(options.points, 1000)), scene, *options.plot);
-  const Curves curves = curves_of(options.points);
+  if (options.plot) {
+    const Eigen::VectorXd fine = with_resonances_of(gains, grid(std::max(options.points, 1000)));
+    plot(scene.title, curves_of(fine), scene, *options.plot);
+  }
+  const Eigen::VectorXd rows = grid(options.points);
+  const double rate = design ? design->gains.sample_rate_hz : 0;
+  std::vector<PeakRow> peaks = peak_rows(rows, gains, rate);
   if (options.json) {
-    print_json(scene.title, curves);
+    print_json(scene.title, stable, curves_of(rows), peaks);
   } else {
-    print_table(scene.title, curves, design ? design->gains.sample_rate_hz : 0);
+    std::erase_if(peaks, [](const PeakRow& row) { return row.of == PeakRow::Of::continuous; });
+    print_table(scene.title, curves_of(with_peaks(rows, peaks)), peaks, rate);
   }
   return exit_done;
 }
@@ -239,16 +290,26 @@ void add_sigma(CLI::App& app, int& exit_code) {
   verb->add_option("--plot", options->plot, "Draw the curves into a PNG file")->type_name("FILE");
   verb->add_flag("--json", options->json, "Print JSON (keys below)");
   verb->footer(
+      "About an operating point that is not stable there is no steady response: a warning says "
+      "so,\n"
+      "exit code 0.\n"
       "Without a controller: outputs from inputs, each in the units the scene gives them, about "
       "the\n"
       "scene's operating point. With one: floor accelerations to output accelerations.\n"
       "Keys of --json:\n"
       "  scene, frequencies_hz\n"
+      "  stable                       whether nothing grows about the operating point without\n"
+      "                               control, as `modes` judges; null: not known\n"
       "  singular_values              open loop, a row a frequency, largest first; null at a pole\n"
       "  closed_singular_values       with a controller: the loop that runs, as it is sampled;\n"
       "                               null above half its rate\n"
       "  continuous_singular_values   with a controller: its law without sampling, delay and\n"
       "                               instruments\n"
+      "  peaks                        of, hz, singular_value: between two of frequencies_hz the\n"
+      "                               highest point of the open, closed or continuous curve,\n"
+      "                               where it is more than 1 dB above both; the table has rows "
+      "for\n"
+      "                               those of its columns. null: no bound, as nothing damps it\n"
       "Example: stillframe sigma config/scenes/cart.yaml --from 0.5 --to 20 --points 9");
   verb->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -82,43 +82,51 @@ void SecondOrder::hessian(const LocalVector& u, const LocalDeformation& sigma,
 
 namespace {
 
-/// (2 a^2 + a b + 2 b^2) / (30 l_0): shortening of an arc that leaves its chord by a / l_0 and
-/// b / l_0.
-void add_shortening(LocalStiffness& Q, Eigen::Index first, double l_0) {
+/// (5 s^2 + 3 t^2 eta^2) / 30 l_0 of s = (a + b) / 2, t = (a - b) / 2: shortening of an arc that
+/// leaves its chord by a / l_0 and b / l_0, of which ends that turn alike, t, bend it by eta t
+/// only.
+void add_shortening(LocalStiffness& Q, Eigen::Index first, double l_0, double eta) {
+  const double same = 2.5 + 1.5 * eta * eta, other = 2.5 - 1.5 * eta * eta;
   Eigen::Matrix2d block;
-  block << 4, 1, 1, 4;
+  block << same, other, other, same;
   Q.block<2, 2>(first, first) += block / (30 * l_0);
 }
 
 }  // namespace
 
-std::vector<LocalStiffness> planar_second_order_terms(double l_0) {
+std::vector<LocalStiffness> planar_second_order_terms(double l_0, double Phi) {
   std::vector<LocalStiffness> terms(3, LocalStiffness::Zero(3, 3));
-  add_shortening(terms[0], 1, l_0);
+  add_shortening(terms[0], 1, l_0, 1 / (1 + Phi));
   return terms;
 }
 
-std::vector<LocalStiffness> spatial_second_order_terms(double l_0) {
+std::vector<LocalStiffness> spatial_second_order_terms(double l_0, double Phi_y, double Phi_z) {
+  const double eta_y = 1 / (1 + Phi_y), eta_z = 1 / (1 + Phi_z);
   std::vector<LocalStiffness> terms(6, LocalStiffness::Zero(6, 6));
-  add_shortening(terms[0], 2, l_0);
-  add_shortening(terms[0], 4, l_0);
+  add_shortening(terms[0], 2, l_0, eta_y);
+  add_shortening(terms[0], 4, l_0, eta_z);
   const auto add = [&](Eigen::Index i, Eigen::Index j, Eigen::Index k, double factor) {
     LocalStiffness& Q = terms[static_cast<size_t>(i)];
     Q(j, k) = Q(k, j) = factor / l_0;
   };
-  // Torsion of an axis bent both ways: (c_4 c_5 - c_3 c_6) / l_0.
-  add(1, 2, 5, -1.0);
-  add(1, 3, 4, 1.0);
+  // Torsion of an axis bent both ways, ((c_3 + c_4)(c_5 - c_6) eta_z - (c_3 - c_4)(c_5 + c_6)
+  // eta_y) / (2 l_0); without shear (c_4 c_5 - c_3 c_6) / l_0.
+  const double mean = (eta_y + eta_z) / 2, half = (eta_z - eta_y) / 2;
+  add(1, 2, 5, -mean);
+  add(1, 3, 4, mean);
+  add(1, 2, 4, half);
+  add(1, 3, 5, -half);
   // Bending in axes that turn with the twist: +- c_2 (c_5 + c_6) / (6 l_0), -+ c_2 (c_3 + c_4) /
-  // (6 l_0).
-  for (const Eigen::Index k : {4, 5}) {
-    add(2, 1, k, 1.0 / 6);
-    add(3, 1, k, -1.0 / 6);
-  }
-  for (const Eigen::Index k : {2, 3}) {
-    add(4, 1, k, -1.0 / 6);
-    add(5, 1, k, 1.0 / 6);
-  }
+  // (6 l_0); and what is sheared keeps its direction while the axes turn.
+  const double sheared_y = (1 - eta_y) / 4, sheared_z = (1 - eta_z) / 4;
+  add(2, 1, 4, 1.0 / 6 + sheared_z);
+  add(2, 1, 5, 1.0 / 6 - sheared_z);
+  add(3, 1, 4, -1.0 / 6 + sheared_z);
+  add(3, 1, 5, -1.0 / 6 - sheared_z);
+  add(4, 1, 2, -1.0 / 6 - sheared_y);
+  add(4, 1, 3, -1.0 / 6 + sheared_y);
+  add(5, 1, 2, 1.0 / 6 - sheared_y);
+  add(5, 1, 3, 1.0 / 6 + sheared_y);
   return terms;
 }
 

@@ -33,8 +33,10 @@ class SecondOrder final : public Element {
   std::vector<LocalStiffness> terms_;
 };
 
-/// The terms of a planar (3 deformations) and of a spatial beam (6) of length l_0.
-std::vector<LocalStiffness> planar_second_order_terms(double l_0);
-std::vector<LocalStiffness> spatial_second_order_terms(double l_0);
+/// The terms of a planar (3 deformations) and of a spatial beam (6) of length l_0 (m). Phi of each
+/// bending pair as section_stiffness: a part of ends that turn alike is sheared by it, and what is
+/// sheared alone stays straight.
+std::vector<LocalStiffness> planar_second_order_terms(double l_0, double Phi);
+std::vector<LocalStiffness> spatial_second_order_terms(double l_0, double Phi_y, double Phi_z);
 
 }  // namespace stillframe

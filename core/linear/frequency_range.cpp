@@ -3,19 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-
-#include "core/linear/eigenvalues.hpp"
 
 namespace stillframe {
 
 using Eigen::Index;
 
 namespace {
-
-/// Below this part of the largest one an eigenvalue is the rounding of a zero one, which is double:
-/// about the square root of epsilon.
-constexpr double zero_part = 1e-7;
 
 /// A frame on its legs has six, and a flexible one some more that matter. What a finely divided
 /// beam has beyond is no reason to show a megahertz.
@@ -44,20 +37,6 @@ double rounded_up(double x) {
 }
 
 }  // namespace
-
-Eigen::VectorXd own_frequencies_hz(const Eigen::MatrixXd& A) {
-  const auto values = eigenvalues(A);
-  if (!values || values->size() == 0) return {};
-  const double largest = values->cwiseAbs().maxCoeff();
-  std::vector<double> found;
-  for (const auto& value : *values) {
-    if (value.imag() >= 0 && std::abs(value) > zero_part * largest) {
-      found.push_back(std::abs(value) / (2 * std::numbers::pi));
-    }
-  }
-  std::sort(found.begin(), found.end());
-  return Eigen::Map<Eigen::VectorXd>(found.data(), static_cast<Index>(found.size()));
-}
 
 FrequencyRange frequency_range(const Eigen::VectorXd& own_hz, const std::vector<double>& targets_hz,
                                double sample_rate_hz) {

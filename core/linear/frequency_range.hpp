@@ -10,17 +10,12 @@ struct FrequencyRange {
   double lowest_hz = 0, highest_hz = 0;
 };
 
-/// Frequencies at which a linear system moves by itself, Hz, ascending: the moduli of the
-/// eigenvalues of its state matrix A (n x n, 1/s) over 2 pi, of a conjugate pair one, without those
-/// that are zero to rounding. Empty where the eigenvalues are not found.
-Eigen::VectorXd own_frequencies_hz(const Eigen::MatrixXd& A);
-
 /// What an axis of frequency shows where nobody says otherwise: from a tenth of the lowest to four
 /// times the highest of the twelve slowest own frequencies and the targets, both outwards to the
 /// next of 1, 2, 5, 10, ..., and never above half the rate of the loop that runs. Without anything
 /// to go by three decades below half the rate, and without a rate 0.1 to 1000 Hz.
-/// own_hz: ascending, as own_frequencies_hz. targets_hz: of the controller, empty without one.
-/// sample_rate_hz: 0 where nothing is sampled.
+/// own_hz: ascending, as own_frequencies_hz (core/own_values.hpp). targets_hz: of the controller,
+/// empty without one. sample_rate_hz: 0 where nothing is sampled.
 FrequencyRange frequency_range(const Eigen::VectorXd& own_hz, const std::vector<double>& targets_hz,
                                double sample_rate_hz);
 

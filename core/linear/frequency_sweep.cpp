@@ -219,20 +219,31 @@ void FrequencySweep::refine(Complex s) noexcept {
 }
 
 void FrequencySweep::evaluate(Complex s, Eigen::Ref<Eigen::MatrixXcd> G) noexcept {
+  if (n_ == 0 || !near_pole(s)) {
+    evaluate_unrefined(s, G);
+    return;
+  }
   combine(s, D_, Y_);
   combine(s, B_q_, X_);
   solve_schur(s, X_);
-  const bool near = n_ > 0 && near_pole(s);
-  if (near) {
-    combine(s, B_, F_);
-    X_0_.setZero();
-    for (Index i = 0; i < n_; ++i) {
-      add_combination(&Q_(i, 0), X_.data(), width_, n_, width_, X_0_.data() + i * width_);
-    }
-    refine(s);
+  combine(s, B_, F_);
+  X_0_.setZero();
+  for (Index i = 0; i < n_; ++i) {
+    add_combination(&Q_(i, 0), X_.data(), width_, n_, width_, X_0_.data() + i * width_);
   }
-  const RowMatrix& C = near ? C_ : C_q_;
-  const RowMatrix& X = near ? X_0_ : X_;
+  refine(s);
+  read_out(C_, X_0_, G);
+}
+
+void FrequencySweep::evaluate_unrefined(Complex s, Eigen::Ref<Eigen::MatrixXcd> G) noexcept {
+  combine(s, D_, Y_);
+  combine(s, B_q_, X_);
+  solve_schur(s, X_);
+  read_out(C_q_, X_, G);
+}
+
+void FrequencySweep::read_out(const RowMatrix& C, const RowMatrix& X,
+                              Eigen::Ref<Eigen::MatrixXcd> G) noexcept {
   for (Index i = 0; i < p_; ++i) {
     double* row = Y_.data() + i * width_;
     add_combination(C.data() + i * n_, X.data(), width_, n_, width_, row);

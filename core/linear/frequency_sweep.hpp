@@ -26,6 +26,10 @@ class FrequencySweep {
   /// entries are not finite. Hot: noexcept, no allocation; not for two threads at once.
   void evaluate(std::complex<double> s, Eigen::Ref<Eigen::MatrixXcd> G) noexcept;
 
+  /// The same without the refinement next to poles, where it is most of the work: off by epsilon
+  /// times the norm of A over the distance to the next pole. For bounds, of which three digits do.
+  void evaluate_unrefined(std::complex<double> s, Eigen::Ref<Eigen::MatrixXcd> G) noexcept;
+
   Eigen::Index n_inputs() const { return m_; }
   Eigen::Index n_outputs() const { return p_; }
   const Eigen::VectorXcd& poles() const { return poles_; }
@@ -43,6 +47,8 @@ class FrequencySweep {
   bool near_pole(std::complex<double> s) const noexcept;
   void refine(std::complex<double> s) noexcept;
   void residual(std::complex<double> s) noexcept;
+  /// G = C X + Y_.
+  void read_out(const RowMatrix& C, const RowMatrix& X, Eigen::Ref<Eigen::MatrixXcd> G) noexcept;
 
   Eigen::Index n_ = 0, m_ = 0, p_ = 0, width_ = 0;
   double norm_ = 0;  ///< of T, 1/s

@@ -32,8 +32,8 @@ struct Margins {
   double all_disk_hz = 0;  ///< frequency at which all_disk is least
 };
 
-/// Margins of a stable loop: gains and delays by bisection on the spectral radius, to 1e-6 of the
-/// distance to the limit, disk margins by 1 / max over omega of |S_ii - 1/2| and of the structured
+/// Margins of a stable loop: gains by bisection on the spectral radius, to 1e-6 of the distance to
+/// the limit, delays by delay_limit, which steps over none, disk margins by 1 / max over omega of |S_ii - 1/2| and of the structured
 /// singular value of S - I/2, S = (I + L)^-1, L the return ratio at the actuators, the maximum
 /// found and, for one leg, proven by DiskSearch. A disk margin that could not be computed is NaN.
 /// The delay is added to the command, and what is reported as applied follows it. Source: Seiler,

@@ -57,9 +57,12 @@ std::unique_ptr<const Element> make_element(const SceneElement& element, Index p
   }
   if (!element.beam.second_order) return beam;
   const double length = l_0.norm();
-  return std::make_unique<SecondOrder>(std::move(beam), planar
-                                                            ? planar_second_order_terms(length)
-                                                            : spatial_second_order_terms(length));
+  // Deflection along n_z bends about n_y.
+  const double Phi_y = shear_ratio_z(element.beam, length),
+               Phi_z = shear_ratio_y(element.beam, length);
+  return std::make_unique<SecondOrder>(std::move(beam),
+                                       planar ? planar_second_order_terms(length, Phi_z)
+                                              : spatial_second_order_terms(length, Phi_y, Phi_z));
 }
 
 }  // namespace

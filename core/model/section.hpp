@@ -5,11 +5,16 @@
 
 namespace stillframe {
 
+/// Phi = 12 EI / (k G A l_0^2) of bending along n_y (about n_z) and along n_z (about n_y), 0 where it
+/// is not flexible in shear.
+double shear_ratio_y(const SceneBeam& section, double l_0);
+double shear_ratio_z(const SceneBeam& section, double l_0);
+
 /// Stiffness S of a beam of constant section and length l_0 (m), dual to the deformations of Beam
 /// (6 x 6, N/m):
 ///   diag(EA / l_0, GJ / l_0^3) and for each bending pair
-///   EI / ((1 + Phi) l_0^3) [4 + Phi, Phi - 2; Phi - 2, 4 + Phi], Phi = 12 EI / (k G A l_0^2),
-/// Phi = 0 where it is not flexible in shear. planar: that of PlanarBeam (3 x 3).
+///   EI / ((1 + Phi) l_0^3) [4 + Phi, Phi - 2; Phi - 2, 4 + Phi].
+/// planar: that of PlanarBeam (3 x 3).
 LocalStiffness section_stiffness(const SceneBeam& section, double l_0, bool planar);
 
 }  // namespace stillframe

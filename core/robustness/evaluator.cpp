@@ -11,6 +11,7 @@
 #include "core/control_loop.hpp"
 #include "core/linear/eigenvalues.hpp"
 #include "core/linear/frequency_sweep.hpp"
+#include "core/linear/resonances.hpp"
 #include "core/linear/singular_values.hpp"
 #include "core/model/model.hpp"
 #include "core/state_space.hpp"
@@ -77,6 +78,41 @@ FrequencySweep sweep_of(const SampledLoop& loop) {
   return FrequencySweep(system);
 }
 
+/// The index of the frequency (ascending, Hz) that is nearest to another by their ratio.
+Index nearest(const VectorXd& frequencies_hz, double hz) {
+  const auto above = std::lower_bound(frequencies_hz.begin(), frequencies_hz.end(), hz);
+  if (above == frequencies_hz.begin()) return 0;
+  const Index i = above - frequencies_hz.begin();
+  if (above == frequencies_hz.end()) return i - 1;
+  return hz * hz < frequencies_hz(i) * frequencies_hz(i - 1) ? i - 1 : i;
+}
+
+/// The peak of T about a resonance at an angle of a pole z: among poles that are near, it is beside
+/// all of them. By golden sections within the half-width.
+double refined_peak(FrequencySweep& sweep, Complex pole, double at_pole) {
+  constexpr double golden = 0.6180339887498949;
+  const double width = std::abs(std::log(std::abs(pole)));
+  double low = std::arg(pole) - width, high = std::arg(pole) + width, highest = at_pole;
+  const auto value = [&](double angle) {
+    const double found = largest_gains(sweep, {angle})(0);
+    highest = std::max(highest, found);
+    return found;
+  };
+  double a = high - golden * (high - low), b = low + golden * (high - low);
+  double f_a = value(a), f_b = value(b);
+  // 0.618^10 of two half-widths: to 0.02 of one, and T to its square.
+  for (int i = 0; i < 10; ++i) {
+    if (f_a > f_b) {
+      high = b, b = a, f_b = f_a;
+      f_a = value(a = high - golden * (high - low));
+    } else {
+      low = a, a = b, f_a = f_b;
+      f_b = value(b = low + golden * (high - low));
+    }
+  }
+  return highest;
+}
+
 std::optional<Eigen::VectorXcd> feedback_poles(const SampledLoop& loop) {
   const Index n = loop.A.rows() - loop.n_exogenous;
   return eigenvalues(Eigen::MatrixXd(loop.A.bottomRightCorner(n, n)));
@@ -128,18 +164,45 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
                                                                      : Outcome::Verdict::unstable;
   if (want == Want::poles || outcome.verdict == Outcome::Verdict::unstable) return outcome;
 
-  const Index n_f = settings_.frequencies_hz.size();
+  const VectorXd& f = settings_.frequencies_hz;
+  const double radians = 2 * std::numbers::pi * T_s;
   std::vector<double> angles;
-  for (const double f : settings_.frequencies_hz) angles.push_back(2 * std::numbers::pi * f * T_s);
+  for (const double hz : f) angles.push_back(radians * hz);
   // A resonance is sharpest at the angle of its pole, between the frequencies of any grid.
+  std::vector<Complex> at_poles;
   for (const Complex& z : poles) {
-    if (z.imag() > 0 && std::arg(z) >= angles.front()) angles.push_back(std::arg(z));
+    if (z.imag() > 0 && std::arg(z) >= angles.front()) at_poles.push_back(z);
   }
+  for (const Complex& z : at_poles) angles.push_back(std::arg(z));
   FrequencySweep sweep = sweep_of(loop);
   const VectorXd gains = largest_gains(sweep, angles);
-  outcome.gain = gains.head(n_f);
-  outcome.peak = gains.maxCoeff();
+  outcome.gain = gains.head(f.size());
+  outcome.highest = outcome.gain;
+  const auto raise = [&](Complex z, double gain) {
+    double& highest = outcome.highest(nearest(f, std::arg(z) / radians));
+    highest = std::max(highest, gain);
+  };
+  for (size_t i = 0; i < at_poles.size(); ++i) {
+    raise(at_poles[i], gains(f.size() + static_cast<Index>(i)));
+  }
+  Index at = 0;
+  outcome.peak = gains.maxCoeff(&at);
+  if (at >= f.size()) {
+    const Complex z = at_poles[static_cast<size_t>(at - f.size())];
+    outcome.peak = refined_peak(sweep, z, outcome.peak);
+    raise(z, outcome.peak);
+  }
   return outcome;
+}
+
+Evaluator::Curve Evaluator::curve(const VectorXd& values, const VectorXd& frequencies_hz,
+                                  bool with_resonances) const {
+  LargestGain gain(loop_of(values));
+  Curve found{with_resonances ? stillframe::with_resonances(frequencies_hz, gain.resonances())
+                              : frequencies_hz,
+              {}};
+  found.gain = found.frequencies_hz.unaryExpr([&](double hz) { return gain(hz); });
+  return found;
 }
 
 }  // namespace stillframe::robustness

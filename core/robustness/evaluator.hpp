@@ -21,7 +21,10 @@ struct Outcome {
   double damping = 0;
   // Of a stable loop, if asked for:
   Eigen::VectorXd gain;  ///< n_f, largest singular value of T(e^{j omega T_s}), 1
-  double peak = 0;       ///< largest of those and of the values at the angles of the poles, 1
+  /// n_f, at each frequency the largest of T there and at the angles of the poles that are nearer
+  /// to it than to its neighbours (by their ratio), 1: a resonance is narrower than any grid.
+  Eigen::VectorXd highest;
+  double peak = 0;  ///< largest of those, at a resonance refined, 1
 };
 
 /// The frequencies at which outcomes are kept: evenly spaced on a logarithmic axis, 10 a decade,
@@ -53,6 +56,15 @@ class Evaluator {
   /// sampled plant, closed loop. A plant without equilibrium or without a linear model is an
   /// outcome too. Errors: std::invalid_argument on the number of values.
   Outcome operator()(const Eigen::VectorXd& values, Want want = Want::poles_and_gain) const;
+
+  /// The largest singular value of T of a stable plant at the given frequencies and, with
+  /// with_resonances, at those that show its own resonances, between these too. Errors: those of
+  /// the plant where there is none.
+  struct Curve {
+    Eigen::VectorXd frequencies_hz, gain;
+  };
+  Curve curve(const Eigen::VectorXd& values, const Eigen::VectorXd& frequencies_hz,
+              bool with_resonances) const;
 
   const std::vector<Parameter>& parameters() const { return settings_.parameters; }
   const Eigen::VectorXd& frequencies_hz() const { return settings_.frequencies_hz; }

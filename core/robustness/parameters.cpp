@@ -244,6 +244,7 @@ void scale_stiffness(SceneElement& element, double factor) {
   for (double* value : {&beam.EA, &beam.GJ, &beam.EI_y, &beam.EI_z, &beam.shear_y, &beam.shear_z}) {
     *value *= factor;
   }
+  beam.damping_time /= factor;  // dampers stay
 }
 
 /// Turns a leg by the rotation vector whose foot goes along `angle` (rad, across the leg).

@@ -31,6 +31,37 @@ double Histogram::quantile(double share) const {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+void RatioHistogram::add(double value) {
+  (value > 0 ? above : below).add(std::log10(std::abs(value)));
+}
+
+void RatioHistogram::merge(const RatioHistogram& other) {
+  below.merge(other.below);
+  above.merge(other.above);
+}
+
+std::vector<std::pair<double, std::uint64_t>> RatioHistogram::middles() const {
+  std::vector<std::pair<double, std::uint64_t>> found;
+  const auto middle = [](const Histogram& histogram, int bin) {
+    return std::pow(10, (bin + 0.5) * histogram.width);
+  };
+  for (auto bin = below.counts.rbegin(); bin != below.counts.rend(); ++bin) {
+    found.emplace_back(-middle(below, bin->first), bin->second);
+  }
+  for (const auto& [bin, count] : above.counts) found.emplace_back(middle(above, bin), count);
+  return found;
+}
+
+double RatioHistogram::quantile(double share) const {
+  const double wanted = share * static_cast<double>(total());
+  std::uint64_t sum = 0;
+  for (const auto& [middle, count] : middles()) {
+    sum += count;
+    if (static_cast<double>(sum) >= wanted) return middle;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 void Extremes::add(double value) {
   least = std::min(least, value);
   most = std::max(most, value);
@@ -71,6 +102,8 @@ void insert(std::vector<Case>& list, const Case& sample, Measure measure) {
 
 constexpr double db_width = 0.05;
 constexpr int db_last = 4000;  // 200 dB either way
+/// 0.23 %, from 1e-9 to 1.
+const Histogram damping_ratios{.width = 0.001, .first = -9000, .last = 0, .counts = {}};
 
 double decibels(double value) { return 20 * std::log10(value); }
 
@@ -78,10 +111,12 @@ double decibels(double value) { return 20 * std::log10(value); }
 
 Tally::Tally(size_t n_frequencies)
     : decay{.width = 0.02, .first = -500, .last = 300, .counts = {}},
-      least_damping{.width = 0.005, .first = -200, .last = 199, .counts = {}},
+      least_damping{.below = damping_ratios, .above = damping_ratios},
       peak_db{.width = db_width, .first = -db_last, .last = db_last, .counts = {}},
       gain(n_frequencies),
-      gain_db(n_frequencies, peak_db) {}
+      gain_db(n_frequencies, peak_db),
+      highest(n_frequencies),
+      highest_db(n_frequencies, peak_db) {}
 
 void Tally::add(std::uint64_t index, const Eigen::VectorXd& values, const Outcome& outcome) {
   if (outcome.verdict == Outcome::Verdict::failed) {
@@ -107,6 +142,9 @@ void Tally::add(std::uint64_t index, const Eigen::VectorXd& values, const Outcom
     const double value = outcome.gain(static_cast<Eigen::Index>(i));
     gain[i].add(value);
     gain_db[i].add(decibels(value));
+    const double most = outcome.highest(static_cast<Eigen::Index>(i));
+    highest[i].add(most);
+    highest_db[i].add(decibels(most));
   }
 }
 
@@ -126,6 +164,8 @@ void Tally::merge(const Tally& other) {
   for (size_t i = 0; i < gain.size(); ++i) {
     gain[i].merge(other.gain[i]);
     gain_db[i].merge(other.gain_db[i]);
+    highest[i].merge(other.highest[i]);
+    highest_db[i].merge(other.highest_db[i]);
   }
   for (const Measure measure : measures) {
     const auto m = static_cast<size_t>(measure);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/robustness/evaluator.hpp"
@@ -25,6 +26,20 @@ struct Histogram {
   /// Middle of the bin of the smallest value that a part `share` (0 to 1) of all does not exceed;
   /// NaN if there is none.
   double quantile(double share) const;
+};
+
+/// Counts of numbers of either sign and any size in bins of equal ratio, so that small ones are
+/// known to as many digits as large ones: one histogram of log10(-value) and one of log10(value).
+struct RatioHistogram {
+  Histogram below, above;
+
+  void add(double value);
+  void merge(const RatioHistogram& other);
+  std::uint64_t total() const { return below.total() + above.total(); }
+  /// As Histogram::quantile, the middle by its ratio.
+  double quantile(double share) const;
+  /// The middles of the bins that are not empty, ascending, with their counts.
+  std::vector<std::pair<double, std::uint64_t>> middles() const;
 };
 
 struct Extremes {
@@ -61,10 +76,12 @@ struct Tally {
   std::map<std::string, std::uint64_t> failures;  ///< how many by why
   Extremes radius, damping, peak;                 ///< of all loops, of all loops, of stable loops
   Histogram decay;                                ///< log10 of the slowest decay in 1/s, if stable
-  Histogram least_damping;                        ///< of all loops
+  RatioHistogram least_damping;                   ///< of all loops
   Histogram peak_db;                              ///< of stable loops
   std::vector<Extremes> gain;                     ///< n_f, of stable loops, 1
   std::vector<Histogram> gain_db;                 ///< n_f
+  std::vector<Extremes> highest;                  ///< n_f, of stable loops, 1
+  std::vector<Histogram> highest_db;              ///< n_f
   /// The worst samples by each measure, worst first.
   std::array<std::vector<Case>, measures.size()> worst;
 

@@ -28,7 +28,7 @@ void add_for_each_node(const YamlReader& nodes, SceneConstraint constraint, cons
 }
 
 void read_motion(const YamlReader& value, SceneConstraint& constraint) {
-  if (const auto given = value.find("value")) constraint.value = given->number();
+  if (const auto given = value.find("value")) constraint.value = read_displacement(*given);
   if (const auto given = value.find("rate")) constraint.rate = given->number();
   if (const auto given = value.find("acceleration")) constraint.acceleration = given->number();
 }

@@ -20,14 +20,14 @@ void refuse(const YamlReader& map, const char* key, const std::string& why) {
 
 /// Where the motion starts; at an equilibrium it is not for the scene to say.
 void read_start(const YamlReader& value, const Scene& scene, SceneDof& dof) {
-  for (const char* key : {"value", "rate"}) {
-    const auto given = value.find(key);
-    if (!given) continue;
-    if (scene.operating_point != OperatingPoint::as_written) {
-      given->fail("needs operating_point: as_written; an equilibrium finds its own");
+  const auto given = value.find("value"), rate = value.find("rate");
+  for (const auto& key : {given, rate}) {
+    if (key && scene.operating_point != OperatingPoint::as_written) {
+      key->fail("needs operating_point: as_written; an equilibrium finds its own");
     }
-    (key[0] == 'v' ? dof.value : dof.rate) = given->number();
   }
+  if (given) dof.value = read_displacement(*given);
+  if (rate) dof.rate = rate->number();
 }
 
 void read_element_dof(const YamlReader& value, const Scene& scene, SceneDof& dof) {

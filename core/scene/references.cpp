@@ -83,6 +83,11 @@ Eigen::Vector3d read_vector(const YamlReader& value, const Scene& scene) {
   return {given(0), given(1), 0};
 }
 
+double read_displacement(const YamlReader& value) {
+  constexpr double largest = 1e4;
+  return value.number(largest);
+}
+
 Eigen::Vector3d read_direction(const YamlReader& value, const Scene& scene) {
   if (value.is_scalar()) {
     const std::string axis =

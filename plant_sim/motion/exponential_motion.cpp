@@ -18,6 +18,10 @@ constexpr int most_halvings = 20;
 constexpr int most_sweeps = 10;
 /// Of the tolerance, what the sweeps may leave.
 constexpr double sweep_share = 0.05;
+/// What an acceleration does in a part, in units of how far the rates really went from where they
+/// began: a mode that turns often in the part accelerates much and comes nowhere. Where nothing
+/// does, an acceleration that rises from rest or falls to it is two or three times its mean.
+constexpr double of_change = 3;
 /// What rounding leaves of relative differences, in some multiplications.
 constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
 
@@ -134,13 +138,19 @@ void ExponentialMotion::start_sweeps(const Drive& drive, double from, const Part
 }
 
 bool ExponentialMotion::evaluate_rests(const Drive& drive, double from, const Part& part) noexcept {
-  const Index n_g = linear_rate_.size();
-  acceleration_ =
-      std::max(acceleration_, equations_.rest_acceleration() * 100 / relative_tolerance_);
+  const Index n_g = linear_rate_.size(), n = equations_.n_d();
+  // A sweep that has not converged may have been anywhere, above all in a stiff mode: what it saw
+  // is forgotten with the next one.
+  seen_ = known_;
+  seen_.acceleration = std::max(seen_.acceleration, least_acceleration());
   for (int i = 0; i < n_nodes; ++i) {
     const double tau = part.steps[static_cast<size_t>(i)].tau(), t = from + tau;
     if (!equations_.evaluate(drive, t, nodes_.col(i), rate_)) return false;
-    acceleration_ = std::max(acceleration_, equations_.q_d_ddot().lpNorm<Eigen::Infinity>());
+    seen_.acceleration =
+        std::max(seen_.acceleration, equations_.q_d_ddot().lpNorm<Eigen::Infinity>());
+    for (Index k = n; k < 2 * n; ++k) {
+      seen_.change = std::max(seen_.change, std::abs(nodes_(k, i) - begin_(k)));
+    }
     drive.floor().floor_at(t, q_r_, q_r_dot_);
     const double left = std::exp(-drive.actuators().rate() * tau);
     legs_a_ = start_.settled + left * start_.transient;
@@ -157,10 +167,17 @@ bool ExponentialMotion::evaluate_rests(const Drive& drive, double from, const Pa
   return true;
 }
 
+/// No error below what this does means anything.
+double ExponentialMotion::least_acceleration() const noexcept {
+  return equations_.rest_acceleration() * 100 / relative_tolerance_;
+}
+
 double ExponentialMotion::size_of(const VectorXd& dy) const noexcept {
   const Index n = equations_.n_d();
   // The smallest normal numbers keep it finite for a frame at rest on a floor at rest.
-  const double velocity = acceleration_ * whole_ + 1e-290;
+  const double velocity = std::max(std::min(seen_.acceleration * whole_, of_change * seen_.change),
+                                   least_acceleration() * whole_) +
+                          1e-290;
   const double position = velocity * whole_ + 1e-290;
   const auto part = [&](Index begin, Index count, double scale) {
     return count == 0
@@ -181,10 +198,10 @@ double ExponentialMotion::collocation_error(const Part& part) noexcept {
       ((g_.col(2) - g_.col(1)) / (c[2] - c[1]) - (g_.col(1) - g_.col(0)) / (c[1] - c[0])) /
       (c[2] - c[0]) / 6;
   const double a_2 = linear_rate_.lpNorm<Eigen::Infinity>();
-  if (a_2 <= rounding * acceleration_) return 0;
+  if (a_2 <= rounding * seen_.acceleration) return 0;
   change_.noalias() = part.W_even * linear_rate_;
-  // A slow and large change of g makes a_1 large and says nothing of a_3, which a fast and small one
-  // makes: 0.1 a_2 of a mode that turns by a radian in the part, 7 j_3(1/2) / (5 j_2(1/2)) in
+  // A slow and large change of g makes a_1 large and says nothing of a_3, which a fast and small
+  // one makes: 0.1 a_2 of a mode that turns by a radian in the part, 7 j_3(1/2) / (5 j_2(1/2)) in
   // spherical Bessel functions. Less is not believed.
   const double ratio = std::clamp(a_2 / std::max(a_1, a_2), 0.1, 1.0);
   return ratio * ratio * size_of(change_);
@@ -192,7 +209,7 @@ double ExponentialMotion::collocation_error(const Part& part) noexcept {
 
 double ExponentialMotion::rounding_size(const Part& part) noexcept {
   // g is what f and A y + B u leave of each other, so that these round in it; the floor may have
-  // drifted far.
+  // drifted far, and displacements at the operating point may be large beside those of the run.
   change_ = y_.cwiseAbs();
   linear_rate_.noalias() = A_sizes_ * change_;
   q_r_ = start_.q_r.cwiseAbs();
@@ -200,6 +217,7 @@ double ExponentialMotion::rounding_size(const Part& part) noexcept {
   q_r_ = start_.q_r_dot.cwiseAbs();
   linear_rate_.noalias() += B_v_sizes_ * q_r_;
   linear_rate_ *= 8 * std::numeric_limits<double>::epsilon();
+  linear_rate_.head(equations_.n_d()) += 8 * equations_.rounding();
   change_.noalias() = part.W_sizes * linear_rate_;
   return size_of(change_);
 }
@@ -264,13 +282,14 @@ ExponentialMotion::Outcome ExponentialMotion::attempt(const Drive& drive, double
 Motion::Status ExponentialMotion::advance(const Drive& drive, double duration) noexcept {
   std::int64_t done = 0;  // in parts of duration / 2^halvings_
   whole_ = duration;
-  acceleration_ = 0;
+  known_ = {};
   begin_ = y_;
   while (done < (std::int64_t{1} << halvings_)) {
     const double h = std::ldexp(duration, -halvings_);
-    const double known = acceleration_;
     const Outcome outcome = attempt(drive, static_cast<double>(done) * h, part(drive, h));
     if (outcome == Outcome::ok) {
+      known_ = seen_;
+      equations_.keep();
       y_.swap(end_);
       last_duration_ = h;
       ++done;
@@ -284,7 +303,8 @@ Motion::Status ExponentialMotion::advance(const Drive& drive, double duration) n
     // An attempt whose sweeps did not settle may have been anywhere. One that did knows what is to
     // come in the part: where motion begins at its end, shorter parts alone would each be compared
     // with next to nothing.
-    if (!settled_) acceleration_ = known;
+    if (settled_) known_ = seen_;
+    equations_.go_back();
     g_.setZero();
     last_duration_ = 0;
     if (++halvings_ > most_halvings) {

@@ -40,11 +40,17 @@ class ExponentialMotion final : public NonlinearMotion {
   static constexpr int n_nodes = 3;
   struct Part;  ///< the matrices of one duration
   enum class Outcome { ok, halve, cannot_evaluate };
+  /// What errors are weighed by: the largest acceleration (m/s^2), and how far the rates went from
+  /// where the part began (m/s).
+  struct Scale {
+    double acceleration = 0, change = 0;
+  };
 
   const Part& part(const Drive& drive, double duration);
   Outcome attempt(const Drive& drive, double from, const Part& part) noexcept;
   bool evaluate_rests(const Drive& drive, double from, const Part& part) noexcept;
   void start_sweeps(const Drive& drive, double from, const Part& part) noexcept;
+  double least_acceleration() const noexcept;
   /// The largest of the three kinds of entries of dy over what the tolerance allows there.
   double size_of(const Eigen::VectorXd& dy) const noexcept;
   double rate_of_first(double size) noexcept;
@@ -72,7 +78,8 @@ class ExponentialMotion final : public NonlinearMotion {
   Eigen::VectorXd legs_a_;     ///< n_legs, driving stresses that the linear part counts
   Eigen::MatrixXd nodes_;      ///< n x 3, y at the nodes
   Eigen::MatrixXd g_, g_new_;  ///< n_g x 3, g of the last sweep and of the present one
-  double acceleration_ = 0;    ///< m/s^2, largest of the present part
+  /// Of the part that is being advanced: what sweeps that settled saw, and with the present one.
+  Scale known_, seen_;
   double whole_ = 0;           ///< s, duration of the part that is being advanced
   double last_duration_ = 0;   ///< s, of the part whose g is there; 0: there is none
   double rate_ago_ = 1;        ///< of the convergence of the sweeps, as last seen, aged since

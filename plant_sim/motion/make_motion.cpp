@@ -39,6 +39,10 @@ constexpr double implicit_weight = 0.6;
 /// and 3e6 radians in a part random scenes were off by per cents at 1e-6 (102000296, 101001150).
 constexpr double most_exact = 100;
 
+/// The same up to which explicit steps can be afforded beside a rotor, where `auto` has no other
+/// method for large motion: some two stages for each radian.
+constexpr double most_affordable = 50;
+
 /// Whether the forces of the legs have the closed form that the linear answer counts with.
 bool in_closed_form(const Drive& drive) {
   return !drive.actuators().lags() || drive.actuators().exponential();
@@ -79,6 +83,17 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   signals.insert(signals.end(), scene.monitors.begin(), scene.monitors.end());
   const FramePoints points(model, merged.carried, signals);
   const double tolerance = scene.simulation.relative_tolerance;
+  // The nodal method keeps its tolerance of what a rotor's own points do (docs/scene.md), beside
+  // which a frame may be quiet.
+  const bool automatic = scene.simulation.method == PlantMethod::automatic;
+  const bool beside_rotor = automatic && nominal.moving();
+  if (beside_rotor && choice.method == PlantMethod::nodal) {
+    choice = in_closed_form(drive)
+                 ? MotionChoice{PlantMethod::exponential, "the operating point moves"}
+                 : MotionChoice{PlantMethod::dormand_prince,
+                                "the operating point moves, and the forces of the legs bend "
+                                "within a sample"};
+  }
   const auto equations = [&] {
     return MinimalEquations(model, nominal, drive.legs(), filter_rate);
   };
@@ -105,16 +120,14 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
                                           minimal.n_filtered(), drive, durations);
   }
   const double fastest = spectral_radius(linear.A) * durations.front();
-  // Beside a rotor the nodal method would not keep its tolerance (docs/scene.md).
-  if (scene.simulation.method == PlantMethod::automatic && fastest > most_exact &&
-      !nominal.moving()) {
+  if (automatic && fastest > most_exact && !beside_rotor) {
     choice = {PlantMethod::nodal, "modes turn by more than a hundred radians in a sample"};
     return nodal_motion();
   }
   auto small = std::make_unique<ExponentialMotion>(std::move(minimal), std::move(linear), points,
                                                    exponential_share * tolerance, drive, durations);
-  if (scene.simulation.method != PlantMethod::automatic) return small;
-  if (fastest <= most_explicit) {
+  if (!automatic || (beside_rotor && fastest > most_affordable)) return small;
+  if (fastest <= most_explicit || beside_rotor) {
     return std::make_unique<AdaptiveMotion>(std::move(small), explicit_motion(), 1.0, size);
   }
   return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), implicit_weight, size);

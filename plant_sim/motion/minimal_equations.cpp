@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/dynamics.hpp"
+#include "core/model/local.hpp"
 
 namespace stillframe {
 
@@ -34,31 +35,50 @@ MinimalEquations::MinimalEquations(const Model& model, const NominalMotion& nomi
   nominal.place(data_);
   accelerations(model, data_, nominal.state, sigma_a_, q_d_ddot_);
   // Where the forces happen to cancel to the last bit, the next position has their rounding.
-  Eigen::VectorXd stresses = data_.sigma.cwiseAbs();
-  for (const ModelElement& item : model.elements) {
-    for (Index i = 0; i < item.S.rows(); ++i) {
-      for (Index k = 0; k < item.S.cols(); ++k) {
-        stresses(item.row[static_cast<size_t>(i)]) +=
-            std::abs(item.S(i, k) * data_.e(item.row[static_cast<size_t>(k)]));
-      }
-    }
-  }
-  Eigen::VectorXd forces = data_.DF_e.cwiseAbs().transpose() * stresses.tail(model.n_redundant) +
-                           data_.DF.cwiseAbs().transpose() * data_.f.cwiseAbs();
-  for (Index i = 0; i < model.n_d; ++i) {
-    const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
-    if (dof.is_deformation) forces(i) += stresses(dof.index);
-  }
-  const Eigen::VectorXd rounding =
-      std::numeric_limits<double>::epsilon() *
-      (data_.M_dd.llt().solve(Eigen::MatrixXd::Identity(model.n_d, model.n_d)).cwiseAbs() * forces);
+  const Eigen::VectorXd of_stresses = accelerations_of_rounding(stress_sizes(false));
   rest_acceleration_ = std::max((q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>(),
-                                rounding.lpNorm<Eigen::Infinity>());
+                                of_stresses.lpNorm<Eigen::Infinity>());
+  rounding_ = accelerations_of_rounding(stress_sizes(true));
   see_rounding_on_the_way(nominal);
   sigma_0_ = data_.sigma;
-  reached_x_ = before_x_ = data_.x;
-  reached_e_ = before_e_ = data_.e;
+  branch_ = data_.J.sign();
+  reached_x_ = before_x_ = kept_x_ = data_.x;
+  reached_e_ = before_e_ = kept_e_ = data_.e;
   q_d_ddot_ = nominal.q_d_ddot;
+}
+
+/// What stresses are sums of (n_e, N): themselves, what each deformation makes of them, and, if
+/// asked for, what each displacement of a node does, of which a light and stiff element leaves
+/// little where both its ends have come far.
+Eigen::VectorXd MinimalEquations::stress_sizes(bool of_displacements) const {
+  Eigen::VectorXd sizes = data_.sigma.cwiseAbs();
+  LocalVector u;
+  for (size_t k = 0; k < model_.elements.size(); ++k) {
+    const ModelElement& item = model_.elements[k];
+    if (item.S.size() == 0) continue;
+    Eigen::VectorXd e(item.S.cols());
+    for (Index j = 0; j < e.size(); ++j) e(j) = std::abs(data_.e(item.row[static_cast<size_t>(j)]));
+    if (of_displacements) {
+      gather(item.parts, data_.x, u);
+      e += data_.D[k].cwiseAbs() * u.cwiseAbs();
+    }
+    const Eigen::VectorXd of_element = item.S.cwiseAbs() * e;
+    for (Index i = 0; i < e.size(); ++i) sizes(item.row[static_cast<size_t>(i)]) += of_element(i);
+  }
+  return sizes;
+}
+
+/// Of stresses of these sizes (n_e): of each q''^d (n_d).
+Eigen::VectorXd MinimalEquations::accelerations_of_rounding(const Eigen::VectorXd& stresses) const {
+  Eigen::VectorXd forces = data_.DF_e.cwiseAbs().transpose() * stresses.tail(model_.n_redundant) +
+                           data_.DF.cwiseAbs().transpose() * data_.f.cwiseAbs();
+  for (Index i = 0; i < model_.n_d; ++i) {
+    const Model::Dof& dof = model_.dofs[static_cast<size_t>(i)];
+    if (dof.is_deformation) forces(i) += stresses(dof.index);
+  }
+  const auto identity = Eigen::MatrixXd::Identity(model_.n_d, model_.n_d);
+  return std::numeric_limits<double>::epsilon() *
+         (data_.M_dd.llt().solve(identity).cwiseAbs() * forces);
 }
 
 /// Beside a rotor the accelerations round anew at each of its angles, also where no force acts. All
@@ -80,8 +100,8 @@ void MinimalEquations::see_rounding_on_the_way(const NominalMotion& nominal) {
     if (accelerations(model_, data_, at, sigma_a_, q_d_ddot_) != DynamicsStatus::ok) break;
     const double seen = (q_d_ddot_ - nominal.q_d_ddot).lpNorm<Eigen::Infinity>();
     constexpr double most = 1e-11;  // of a rotor's accelerations, by way of an ill-conditioned J
-    rest_acceleration_ = std::max(
-        rest_acceleration_, std::min(seen, most * data_.x_ddot.lpNorm<Eigen::Infinity>()));
+    rest_acceleration_ =
+        std::max(rest_acceleration_, std::min(seen, most * data_.x_ddot.lpNorm<Eigen::Infinity>()));
   }
   nominal.place(data_);
   accelerations(model_, data_, begin, sigma_a_, q_d_ddot_);
@@ -96,9 +116,13 @@ bool MinimalEquations::evaluate(const Inputs& inputs, double t,
   state_.q_d_dot = y.segment(n, n);
   inputs.at(t, state_.q_r, state_.q_r_dot, state_.q_r_ddot, sigma_a_);
   data_.external = inputs.external().size() > 0 ? &inputs.external() : nullptr;
-  if (accelerations(model_, data_, state_, sigma_a_, q_d_ddot_) != DynamicsStatus::ok) {
-    go_back();  // where the shorter step begins that is tried next
-    return false;
+  if (!solve()) {
+    // What an attempt that came to nothing has found may be far from the motion.
+    go_back();
+    if (!solve()) {
+      go_back();  // where the shorter step begins that is tried next
+      return false;
+    }
   }
   reached_x_ = data_.x;
   reached_e_ = data_.e;
@@ -119,13 +143,26 @@ bool MinimalEquations::look(const Inputs& inputs, double t,
   const bool found = evaluate(inputs, t, y, dy_dt);
   reached_x_ = before_x_;
   reached_e_ = before_e_;
-  go_back();
+  return_to(reached_x_, reached_e_);
   return found;
 }
 
-void MinimalEquations::go_back() noexcept {
-  data_.x = reached_x_;
-  data_.e = reached_e_;
+bool MinimalEquations::solve() noexcept {
+  // Newton's method may find the same dofs on the other side of a dead point, where J is singular.
+  return accelerations(model_, data_, state_, sigma_a_, q_d_ddot_) == DynamicsStatus::ok &&
+         data_.J.sign() == branch_;
+}
+
+void MinimalEquations::keep() noexcept {
+  kept_x_ = reached_x_;
+  kept_e_ = reached_e_;
+}
+
+void MinimalEquations::go_back() noexcept { return_to(kept_x_, kept_e_); }
+
+void MinimalEquations::return_to(const Eigen::VectorXd& x, const Eigen::VectorXd& e) noexcept {
+  data_.x = x;
+  data_.e = e;
   geometric_transfer_functions(model_, data_);
 }
 
@@ -147,8 +184,11 @@ bool MinimalEquations::hand_over(const Drive& drive, const Eigen::VectorXd& y,
 }
 
 void MinimalEquations::take_over(const MotionSnapshot& from) noexcept {
-  reached_x_ = data_.x = from.x;
-  reached_e_ = data_.e = from.e;
+  reached_x_ = kept_x_ = from.x;
+  reached_e_ = kept_e_ = from.e;
+  // Another formulation may have gone through a dead point.
+  go_back();
+  branch_ = data_.J.sign();
   q_d_ddot_.setZero();
 }
 

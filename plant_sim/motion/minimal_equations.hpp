@@ -28,14 +28,20 @@ class MinimalEquations {
   const Model& model() const noexcept { return model_; }
   const std::vector<Index>& legs() const noexcept { return legs_; }
 
-  /// f(t, y) under the inputs, t in s; false if it cannot be evaluated there. Leaves positions,
-  /// rates and stresses there in data().
+  /// f(t, y) under the inputs, t in s; false if it cannot be evaluated there, or only beyond a dead
+  /// point, at which dofs do not say where the frame is. Leaves positions, rates and stresses there
+  /// in data().
   bool evaluate(const Inputs& inputs, double t, const Eigen::Ref<const Eigen::VectorXd>& y,
                 Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept;
   /// The same of a y that need not be where the motion comes to: the next evaluation starts from
   /// the positions of before. Near a singular one those at y may be on the other side of it.
   bool look(const Inputs& inputs, double t, const Eigen::Ref<const Eigen::VectorXd>& y,
             Eigen::Ref<Eigen::VectorXd> dy_dt) noexcept;
+
+  /// The motion has come to the last y that was evaluated.
+  void keep() noexcept;
+  /// Back to where it has come to: what an attempt in vain has found since may be anywhere.
+  void go_back() noexcept;
 
   /// y at the operating point (n).
   Eigen::VectorXd start() const;
@@ -56,14 +62,21 @@ class MinimalEquations {
   /// Largest acceleration that rounding leaves in the operating point (m/s^2, rad/s^2): no error below
   /// it means anything.
   double rest_acceleration() const noexcept { return rest_acceleration_; }
+  /// What rounding of the displacements and stresses there makes of each q''^d (n_d), beside what
+  /// its forces make: that of a stiff and light element may be much, but is over as soon.
+  const Eigen::VectorXd& rounding() const noexcept { return rounding_; }
   /// q''^d at the last evaluation.
   const Eigen::VectorXd& q_d_ddot() const noexcept { return q_d_ddot_; }
   long evaluations() const noexcept { return evaluations_; }
 
  private:
+  Eigen::VectorXd stress_sizes(bool of_displacements) const;
+  Eigen::VectorXd accelerations_of_rounding(const Eigen::VectorXd& stresses) const;
   void see_rounding_on_the_way(const NominalMotion& nominal);
-  /// Back to the last positions that hold, with their factors.
-  void go_back() noexcept;
+  void return_to(const Eigen::VectorXd& x, const Eigen::VectorXd& e) noexcept;
+  /// Positions, rates and accelerations of state_, on the branch of where the motion has been;
+  /// false if there are none.
+  bool solve() noexcept;
 
   const Model& model_;
   std::vector<Index> legs_;
@@ -72,10 +85,13 @@ class MinimalEquations {
   Data data_;
   Eigen::VectorXd reached_x_, reached_e_;  ///< n_x, n_e, at the last evaluation that could be made
   Eigen::VectorXd before_x_, before_e_;    ///< the same, before a look
+  Eigen::VectorXd kept_x_, kept_e_;        ///< the same, where the motion has been
   MotionState state_;
   Eigen::VectorXd q_0_, q_dot_0_, sigma_0_;  ///< n_d, n_d, n_e
   Eigen::VectorXd sigma_a_, q_d_ddot_;       ///< n_e, n_d
+  Eigen::VectorXd rounding_;                 ///< n_d
   double rest_acceleration_ = 0;
+  int branch_ = 1;  ///< sign of the determinant of J where the dofs say where the frame is
   long evaluations_ = 0;
 };
 

@@ -18,6 +18,8 @@ OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, double rela
       integrator_(
           equations_.n_d(),
           [this](double t, const Eigen::Ref<const VectorXd>& y, Eigen::Ref<VectorXd> dy_dt) {
+            if (t < last_t_) equations_.go_back();  // from a step that was not accepted
+            last_t_ = t;
             return equations_.evaluate(*drive_, t, y, dy_dt);
           },
           relative_tolerance_, equations_.n_filtered()),
@@ -26,6 +28,7 @@ OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, double rela
 
 Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept {
   drive_ = &drive;
+  last_t_ = 0;
   // The largest of two accelerations scales the error of this part: that at the end of what was
   // before, and that under the inputs at the end of this one, which a force that begins to rise
   // here from rest has as well. The floor has gone on there, and y has not.
@@ -48,7 +51,9 @@ Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept 
     case Integrator::Status::ok:
       break;
   }
-  return equations_.evaluate(drive, duration, y_, rate_) ? Status::ok : Status::equations_failed;
+  if (!equations_.evaluate(drive, duration, y_, rate_)) return Status::equations_failed;
+  equations_.keep();
+  return Status::ok;
 }
 
 bool OdeMotion::hand_over(const Drive& drive, MotionSnapshot& to) noexcept {

@@ -29,6 +29,7 @@ class OdeMotion final : public NonlinearMotion {
   FramePoints points_;
   const Drive* drive_ = nullptr;  ///< of the present part
   double relative_tolerance_, least_scale_;
+  double last_t_ = 0;  ///< s, of the last evaluation in the part
   Integrator integrator_;
   Eigen::VectorXd y_, rate_;
   long n_looks_ = 0;  ///< evaluations before and after parts

@@ -77,9 +77,8 @@ Status NodalMotion::finish(const Inputs& inputs, double duration) noexcept {
 Status NodalMotion::attempt(const Inputs& inputs, double duration) noexcept {
   Status status = begin(inputs);
   if (status != Status::ok) return status;
-  const double a = std::max(state_.x_ddot.lpNorm<Eigen::Infinity>(), least_scale_);
   const long steps = solver_.steps();
-  status = solver_.advance(state_, inputs, duration, a);
+  status = solver_.advance(state_, inputs, duration, least_scale_);
   // Where it needs many steps, large displacements and stresses may round more than before.
   if (solver_.steps() - steps > 8) rounding_known_ = false;
   return status == Status::ok ? finish(inputs, duration) : status;
@@ -99,8 +98,10 @@ Status NodalMotion::advance(const Inputs& inputs, double duration) noexcept {
     go_back();
     rounding_known_ = false;
     status = begin(inputs);
-    if (status == Status::ok && least_scale_ > least) status = attempt(inputs, duration);
-    else if (status == Status::ok) status = Status::failed;
+    if (status == Status::ok && least_scale_ > least)
+      status = attempt(inputs, duration);
+    else if (status == Status::ok)
+      status = Status::failed;
   }
   if (status != Status::ok) go_back();
   return status;

@@ -12,6 +12,12 @@ constexpr int max_steps = 100'000;  // within one part
 constexpr int max_iterations = 8;
 // Part of the tolerance that Newton's method may leave.
 constexpr double newton_share = 0.01;
+// Steps of an undamped mode err alike and add up: each may err by its share of the part. One of
+// less than that follows something that is over soon.
+constexpr double least_share = 0.01;
+// What an acceleration does in a part, in units of how far the rates really went: as in
+// exponential_motion.cpp.
+constexpr double of_change = 3;
 // Contraction from which new derivatives pay: each iteration costs a residual a stage.
 constexpr double slow_contraction = 0.02;
 
@@ -38,6 +44,7 @@ RadauSolver::RadauSolver(Equations& equations, double relative_tolerance, Index 
       r_(Eigen::VectorXd::Zero(equations.size())),
       dx_(Eigen::VectorXd::Zero(equations.n_free())),
       dv_(dx_),
+      begin_rates_(dx_),
       z_(Eigen::VectorXcd::Zero(equations.size())),
       stage_(equations.zero_state()) {
   for (size_t k = 0; k < method_.mu.size(); ++k) {
@@ -97,14 +104,27 @@ void RadauSolver::stage_residuals(const NodalState& start, const Inputs& inputs,
   evaluations_ += s;
 }
 
-double RadauSolver::weigh(double position, double rate, double acceleration) const noexcept {
+double RadauSolver::weigh(double position, double rate, double acceleration,
+                          double change) const noexcept {
   // The smallest normal numbers keep it finite for a frame at rest on a floor at rest.
-  const double scale = acceleration * duration_ + 1e-290;
-  return std::max(position / (scale * duration_ + 1e-290), rate / scale) / relative_tolerance_;
+  const double scale =
+      std::max(least_ * duration_, std::min(acceleration * duration_, of_change * change)) + 1e-290;
+  return std::max(position / (scale * duration_ + 1e-290), rate / scale) /
+         (share_ * relative_tolerance_);
+}
+
+/// How far the rates of the free coordinates went from where the part began, at the stages.
+double RadauSolver::change_of_rates(const NodalState& start, double h) noexcept {
+  const Index n = equations_.n_free();
+  rates_.noalias() = h * unknowns_.topRows(n) * method_.A.transpose();
+  dv_ = start.x_dot.head(n) - begin_rates_;
+  double most = 0;
+  for (Index i = 0; i < rates_.cols(); ++i) most = std::max(most, largest(rates_.col(i) + dv_));
+  return most;
 }
 
 /// One step of the simplified Newton method; its size against the tolerance.
-double RadauSolver::correct(double h) noexcept {
+double RadauSolver::correct(const NodalState& start, double h) noexcept {
   r_.noalias() = residuals_ * method_.T_inverse_real.transpose();
   equations_.solve(real_, r_);
   update_.noalias() = r_ * method_.T_real.transpose();
@@ -121,7 +141,8 @@ double RadauSolver::correct(double h) noexcept {
   const double a = largest(update_.topRows(equations_.n_free()));
   // Where all was at rest, what these stages have found is all there is to compare with.
   const double seen = largest(unknowns_.topRows(equations_.n_free()));
-  return weigh(h * h * a, h * a, std::max(acceleration_, seen));
+  return weigh(h * h * a, h * a, std::max(acceleration_, seen),
+               std::max(change_, change_of_rates(start, h)));
 }
 
 /// Local error against the tolerance: the difference to the embedded formula, whose stiff part the
@@ -136,7 +157,7 @@ double RadauSolver::error(const NodalState& start, double h) noexcept {
   equations_.add_mass_product(dv_, r_);
   equations_.add_stiffness_product(-c, dx_, r_);
   equations_.solve(real_, r_);
-  return weigh(largest(dx_ + c * r_.head(n)), largest(r_.head(n)), acceleration_);
+  return weigh(largest(dx_ + c * r_.head(n)), largest(r_.head(n)), acceleration_, change_);
 }
 
 bool RadauSolver::solve_stages(const NodalState& start, const Inputs& inputs, double t,
@@ -144,11 +165,11 @@ bool RadauSolver::solve_stages(const NodalState& start, const Inputs& inputs, do
   predict(start, h);
   double last = 0;
   // What rounding of the accelerations leaves of the tolerance.
-  const double least =
-      std::max(newton_share, 64 * std::numeric_limits<double>::epsilon() / relative_tolerance_);
+  const double least = std::max(
+      newton_share, 64 * std::numeric_limits<double>::epsilon() / (share_ * relative_tolerance_));
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     stage_residuals(start, inputs, t, h, nullptr);
-    const double size = correct(h);
+    const double size = correct(start, h);
     if (!std::isfinite(size)) return false;
     // How fast it converges is known from this step alone: matrices and motion may have changed
     // since any other. A first iteration that changes no more than may be left needs no second.
@@ -156,7 +177,7 @@ bool RadauSolver::solve_stages(const NodalState& start, const Inputs& inputs, do
     if (size <= least) return true;
     if (iteration > 0) {
       // With the right matrices only rounding keeps it from shrinking so close to the solution.
-      if (!(contraction_ < 0.9)) return fresh_ && size * relative_tolerance_ <= 1e-11;
+      if (!(contraction_ < 0.9)) return fresh_ && size * share_ * relative_tolerance_ <= 1e-11;
       if (size * contraction_ / (1 - contraction_) <= newton_share) return true;
     }
     last = size;
@@ -167,6 +188,7 @@ bool RadauSolver::solve_stages(const NodalState& start, const Inputs& inputs, do
 RadauSolver::Outcome RadauSolver::step(NodalState& state, const Inputs& inputs, double t,
                                        double h) noexcept {
   const Index n = equations_.n_free(), s = method_.c.size();
+  share_ = std::clamp(h / duration_, least_share, 1.0);
   const bool slow = contraction_ > slow_contraction && !fresh_;
   if (!has_derivatives_ || slow || std::abs(factored_h_ - h) > 1e-12 * h) {
     if (!renew(state, h, !has_derivatives_ || slow)) return Outcome::singular;
@@ -177,6 +199,7 @@ RadauSolver::Outcome RadauSolver::step(NodalState& state, const Inputs& inputs, 
     if (!solve_stages(state, inputs, t, h)) return Outcome::no_convergence;
   }
   acceleration_ = std::max(acceleration_, largest(unknowns_.topRows(n)));
+  change_ = std::max(change_, change_of_rates(state, h));
   error_ = error(state, h);
   if (!(error_ <= 1)) return Outcome::too_large;
   fresh_ = false;
@@ -197,10 +220,13 @@ RadauSolver::Outcome RadauSolver::step(NodalState& state, const Inputs& inputs, 
 }
 
 Status RadauSolver::advance(NodalState& state, const Inputs& inputs, double duration,
-                            double acceleration) noexcept {
+                            double least) noexcept {
   const Index s = method_.c.size();
   duration_ = duration;
-  acceleration_ = acceleration;
+  least_ = least;
+  acceleration_ = largest(state.x_ddot.head(equations_.n_free()));
+  change_ = 0;
+  begin_rates_ = state.x_dot.head(equations_.n_free());
   if (suggested_h_ == 0) suggested_h_ = duration;
   double t = 0;
   for (int k = 0; k < max_steps; ++k) {

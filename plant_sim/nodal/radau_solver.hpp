@@ -24,11 +24,11 @@ class RadauSolver {
   RadauSolver(Equations& equations, double relative_tolerance, Index stages = 5);
 
   /// Moves a consistent state on by a duration (s), from t = 0 of the inputs. The error of a step
-  /// is kept below the relative tolerance times what an acceleration does in the duration: the
-  /// largest of the part, at least the one given (m/s^2, rad/s^2). The accelerations and multipliers
-  /// of the result are those of the last stage.
+  /// is kept below its share of the relative tolerance times what an acceleration does in the
+  /// duration: the largest of the part, as far as rates follow it, at least the one given (m/s^2,
+  /// rad/s^2). The accelerations and multipliers of the result are those of the last stage.
   Status advance(NodalState& state, const Inputs& inputs, double duration,
-                 double acceleration) noexcept;
+                 double least) noexcept;
   /// Goes on elsewhere: nothing is taken from the last step.
   void forget() noexcept { previous_h_ = 0; }
 
@@ -51,9 +51,10 @@ class RadauSolver {
   bool solve_stages(const NodalState& start, const Inputs& inputs, double t, double h) noexcept;
   void stage_residuals(const NodalState& start, const Inputs& inputs, double t, double h,
                        LowPass* seen) noexcept;
-  double correct(double h) noexcept;
+  double change_of_rates(const NodalState& start, double h) noexcept;
+  double correct(const NodalState& start, double h) noexcept;
   double error(const NodalState& start, double h) noexcept;
-  double weigh(double position, double rate, double acceleration) const noexcept;
+  double weigh(double position, double rate, double acceleration, double change) const noexcept;
 
   Equations& equations_;
   Collocation method_;
@@ -64,11 +65,14 @@ class RadauSolver {
   Eigen::MatrixXd rates_, moves_;                           ///< n_f x s, h A a and h^2 A^2 a
   Eigen::MatrixXd ahead_;  ///< s x s, from the stages of the last step to those of the next
   double ahead_ratio_ = 0;
-  Eigen::VectorXd r_, dx_, dv_;
+  Eigen::VectorXd r_, dx_, dv_, begin_rates_;
   Eigen::VectorXcd z_;
   NodalState stage_;
   std::optional<LowPass> low_pass_;
   double duration_ = 0, acceleration_ = 0;  ///< s, m/s^2: of the present part, the largest in it
+  double least_ = 0;   ///< m/s^2, acceleration that counts in any case
+  double change_ = 0;  ///< m/s, how far the rates of the part went from where it began
+  double share_ = 1;   ///< of the tolerance, for the present step
   double error_ = 0;
   double factored_h_ = 0, previous_h_ = 0, suggested_h_ = 0;  ///< s, 0: none yet
   double contraction_ = 0;  ///< of Newton's method in the last step that needed two iterations

@@ -99,6 +99,16 @@ class Analyser : public LogVisitor {
       column_of(info.frame_names, axis.floor);  // an error now and not behind the first block
       column_of(info.frame_names, axis.frame);
     }
+    if (plan_.axis_signals.output.empty()) plan_.axis_signals = signals_by_name(plan_.axes);
+    for (const std::string& name : axis_signals().inputs) {
+      floor_columns_.push_back(column_of(info.frame_names, name));
+    }
+    for (const std::string& name : plan_.axis_signals.dependent_floors) {
+      floor_columns_.push_back(column_of(info.frame_names, name));
+    }
+    for (const std::string& name : axis_signals().outputs) {
+      frame_columns_.push_back(column_of(info.frame_names, name));
+    }
     if (plan_.model && !plan_.multisine) model_.emplace(plan_.model->loop);
     plan_responses(info);
   }
@@ -141,6 +151,7 @@ class Analyser : public LogVisitor {
     LogAnalysis result;
     result.scan = std::move(scan);
     result.floor = std::move(floor_);
+    result.axis_signals = plan_.axis_signals;
     for (const Axis& axis : axes_) {
       AxisAnalysis done{axis.name, axis.floor.finish(), axis.frame.finish(), {}, {}};
       if (has_unexplained()) done.unexplained = axis.unexplained.finish();
@@ -170,10 +181,13 @@ class Analyser : public LogVisitor {
   void start(double first_time_s) {
     first_time_s_ = first_time_s;
     const double rate = info_.sample_rate_hz;
+    const std::int64_t n = info_.n_samples;
     for (const AxisPlan& axis : plan_.axes) {
       axes_.push_back({axis.name, column_of(info_.frame_names, axis.floor),
-                       column_of(info_.frame_names, axis.frame), SignalAnalyser(rate, first_time_s),
-                       SignalAnalyser(rate, first_time_s), RunningPower(rate)});
+                       column_of(info_.frame_names, axis.frame),
+                       SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n),
+                       SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n),
+                       RunningPower(rate, plan_.lowest_hz, n)});
     }
     for (const std::string& leg : info_.leg_names) legs_.emplace_back(leg, rate, first_time_s);
   }
@@ -202,15 +216,13 @@ class Analyser : public LogVisitor {
       }
     }
     if (!plan_.axes.empty() && !plan_.multisine) {
-      ResponseSignals signals;
-      for (const AxisPlan& axis : plan_.axes) {
-        signals.inputs.push_back(axis.floor);
-        signals.outputs.push_back(axis.frame);
-      }
-      broadband.n_inputs = broadband.n_outputs = static_cast<Index>(plan_.axes.size());
+      broadband.n_inputs = std::ssize(axis_signals().inputs);
+      broadband.n_outputs = std::ssize(axis_signals().outputs);
       broadband.input_noise.reset();  // of channels of their own
       axis_matrix_ = std::make_unique<ResponseAnalyser>(
-          signals, broadband, plan_.model ? plan_.model->axes : std::vector<Eigen::MatrixXcd>{});
+          axis_signals(), broadband,
+          plan_.model ? plan_.model->axes : std::vector<Eigen::MatrixXcd>{},
+          plan_.axis_signals.dependent_floors);
     }
   }
 
@@ -237,7 +249,7 @@ class Analyser : public LogVisitor {
     n_samples_ += block.n_samples();
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       axes_[a].unexplained.skip(doubtful);
-      const auto column = plan_.n_outputs + static_cast<Index>(a);
+      const auto column = plan_.n_outputs + plan_.axis_signals.output[a];
       axes_[a].unexplained.add(block.frame_acceleration.col(axes_[a].frame_column).tail(n) -
                                predicted.col(column).tail(n));
     }
@@ -246,19 +258,20 @@ class Analyser : public LogVisitor {
   bool has_unexplained() const { return model_ && 2 * n_explained_ > n_samples_; }
 
   void add_axes(const SampleBlock& block, const MatrixXd& predicted) {
-    MatrixXd floors(block.n_samples(), static_cast<Index>(axes_.size())), frames = floors;
-    for (std::size_t a = 0; a < axes_.size(); ++a) {
-      floors.col(static_cast<Index>(a)) = block.frame_acceleration.col(axes_[a].floor_column);
-      frames.col(static_cast<Index>(a)) = block.frame_acceleration.col(axes_[a].frame_column);
-    }
+    const MatrixXd floors = block.frame_acceleration(Eigen::all, floor_columns_);
+    const MatrixXd frames = block.frame_acceleration(Eigen::all, frame_columns_);
+    const MatrixXd inputs = floors.leftCols(std::ssize(axis_signals().inputs));
     const bool about_model = model_ && !plan_.model->axes.empty();
-    if (!about_model) return axis_matrix_->add(block.first_seq, floors, frames);
-    axis_matrix_->add(block.first_seq, floors, frames, predicted.rightCols(floors.cols()),
-                      block.floor_acceleration * plan_.model->floors.transpose());
+    if (!about_model) return axis_matrix_->add(block.first_seq, inputs, frames);
+    axis_matrix_->add(block.first_seq, inputs, frames, predicted.rightCols(frames.cols()),
+                      floors - block.floor_acceleration * plan_.model->floors.transpose());
   }
+
+  const ResponseSignals& axis_signals() const { return plan_.axis_signals.signals; }
 
   const std::function<AnalysisPlan(const run_info_t&)>& plan_of_;
   AnalysisPlan plan_;
+  std::vector<Index> floor_columns_, frame_columns_;  ///< of the axes' signals
   run_info_t info_;
   double first_time_s_ = 0;  ///< plant time
   FloorSamples floor_;

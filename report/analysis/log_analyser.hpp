@@ -10,6 +10,7 @@
 
 #include "core/linear/multisine_plan.hpp"
 #include "core/linear/sampled_loop.hpp"
+#include "report/analysis/axis_signals.hpp"
 #include "report/analysis/duration_histogram.hpp"
 #include "report/analysis/floor_samples.hpp"
 #include "report/analysis/level_track.hpp"
@@ -19,32 +20,29 @@
 
 namespace stillframe::report {
 
-/// A direction in which what moves below is compared with what moves above, by names of
-/// run_info_t.frame_names.
-struct AxisPlan {
-  std::string name, floor, frame;
-};
-
 /// The loop that ran, as its model has it.
 struct RunModel {
-  /// From the floor inputs to the first n_outputs frame accelerations and then the frames of the
-  /// axes.
+  /// From the floor inputs to the first n_outputs frame accelerations and then the outputs of
+  /// AnalysisPlan::axis_signals.
   SampledLoop loop;
-  /// T at the frequencies of broadband identification: of the outputs, and from the floors to the
-  /// frames of the axes; none if the floors of the axes do not tell how the floor moves.
+  /// T at the frequencies of broadband identification: of the outputs, and of the axes' signals;
+  /// none if the floors of the axes do not tell how the floor moves.
   std::vector<Eigen::MatrixXcd> matrix, axes;
-  /// The floors of the axes as the floor inputs move them, axes x floor inputs, if axes are there.
+  /// The inputs of the axes' signals and then their dependent floors, as the floor inputs move
+  /// them, so many x floor inputs, if axes are there.
   Eigen::MatrixXd floors = {};
 };
 
 /// What is looked for in a log.
 struct AnalysisPlan {
   std::vector<AxisPlan> axes;
+  AxisSignals axis_signals = {};  ///< of the axes; none: those by name
   /// From the floor inputs to the first n_outputs frame accelerations; none: no matrix is sought.
   Eigen::Index n_outputs = 0;
   std::optional<MultisinePlan> multisine;  ///< that moved the floor, if one did
   std::vector<double> frequencies_hz;      ///< of broadband identification
   double segment_s = 64;                   ///< of broadband identification
+  double lowest_hz = 1;                    ///< of the ranges that levels are judged in
   /// unit / sqrt(Hz), of the sensors of the floor inputs, if it is known.
   std::optional<double> floor_noise = {};
   std::optional<RunModel> model = {};
@@ -65,10 +63,11 @@ struct LogAnalysis {
   LogScan scan;
   FloorSamples floor;
   std::vector<AxisAnalysis> axes;
+  AxisSignals axis_signals;  ///< of axis_matrix
   std::vector<LegAnalysis> legs;
   std::string unexplained_missing;                ///< why no axis has it
   std::optional<IdentifiedResponse> matrix;       ///< all floor inputs to the outputs
-  std::optional<IdentifiedResponse> axis_matrix;  ///< floors to frames of all axes
+  std::optional<IdentifiedResponse> axis_matrix;  ///< between axis_signals
   DurationHistogram wake_up, compute;             ///< wall-clock runs, of the controller
   /// Wall-clock runs: periods of the controller, those whose measurement it rejected, and those in
   /// which it sent a command.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/yaml/input_error.hpp"
@@ -28,23 +29,23 @@ ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const MultisinePlan&
 
 namespace {
 
-/// With a model, what it leaves of the outputs and of the inputs stands before the outputs.
-BroadbandPlan with_residual(BroadbandPlan plan, bool model) {
-  if (model) plan.n_outputs += plan.n_outputs + plan.n_inputs;
+/// With a model, what it leaves of the outputs and of n channels of the floor stands before the
+/// outputs.
+BroadbandPlan with_residual(BroadbandPlan plan, bool model, Index n) {
+  if (model) plan.n_outputs += plan.n_outputs + n;
   return plan;
 }
 
-/// Whether inputs are the motion that the model follows.
+/// Whether channels of the floor are the motion that the model follows.
 struct InputDifference {
   std::vector<bool> shows;  ///< at a frequency, beyond its band and what is allowed
   std::string why;          ///< they are not, if that shows at more than half of the frequencies
 };
 
-/// residual: as in about_model.
-InputDifference input_difference(const FrequencyResponse& residual,
-                                 const ResponseSignals& signals) {
-  const auto n_y = static_cast<Index>(signals.outputs.size());
-  const auto n_w = static_cast<Index>(signals.inputs.size());
+/// residual: as in about_model, with what is left of all channels behind that of the n_y outputs.
+InputDifference input_difference(const FrequencyResponse& residual, Index n_y,
+                                 const std::vector<std::string>& channels) {
+  const auto n = static_cast<Index>(channels.size());
   const double allowed = std::pow(10, largest_input_difference_db / 20) - 1;
   InputDifference result{std::vector<bool>(residual.T.size(), false), {}};
   Index n_known = 0, n_shown = 0;
@@ -53,15 +54,15 @@ InputDifference input_difference(const FrequencyResponse& residual,
     if (!(residual.input_condition(l) < largest_shown_condition)) continue;
     ++n_known;
     const auto at = static_cast<std::size_t>(l);
-    const MatrixXd size = residual.T[at].middleRows(n_y, n_w).cwiseAbs();
-    const MatrixXd beyond = size - entry_radii(residual, l, 0.95).middleRows(n_y, n_w);
-    Index input = 0, by = 0;
-    if (!(beyond.maxCoeff(&input, &by) > allowed)) continue;
+    const MatrixXd size = residual.T[at].middleRows(n_y, n).cwiseAbs();
+    const MatrixXd beyond = size - entry_radii(residual, l, 0.95).middleRows(n_y, n);
+    Index channel = 0, by = 0;
+    if (!(beyond.maxCoeff(&channel, &by) > allowed)) continue;
     ++n_shown;
     result.shows[at] = true;
-    if (size(input, by) <= largest) continue;
-    largest = size(input, by);
-    result.why = signals.inputs[static_cast<std::size_t>(input)] +
+    if (size(channel, by) <= largest) continue;
+    largest = size(channel, by);
+    result.why = channels[static_cast<std::size_t>(channel)] +
                  " is not the motion of the floor's inputs: " +
                  cell("at %.4g Hz it differs from it by %.3g %%, ", residual.frequencies_hz[at],
                       100 * largest) +
@@ -74,21 +75,27 @@ InputDifference input_difference(const FrequencyResponse& residual,
 }  // namespace
 
 ResponseAnalyser::ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan,
-                                   std::vector<Eigen::MatrixXcd> model)
+                                   std::vector<Eigen::MatrixXcd> model,
+                                   std::vector<std::string> further)
     : model_(std::move(model)),
+      checked_(signals.inputs),
       density_(2 / plan.sample_rate_hz),
       input_noise_(plan.input_noise),
-      method_(std::in_place_type<LocalPolynomial>, with_residual(plan, !model_.empty())) {
+      method_(std::in_place_type<LocalPolynomial>,
+              with_residual(plan, !model_.empty(), plan.n_inputs + std::ssize(further))) {
+  std::move(further.begin(), further.end(), std::back_inserter(checked_));
   result_.signals = std::move(signals);
   result_.method = "broadband";
 }
 
 void ResponseAnalyser::add(std::int64_t first_seq, const MatrixXd& inputs, const MatrixXd& outputs,
-                           const MatrixXd& predicted, const MatrixXd& followed) {
+                           const MatrixXd& predicted, const MatrixXd& strayed) {
   if (auto* broadband = std::get_if<LocalPolynomial>(&method_)) {
     if (model_.empty()) return broadband->add(first_seq, inputs, outputs);
-    MatrixXd all(outputs.rows(), 2 * outputs.cols() + inputs.cols());
-    all << outputs - predicted, inputs - (followed.size() > 0 ? followed : inputs), outputs;
+    MatrixXd all = MatrixXd::Zero(outputs.rows(), 2 * outputs.cols() + std::ssize(checked_));
+    all.leftCols(outputs.cols()) = outputs - predicted;
+    if (strayed.size() > 0) all.middleCols(outputs.cols(), strayed.cols()) = strayed;
+    all.rightCols(outputs.cols()) = outputs;
     return broadband->add(first_seq, inputs, all);
   }
   auto& lines = std::get<Lines>(method_);
@@ -122,7 +129,8 @@ IdentifiedResponse ResponseAnalyser::finish() {
   FrequencyResponse response = broadband.estimate();
   std::vector<bool> other_motion(response.T.size(), false);
   if (!model_.empty()) {
-    InputDifference difference = input_difference(response, result.signals);
+    InputDifference difference =
+        input_difference(response, std::ssize(result.signals.outputs), checked_);
     result.missing = difference.why;
     if (!result.missing.empty()) return result;
     other_motion = std::move(difference.shows);

@@ -37,15 +37,15 @@ class ResponseAnalyser {
   /// By the plan's lines; memory of the plan's length.
   ResponseAnalyser(ResponseSignals signals, const MultisinePlan& plan);
   /// model: T of the loop that runs at the plan's frequencies, about which is identified; none: it
-  /// is not known.
+  /// is not known. further: names of channels of the same floor that are no inputs.
   ResponseAnalyser(ResponseSignals signals, const BroadbandPlan& plan,
-                   std::vector<Eigen::MatrixXcd> model = {});
+                   std::vector<Eigen::MatrixXcd> model = {}, std::vector<std::string> further = {});
 
   /// Rows that follow one another; seq as LocalPolynomial::add. predicted: what the model makes of
-  /// the floor, as outputs, if there is one. followed: the inputs as the floor that the model
-  /// follows moves them, as inputs; none: they are that floor.
+  /// the floor, as outputs, if there is one. strayed: the inputs, and then the further channels, less
+  /// the motion of the floor that the model follows; none: they are that motion.
   void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
-           const Eigen::MatrixXd& predicted = {}, const Eigen::MatrixXd& followed = {});
+           const Eigen::MatrixXd& predicted = {}, const Eigen::MatrixXd& strayed = {});
   IdentifiedResponse finish();
 
  private:
@@ -55,6 +55,7 @@ class ResponseAnalyser {
   };
   IdentifiedResponse result_;
   std::vector<Eigen::MatrixXcd> model_;
+  std::vector<std::string> checked_;  ///< channels that are to be the floor that the model follows
   double density_ = 0;  ///< output unit^2 / Hz, of noise of variance 1 in each equation
   std::optional<double> input_noise_ = {};  ///< BroadbandPlan
   std::variant<Lines, LocalPolynomial> method_;

@@ -19,9 +19,10 @@ Eigen::Index segment_of(double sample_rate_hz) {
 
 }  // namespace
 
-SignalAnalyser::SignalAnalyser(double sample_rate_hz, double first_time_s)
+SignalAnalyser::SignalAnalyser(double sample_rate_hz, double first_time_s, double lowest_hz,
+                               std::int64_t expected)
     : density_(sample_rate_hz, segment_of(sample_rate_hz)),
-      power_(sample_rate_hz),
+      power_(sample_rate_hz, lowest_hz, expected),
       envelope_(1 / sample_rate_hz, first_time_s),
       levels_(sample_rate_hz) {}
 
@@ -58,7 +59,7 @@ SignalAnalysis SignalAnalyser::finish() const {
 }
 
 SignalAnalysis analyse_signal(const Eigen::VectorXd& x, double sample_rate_hz) {
-  SignalAnalyser analyser(sample_rate_hz);
+  SignalAnalyser analyser(sample_rate_hz, 0, 1, x.size());
   analyser.add(x);
   return analyser.finish();
 }

@@ -6,6 +6,7 @@
 
 #include "report/analysis/level_track.hpp"
 #include "report/page/envelope.hpp"
+#include "report/spectra/running_power.hpp"
 #include "report/spectra/spectra.hpp"
 
 namespace stillframe::report {
@@ -24,8 +25,9 @@ struct SignalAnalysis {
 /// Takes one acceleration sample by sample. Set-up.
 class SignalAnalyser {
  public:
-  /// first_time_s: s of plant time, of the first sample.
-  explicit SignalAnalyser(double sample_rate_hz, double first_time_s = 0);
+  /// first_time_s: s of plant time, of the first sample. lowest_hz, expected: as RunningPower.
+  explicit SignalAnalyser(double sample_rate_hz, double first_time_s = 0, double lowest_hz = 1,
+                          std::int64_t expected = 0);
   void add(const Eigen::Ref<const Eigen::VectorXd>& x);
   /// The next n samples are missing.
   void skip(std::int64_t n);

@@ -10,6 +10,7 @@
 namespace stillframe::report {
 
 using Eigen::Index;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -115,14 +116,17 @@ std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, do
 void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalAnalysis* passive,
                  const SignalAnalysis* active, const Psd* unexplained) {
   const double from_hz = motion.asked.from_hz, to_hz = motion.asked.to_hz;
-  const auto fill = [&](const SignalAnalysis* signal, std::optional<double>& level, double& jumps) {
+  const auto fill = [&](const SignalAnalysis* signal, std::optional<double>& level, double& jumps,
+                        double& leak) {
     if (signal == nullptr) return;
     level = range_rms(*signal, from_hz, to_hz);
     jumps = jumps_in_band(signal->power, from_hz, to_hz);
+    leak = leak_in_band(signal->power, from_hz, to_hz);
+    motion.narrowest_hz = std::max(motion.narrowest_hz, narrowest_band_hz(signal->power));
   };
-  fill(&floor, motion.floor, motion.floor_jumps);
-  fill(passive, motion.passive, motion.passive_jumps);
-  fill(active, motion.active, motion.active_jumps);
+  fill(&floor, motion.floor, motion.floor_jumps, motion.floor_leak);
+  fill(passive, motion.passive, motion.passive_jumps, motion.passive_leak);
+  fill(active, motion.active, motion.active_jumps, motion.active_leak);
   if (unexplained != nullptr && unexplained->density.size() > 0) {
     motion.active_unexplained = band_rms(*unexplained, from_hz, to_hz);
   }
@@ -132,9 +136,12 @@ MotionSpectra motion_spectra(const SignalAnalysis& signal) {
   MotionSpectra spectra;
   if (signal.third_octaves.size() == 0) return spectra;
   spectra.velocity.assign(signal.third_octaves.begin(), signal.third_octaves.end());
+  spectra.narrowest_hz = narrowest_band_hz(signal.power);
   for (const OctaveBand& band : third_octave_bands()) {
     spectra.jumps.push_back(jumps_in_band(signal.power, band.lower_hz, band.upper_hz) /
                             (2 * std::numbers::pi * band.lower_hz));
+    spectra.leak.push_back(leak_in_band(signal.power, band.lower_hz, band.upper_hz) /
+                           (2 * std::numbers::pi * band.lower_hz));
     spectra.cumulative_rms.push_back(band.upper_hz <= 0.5 * signal.power.sample_rate_hz
                                          ? band_rms(signal.power, 0, band.upper_hz)
                                          : std::nan(""));
@@ -193,7 +200,8 @@ std::vector<Transmissibility> transmissibilities(const LogAnalysis& log,
                                                  const FrequencyResponse& axis_matrix) {
   std::vector<Transmissibility> summaries;
   for (std::size_t a = 0; a < log.axes.size(); ++a) {
-    const auto i = static_cast<Index>(a);
+    const Index i = log.axis_signals.output[a];
+    const VectorXd along = log.axis_signals.along.row(static_cast<Index>(a)).transpose();
     Transmissibility t{.axis = log.axes[a].name,
                        .loop = log.scan.info.loop,
                        .frequencies_hz = axis_matrix.frequencies_hz,
@@ -202,8 +210,9 @@ std::vector<Transmissibility> transmissibilities(const LogAnalysis& log,
                        .upper = {},
                        .coherence = {}};
     for (Index l = 0; l < axis_matrix.n_frequencies(); ++l) {
-      const Interval band = magnitude_band(axis_matrix, l, i, i, 0.95);
-      t.value.push_back(std::abs(axis_matrix.T[static_cast<std::size_t>(l)](i, i)));
+      const Interval band = magnitude_band(axis_matrix, l, i, along, 0.95);
+      const auto& T = axis_matrix.T[static_cast<std::size_t>(l)];
+      t.value.push_back(std::abs((T.row(i) * along).value()));
       t.lower.push_back(band.lower);
       t.upper.push_back(band.upper);
       t.coherence.push_back(axis_matrix.coherence(l, i));

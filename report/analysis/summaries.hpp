@@ -28,7 +28,8 @@ std::vector<ShockSummary> shock_summaries(const LogAnalysis& log);
 std::vector<EffortSummary> effort_summaries(const LogAnalysis& log, std::optional<double> limit);
 /// What the model, driven by the measured floor, leaves of the frame's motion, one a direction.
 std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log);
-/// One a direction, |T_ii| with its 95 % bands.
+/// One a direction: what its frame makes of a floor that moves along its floor signal, with its 95 %
+/// bands. axis_matrix: between log.axis_signals.
 std::vector<Transmissibility> transmissibilities(const LogAnalysis& log,
                                                  const FrequencyResponse& axis_matrix);
 

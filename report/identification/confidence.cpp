@@ -126,11 +126,18 @@ double student_quantile(double level, double dof) {
   return boost::math::quantile(boost::math::students_t(dof), 0.5 + 0.5 * level);
 }
 
+namespace {
+
+/// entry_radii of a variance of 1, squared.
+double circle(double dof, double level) { return dof * std::expm1(-std::log1p(-level) / dof); }
+
+}  // namespace
+
 MatrixXd entry_radii(const FrequencyResponse& response, Index frequency, double level) {
   check_level(level);
   const auto at = static_cast<std::size_t>(frequency);
   const double dof = response.dof(frequency);
-  const double F = dof * std::expm1(-std::log1p(-level) / dof);
+  const double F = circle(dof, level);
   const VectorXd C = response.noise[at].diagonal().real();
   const VectorXd G = response.input_weight[at].diagonal().real();
   return (F * C * G.transpose()).cwiseSqrt();
@@ -138,15 +145,23 @@ MatrixXd entry_radii(const FrequencyResponse& response, Index frequency, double 
 
 Interval magnitude_band(const FrequencyResponse& response, Index frequency, Index i, Index j,
                         double level) {
+  const Index n = response.T[static_cast<std::size_t>(frequency)].cols();
+  return magnitude_band(response, frequency, i, VectorXd::Unit(n, j), level);
+}
+
+Interval magnitude_band(const FrequencyResponse& response, Index frequency, Index i,
+                        const VectorXd& a, double level) {
   check_level(level);
   const auto at = static_cast<std::size_t>(frequency);
-  const double value = std::abs(response.T[at](i, j)), dof = response.dof(frequency);
+  const double value = std::abs((response.T[at].row(i) * a).value());
+  const double dof = response.dof(frequency);
   if (!std::isfinite(value)) return {value, value};  // nothing was identified
-  const double variance = (response.noise[at](i, i) * response.input_weight[at](j, j)).real();
+  const double weight = (a.transpose() * response.input_weight[at] * a).value().real();
+  const double variance = response.noise[at](i, i).real() * weight;
   const double half = student_quantile(level, 2 * dof) * std::sqrt(0.5 * variance);
   // Noise adds half of its power to the square, on the average, what it adds across.
   const double centre = std::sqrt(std::max(value * value - 0.5 * variance, 0.0));
-  const double noise_alone = entry_radii(response, frequency, level)(i, j);
+  const double noise_alone = std::sqrt(circle(dof, level) * variance);
   if (value <= noise_alone) return {0, std::max(centre + half, noise_alone)};
   // The value itself is within but for rounding.
   return {std::clamp(centre - half, 0.0, value), std::max(centre + half, value)};

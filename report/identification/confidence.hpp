@@ -37,6 +37,10 @@ struct Interval {
 };
 Interval magnitude_band(const FrequencyResponse& response, Eigen::Index frequency, Eigen::Index i,
                         Eigen::Index j, double level);
+/// The same of |T_i a|, the answer of one output to inputs that move together as a: with
+/// v = C_ii a' G a.
+Interval magnitude_band(const FrequencyResponse& response, Eigen::Index frequency, Eigen::Index i,
+                        const Eigen::VectorXd& a, double level);
 
 /// Bands that hold each true singular value with probability `level`, n_f x n_s, not below zero.
 /// Singular values are no smooth functions of T where they meet, as those of symmetric frames do in

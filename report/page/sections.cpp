@@ -66,6 +66,12 @@ std::string singular_values_html(const SingularValueFigure& figure) {
     caption += "; dashed: the continuous design, whose distance is the price of sampling";
   }
   caption += ".";
+  caption +=
+      " The largest is what inputs that move each on their own can do at most: a frame that "
+      "follows "
+      "its floor is above 1 (0 dB) wherever several inputs share its motion. For a floor that "
+      "moves "
+      "as one, see the transmissibility.";
   if (open || closed) caption += " Points: measured, with their 95 % bands.";
   if (error) caption += " Below: measured less predicted.";
   return chart("fig-singular-values", words, error ? 620 : 440, "", caption);
@@ -164,8 +170,8 @@ std::string spectra_html(const SpectraFigures& spectra) {
   add(row("fig-density", "Power spectral density of acceleration", &SpectraAxis::density, 300),
       "Power spectral density of acceleration",
       spectra.models.empty() ? "(m/s\u00b2)\u00b2/Hz."
-                             : "(m/s\u00b2)\u00b2/Hz, with Peterson\u2019s low and high noise "
-                               "models of quiet and noisy ground.");
+                             : "(m/s\u00b2)\u00b2/Hz; dashed: Peterson\u2019s noise models of "
+                               "quiet ground (NLNM, the lower one) and of noisy ground (NHNM).");
   add(row("fig-cumulative", "Cumulative rms acceleration", &SpectraAxis::cumulative_rms, 260),
       "Cumulative rms acceleration",
       "mm/s\u00b2 from the lowest frequency up to each: where it rises, there the motion is.");

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "report/plots/gnuplot.hpp"
@@ -13,6 +14,8 @@ namespace {
 
 constexpr std::size_t most_panels = 6;
 constexpr double mm_per_m = 1e3;
+/// Of the names of the axes, between the title of all of them and the labels of the tics.
+constexpr double axis_name_place = 0.047;
 
 /// The three signals of a panel, in the order of the legend.
 struct Signal {
@@ -29,6 +32,28 @@ constexpr Signal signals[] = {{"floor", "floor", &AxisHistory::floor, floor_colo
 double largest_of(const MatrixXd& rows) {
   const auto values = rows.rightCols(2).array();
   return values.isFinite().select(values.abs(), 0.0).maxCoeff();
+}
+
+/// Of all signals of a panel, mm/s^2.
+double largest_of(const AxisHistory& axis) {
+  double largest = 0;
+  for (const Signal& signal : signals) {
+    const MatrixXd& rows = axis.*signal.values;
+    if (rows.size() > 0) largest = std::max(largest, mm_per_m * largest_of(rows));
+  }
+  return largest;
+}
+
+/// Zero and one round number on either side: more have no room in a low panel.
+std::string three_tics(double largest) {
+  if (!(largest > 0)) return "set ytics auto\nset yrange [*:*]\n";
+  const double decade = std::pow(10, std::floor(std::log10(largest)));
+  double tic = decade;
+  for (const double step : {2.0, 5.0}) {
+    if (step * decade <= largest) tic = step * decade;
+  }
+  return "set ytics (" + plot_number(-tic) + ", 0, " + plot_number(tic) + ")\nset yrange [" +
+         plot_number(-largest) + ":" + plot_number(largest) + "]\n";
 }
 
 /// The signals that there are, the one with the largest peak first, so that none is hidden behind
@@ -96,12 +121,16 @@ void plot_histories(const HistoryPlot& plot, const std::filesystem::path& path) 
   std::string script = surround(
       {.title = plot.title, .left_label = "acceleration (mm/s²)", .legend = legend_of(plot.axes)});
   script += "set xrange [0:" + plot_number(end) + "]\n";
+  const bool crowded = plot.axes.size() > 3;
   const double height = 0.81 / static_cast<double>(plot.axes.size());
   for (std::size_t p = 0; p < plot.axes.size(); ++p) {
     const double top = 0.93 - height * static_cast<double>(p);
     const bool lowest = p + 1 == plot.axes.size();
-    script += margins(0.105, 0.975, top - height + 0.03, top);
-    script += "set ylabel " + plot_text(plot.axes[p].axis) + " noenhanced offset 1,0\n";
+    script += margins(0.12, 0.975, top - height + 0.03, top);
+    script += "set label 3 " + plot_text(plot.axes[p].axis) + " at screen " +
+              plot_number(axis_name_place) + "," + plot_number(top - 0.5 * (height - 0.03)) +
+              " center rotate noenhanced\n";
+    if (crowded) script += three_tics(largest_of(plot.axes[p]));
     script += lowest ? "set format x '%g'\nset xlabel 'time (s)'\n" : "set format x ''\n";
     script += history_panel(plot.axes[p], std::to_string(p));
   }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "report/plots/gnuplot.hpp"
@@ -50,9 +51,10 @@ constexpr double lowest_octave_hz = 0.89, highest_octave_hz = 170;
 constexpr double criterion_name_hz = 86;
 
 /// The limits of the criteria as one datablock of lines with gaps, and a name at the end of each.
-std::string criteria_lines(const Range& range) {
+/// every: how many criteria have one name between them.
+std::string criteria_lines(const Range& range, int every) {
   std::string block = "$criteria << end_of_data\n", labels;
-  int tag = 10;
+  int tag = 10, n = 0;
   for (const VibrationCriterion& criterion : vibration_criteria()) {
     for (const OctaveBand& band : third_octave_bands()) {
       if (!criterion.applies(band.centre_hz)) continue;
@@ -61,7 +63,7 @@ std::string criteria_lines(const Range& range) {
     }
     block += "\n";
     const double end = um_per_m * criterion.velocity;
-    if (end < range.lowest || end > range.highest) continue;
+    if (end < range.lowest || end > range.highest || n++ % every != 0) continue;
     labels += "set label " + std::to_string(tag++) + " " + plot_text(criterion.name) + " at " +
               plot_number(criterion_name_hz) + "," + plot_number(end) +
               " left font ',13' textcolor rgb '#606060'\n";
@@ -78,9 +80,9 @@ struct PanelPlace {
 PanelPlace side_by_side(std::size_t p, std::size_t n) {
   const std::size_t columns = std::min<std::size_t>(n, 3), rows = (n + 2) / 3;
   const std::size_t column = p % columns, row = p / columns;
-  const double width = 0.905 / static_cast<double>(columns),
+  const double width = 0.89 / static_cast<double>(columns),
                height = 0.83 / static_cast<double>(rows);
-  const double left = 0.085 + width * static_cast<double>(column);
+  const double left = 0.1 + width * static_cast<double>(column);
   const double top = 0.92 - height * static_cast<double>(row);
   return {.left = left,
           .right = left + width - 0.02,
@@ -88,6 +90,14 @@ PanelPlace side_by_side(std::size_t p, std::size_t n) {
           .top = top - 0.03,
           .leftmost = column == 0,
           .lowest = p + columns >= n};
+}
+
+/// How many criteria, a factor of two apart, it takes for names that stand clear of each other.
+int names_apart(const Range& range, std::size_t n_panels) {
+  constexpr double line = 0.019;  // of the picture's height, of letters of this size
+  const PanelPlace place = side_by_side(0, n_panels);
+  const double octave = (place.top - place.bottom) / std::log2(range.highest / range.lowest);
+  return std::max(1, static_cast<int>(std::ceil(line / octave)));
 }
 
 /// The three signals of a panel, in the order of the legend.
@@ -148,7 +158,7 @@ void plot_third_octaves(const OctavePlot& plot, const std::filesystem::path& pat
   std::string script = surround(around) + frequency_axis(lowest_octave_hz, highest_octave_hz, "");
   script += "set xtics (1, 2, 5, 10, 20, 50)\nset logscale y 10\nset mytics 10\nset yrange [" +
             plot_number(range.lowest) + ":" + plot_number(range.highest) + "]\n" +
-            criteria_lines(range);
+            criteria_lines(range, names_apart(range, plot.axes.size()));
   for (std::size_t p = 0; p < plot.axes.size(); ++p) {
     script += octave_panel(plot.axes[p], std::to_string(p), side_by_side(p, plot.axes.size()));
   }

@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "report/spectra/fourier.hpp"
 #include "report/spectra/windows.hpp"
 
 namespace stillframe::report {
@@ -126,131 +125,6 @@ Psd welch(const VectorXd& x, double sample_rate_hz, Index segment_length) {
   return estimate.finish();
 }
 
-/// The windows over one signal, of which the last n samples are held.
-class RunningPower::Windows {
- public:
-  Windows(Index n, const std::vector<double>& first)
-      : window_(hann(n)),
-        fft_(static_cast<std::size_t>(n), false),
-        held_(VectorXd::Zero(n)),
-        filled_(n - n / 4),
-        piece_(n),
-        spectrum_(n),
-        power_(VectorXd::Zero(n / 2 + 1)) {
-    const Eigen::Map<const VectorXd> x(first.data(), static_cast<Index>(first.size()));
-    mean_ = x.mean();
-    add(x);
-  }
-
-  void add(const Eigen::Ref<const VectorXd>& x) {
-    if (x.size() == 0) return;
-    count_ += x.size();
-    if (apart_) jumps_ += std::pow(x(0) - mean_, 2);
-    apart_ = false;
-    last_ = x(x.size() - 1) - mean_;
-    for (Index begin = 0; begin < x.size();) {
-      const Index part = std::min(x.size() - begin, held_.size() - filled_);
-      held_.segment(filled_, part) = x.segment(begin, part).array() - mean_;
-      begin += part;
-      move_on(part);
-    }
-  }
-
-  /// Zeros; behind a whole window of them nothing is left to be said.
-  void add_nothing(std::int64_t n) {
-    if (!apart_) jumps_ += last_ * last_;
-    apart_ = true;
-    for (Index rest = std::min<std::int64_t>(n, held_.size()); rest > 0;) {
-      const Index part = std::min(rest, held_.size() - filled_);
-      held_.segment(filled_, part).setZero();
-      rest -= part;
-      move_on(part);
-    }
-  }
-
-  Psd finish(double sample_rate_hz) const {
-    Windows last = *this;
-    last.add_nothing(held_.size());
-    const Index n = held_.size();
-    Psd psd{.sample_rate_hz = sample_rate_hz,
-            .resolution_hz = sample_rate_hz / static_cast<double>(n),
-            .density = last.power_ * (2 / (sample_rate_hz * 1.5 * static_cast<double>(count_))),
-            .duration_s = static_cast<double>(count_) / sample_rate_hz,
-            .jumps = last.jumps_};
-    psd.density(0) *= 0.5;
-    psd.density(n / 2) *= 0.5;
-    return psd;
-  }
-
- private:
-  void move_on(Index part) {
-    filled_ += part;
-    if (filled_ < held_.size()) return;
-    piece_ = (held_.array() * window_.array()).cast<std::complex<double>>();
-    fft_.transform(piece_.data(), spectrum_.data());
-    power_ += spectrum_.head(power_.size()).cwiseAbs2();
-    const Index step = held_.size() / 4;
-    filled_ -= step;
-    held_.head(filled_) = held_.tail(filled_).eval();
-  }
-
-  VectorXd window_;
-  kissfft<double> fft_;
-  VectorXd held_;
-  Index filled_, count_ = 0;
-  double mean_ = 0, last_ = 0, jumps_ = 0;
-  bool apart_ = true;  ///< nothing stands before the next sample
-  Eigen::VectorXcd piece_, spectrum_;
-  VectorXd power_;
-};
-
-RunningPower::RunningPower(double sample_rate_hz) : sample_rate_hz_(sample_rate_hz) {
-  if (!(sample_rate_hz > 0)) {
-    throw std::invalid_argument("RunningPower: sample rate " + std::to_string(sample_rate_hz));
-  }
-  const double quarter = 0.25 * default_segment_s * sample_rate_hz;
-  n_ = 4 * fast_length(std::max<Index>(1, std::llround(quarter)));
-}
-
-RunningPower::~RunningPower() = default;
-RunningPower::RunningPower(RunningPower&&) noexcept = default;
-RunningPower& RunningPower::operator=(RunningPower&&) noexcept = default;
-
-void RunningPower::add(const Eigen::Ref<const VectorXd>& x) {
-  Index begin = 0;
-  if (!windows_) {
-    begin = std::min<Index>(x.size(), n_ - static_cast<Index>(first_.size()));
-    first_.insert(first_.end(), x.begin(), x.begin() + begin);
-    if (static_cast<Index>(first_.size()) < n_) return;
-    windows_ = std::make_unique<Windows>(n_, first_);
-    first_ = {};
-  }
-  windows_->add(x.tail(x.size() - begin));
-}
-
-void RunningPower::skip(std::int64_t n) {
-  if (n <= 0) return;
-  if (!windows_) {
-    if (first_.empty()) return;
-    windows_ = std::make_unique<Windows>(n_, first_);
-    first_ = {};
-  }
-  windows_->add_nothing(n);
-}
-
-Psd RunningPower::finish() const {
-  if (windows_) return windows_->finish(sample_rate_hz_);
-  if (first_.size() < 2)
-    return {.sample_rate_hz = sample_rate_hz_, .resolution_hz = 0, .density = {}};
-  return Windows(n_, first_).finish(sample_rate_hz_);
-}
-
-Psd power_of(const VectorXd& x, double sample_rate_hz) {
-  RunningPower power(sample_rate_hz);
-  power.add(x);
-  return power.finish();
-}
-
 Psd velocity_from_acceleration(const Psd& acceleration) {
   Psd velocity = acceleration;
   velocity.density(0) = 0;
@@ -280,6 +154,33 @@ double jumps_in_band(const Psd& psd, double lower_hz, double upper_hz) {
   return std::sqrt(psd.jumps / (2 * std::numbers::pi * std::numbers::pi * psd.duration_s) *
                    (1 / lowest - 1 / upper_hz));
 }
+
+double leak_in_band(const Psd& psd, double lower_hz, double upper_hz) {
+  const double total = psd.density.sum() * psd.resolution_hz;
+  if (!(psd.duration_s > 0) || !(total > 0)) return total > 0 ? 0 : total;
+  // A tone a cos(w t) that breaks off has the one-sided density 2 / T (a / 2)^2 / (w - w')^2.
+  const double broken_off =
+      psd.ends / total / (4 * std::numbers::pi * std::numbers::pi * psd.duration_s);
+  const double width = psd.resolution_hz;
+  const auto beyond = [&](double distance_hz) {
+    return beyond_lobe(distance_hz / width) + broken_off / std::max(distance_hz, width);
+  };
+  const double jumps = lower_hz > 0 ? broken_off / lower_hz : 0;
+  double in = 0, out = 0;
+  for (Index k = 0; k < psd.density.size(); ++k) {
+    const double f = psd.frequency_hz(k), power = psd.density(k) * width;
+    if (f < lower_hz) {
+      in += power * std::max(0.0, beyond(lower_hz - f) - jumps);
+    } else if (f > upper_hz) {
+      in += power * beyond(f - upper_hz);
+    } else {
+      out += power * std::min(1.0, beyond(f - lower_hz) + beyond(upper_hz - f));
+    }
+  }
+  return std::sqrt(std::max(in, out));
+}
+
+double narrowest_band_hz(const Psd& psd) { return 6 * psd.resolution_hz; }
 
 VectorXd cumulative_rms(const Psd& psd) {
   VectorXd rms(psd.density.size());

@@ -13,10 +13,12 @@ struct Psd {
   double sample_rate_hz = 0;  ///< Hz
   double resolution_hz = 0;   ///< df, Hz
   Eigen::VectorXd density;    ///< unit^2 / Hz
-  double duration_s = 0;      ///< of the samples (RunningPower)
-  /// unit^2, sum of the squares of the jumps where the signal begins, ends or has a gap
-  /// (RunningPower).
+  // Of RunningPower alone, whose windows the bounds below hold for.
+  double duration_s = 0;  ///< of the samples
+  /// unit^2, sum of the squares of the jumps where the signal begins, ends or has a gap.
   double jumps = 0;
+  /// unit^2, sum of the mean squares beside those places.
+  double ends = 0;
 
   double frequency_hz(Eigen::Index k) const { return resolution_hz * static_cast<double>(k); }
 };
@@ -70,41 +72,6 @@ class RunningWelch {
 /// longer than x, or a rate that is not positive.
 Psd welch(const Eigen::VectorXd& x, double sample_rate_hz, Eigen::Index segment_length);
 
-/// How the power of a signal that comes in parts is spread over frequency, every sample weighing
-/// the same, in memory of one segment. (Welch's segments weigh the ends of a record less: that is
-/// an estimate of a stationary density and not of what one record held.) The signal, zero before
-/// its beginning, behind its end and where samples are missing, less the mean of its first
-/// default_segment_s, is cut by Hann windows w a quarter of their length n apart, whose squares add
-/// up to 3/2 everywhere:
-///   S(f_k) = 2 / (f_s 3/2 N) sum over windows |sum_i w_i x_i e^{-2 pi j i k / n}|^2,
-/// whose integral is the mean square of the N samples to rounding (Parseval), and that over a band
-/// the mean square of the band but for the two bins, 1/8 Hz, to which an edge is known. Set-up.
-class RunningPower {
- public:
-  /// Errors: std::invalid_argument for a rate that is not positive.
-  explicit RunningPower(double sample_rate_hz);
-  ~RunningPower();
-  RunningPower(RunningPower&&) noexcept;
-  RunningPower& operator=(RunningPower&&) noexcept;
-
-  /// The next samples, any unit.
-  void add(const Eigen::Ref<const Eigen::VectorXd>& x);
-  /// The next n samples are missing.
-  void skip(std::int64_t n);
-  /// The power so far; an empty density before there are 2 samples.
-  Psd finish() const;
-
- private:
-  class Windows;
-  double sample_rate_hz_;
-  Eigen::Index n_;  ///< samples in a window, a multiple of 4
-  std::vector<double> first_;
-  std::unique_ptr<Windows> windows_;  ///< none while the first samples are waited for
-};
-
-/// The same of a whole signal.
-Psd power_of(const Eigen::VectorXd& x, double sample_rate_hz);
-
 /// S_v = S_a / (2 pi f)^2, zero at f = 0.
 Psd velocity_from_acceleration(const Psd& acceleration);
 
@@ -115,6 +82,16 @@ double band_rms(const Psd& psd, double lower_hz, double upper_hz);
 /// How much of band_rms may be no motion in the band but what the jumps of the record leave there:
 /// a step of height A in T seconds has the one-sided density 2 / T (A / (2 pi f))^2.
 double jumps_in_band(const Psd& psd, double lower_hz, double upper_hz);
+
+/// How far the power in a band, the square of band_rms, may be wrong either way by what lies beside
+/// it, as a root in the signal's unit: a tone is spread over the window's lobes, and where a record
+/// breaks off at a height also by 1 / distance. What lies far below the band is left to
+/// jumps_in_band. Zero of a Psd that is not RunningPower's.
+double leak_in_band(const Psd& psd, double lower_hz, double upper_hz);
+
+/// Hz, of the narrowest band that holds the lobes of a tone in it: the six bins of
+/// hann_squared().
+double narrowest_band_hz(const Psd& psd);
 
 /// Root of the integral of the density from 0 to each frequency of the PSD, its bin counted whole.
 Eigen::VectorXd cumulative_rms(const Psd& psd);

@@ -28,8 +28,14 @@ std::string capital(std::string text) {
 
 std::string most_of(double share) { return share > 0 ? "at most " + percent(share) : "none"; }
 
+/// With as many digits as tell both ends apart.
 std::string hz_range(const AxisAcceptance& asked) {
-  return cell("from %.4g to %.4g Hz", asked.from_hz, asked.to_hz);
+  for (int digits = 4; digits < 17; ++digits) {
+    const std::string from = cell("%.*g", digits, asked.from_hz);
+    const std::string to = cell("%.*g", digits, asked.to_hz);
+    if (from != to) return "from " + from + " to " + to + " Hz";
+  }
+  return cell("from %.17g to %.17g Hz", asked.from_hz, asked.to_hz);
 }
 
 const RunSummary* active_run(const Verdict& verdict) {
@@ -241,6 +247,8 @@ class Judge {
 
   void motion_of(const AxisLevels& axis, const AskedMotion& motion) {
     const AxisAcceptance& a = motion.asked;
+    const auto active = level_of(motion.active, motion.active_jumps, motion.active_leak);
+    const auto passive = level_of(motion.passive, motion.passive_jumps, motion.passive_leak);
     if (a.vibration_class) class_of(axis, motion);
     if (!motion.why_not.empty() && (a.rms_of_floor || a.band_of_floor)) {
       add({.subject = Subject::motion,
@@ -258,20 +266,29 @@ class Judge {
       const double forces = !disturbed                  ? 0
                             : motion.active_unexplained ? *motion.active_unexplained
                                                         : std::numeric_limits<double>::infinity();
-      ratio({&axis, &motion, "floor", "rms"},
-            {motion.active, motion.active_jumps, forces, floor_moves(axis, motion)}, motion.floor,
-            motion.floor_jumps, *a.rms_of_floor);
+      const Against against{&axis, &motion, "floor", "rms"};
+      const auto floor = level_of(motion.floor, motion.floor_jumps, motion.floor_leak);
+      const bool resolved = !(a.to_hz - a.from_hz < motion.narrowest_hz);
+      if (active && floor && resolved && !floor_moves(axis, motion)) {
+        add(open_ratio(against, *a.rms_of_floor, "the floor hardly moves " + hz_range(a)));
+      } else {
+        rms(against, active, forces, floor, *a.rms_of_floor);
+      }
     }
     if (a.rms_of_passive) {
-      ratio({&axis, &motion, "passive frame", "rms"},
-            {motion.active, motion.active_jumps, 0, !motion.passive || !(*motion.passive <= 0)},
-            motion.passive, motion.passive_jumps, *a.rms_of_passive);
+      const Against against{&axis, &motion, "passive frame", "rms"};
+      if (!rests(against, active, passive, *a.rms_of_passive)) {
+        rms(against, active, 0, passive, *a.rms_of_passive);
+      }
     }
     if (a.band_of_floor && motion.why_not.empty()) {
-      bands(axis, motion, "floor", axis.floor_spectra, *a.band_of_floor);
+      bands({&axis, &motion, "floor", "band"}, axis.floor_spectra, *a.band_of_floor);
     }
     if (a.band_of_passive) {
-      bands(axis, motion, "passive frame", axis.passive_spectra, *a.band_of_passive);
+      const Against against{&axis, &motion, "passive frame", "band"};
+      if (!rests(against, active, passive, *a.band_of_passive)) {
+        bands(against, axis.passive_spectra, *a.band_of_passive);
+      }
     }
   }
 
@@ -292,111 +309,194 @@ class Judge {
     return cell("the run of %.3g s is too short for levels, which need %.3g s", there_s, needed_s);
   }
 
+  /// A level, and what of it may be something else than motion in its range.
+  struct Level {
+    double value = 0;
+    double jumps = 0;  ///< where the record begins and ends
+    double leak =
+        0;  ///< the root of how far the square of the value may be wrong by what is beside
+    double least() const {
+      const double sure = value - std::min(jumps, value);
+      return std::sqrt(std::max(0.0, sure - leak)) * std::sqrt(sure + leak);
+    }
+    double most() const { return std::hypot(value + jumps, leak); }
+    /// In words, what most of the doubt comes of.
+    std::string doubt() const {
+      return (2 * value + jumps) * jumps >= leak * leak ? "where the records begin and end"
+                                                        : "what moves beside the range";
+    }
+  };
+  static std::optional<Level> level_of(std::optional<double> value, double jumps, double leak) {
+    return value ? std::optional(Level{*value, jumps, leak}) : std::nullopt;
+  }
+
   struct Against {
     const AxisLevels* axis;
     const AskedMotion* motion;
     const char* reference;
     const char* measure;  ///< rms, or band
   };
-  struct Active {
-    std::optional<double> level;
-    double jumps = 0;   ///< of the level, what may be no motion in the range
-    double forces = 0;  ///< of the level, what may be of forces on the frame
-    bool excited = true;
+  /// What a ratio may be.
+  struct Span {
+    double found = 0, least = 0, most = 0;
+    std::string doubt = {};  ///< what the difference comes of
+    bool forces = false;     ///< it is that forces act on the frame
   };
-  void ratio(const Against& against, const Active& active, std::optional<double> reference,
-             double reference_jumps, double allowed) {
+  static Span span_of(const Level& active, double forces, const Level& reference) {
+    const double sure = active.least();
+    return {.found = active.value / reference.value,
+            .least = std::sqrt(std::max(0.0, sure * sure - forces * forces)) / reference.most(),
+            .most = active.most() / reference.least(),
+            .doubt = (active.most() * reference.value > reference.most() * active.value ? active
+                                                                                        : reference)
+                         .doubt(),
+            .forces = forces > 0};
+  }
+
+  Check open_ratio(const Against& against, double allowed, const std::string& why) const {
+    return {.subject = Subject::motion,
+            .what = "axis " + against.axis->axis + ", active to " + against.reference + ", " +
+                    against.measure + " " + hz_range(against.motion->asked),
+            .asked = cell("at most %.4g", allowed),
+            .found = "",
+            .outcome = Outcome::not_judged,
+            .reason = "Axis " + against.axis->axis + ": " + why + ".",
+            .by_scene = against.motion->by_scene};
+  }
+
+  void rms(const Against& against, const std::optional<Level>& active, double forces,
+           const std::optional<Level>& reference, double allowed) {
     const AxisAcceptance& a = against.motion->asked;
     const std::string of = against.reference, range = hz_range(a);
-    Check check{.subject = Subject::motion,
-                .what = "axis " + against.axis->axis + ", active to " + of + ", " +
-                        against.measure + " " + range,
-                .asked = cell("at most %.4g", allowed),
-                .found = "",
-                .outcome = Outcome::not_judged,
-                .reason = "",
-                .by_scene = against.motion->by_scene};
-    const std::string axis = "Axis " + against.axis->axis + ": ";
-    if (!active.level || !reference) {
-      check.reason = axis + "there is no motion of the " + of +
-                     " on the same floor to compare "
-                     "with.";
-    } else if (!active.excited) {
-      check.reason = axis + "the " + of + " hardly moves " + range + ".";
+    const auto open = [&](const std::string& why) { add(open_ratio(against, allowed, why)); };
+    if (!active || !reference) {
+      open("there is no motion of the " + of + " on the same floor to compare with");
+    } else if (a.to_hz - a.from_hz < against.motion->narrowest_hz) {
+      open("the range " + range + " is narrower than what the record resolves, " +
+           cell("%.3g Hz", against.motion->narrowest_hz));
     } else {
-      const double found = *active.level / *reference;
-      const double sure = std::max(0.0, *active.level - active.jumps);
-      const double least = std::sqrt(std::max(0.0, sure * sure - active.forces * active.forces)) /
-                           (*reference + reference_jumps);
-      const double most = (*active.level + active.jumps) / (*reference - reference_jumps);
-      const std::string is = cell("%.4g", found);
-      check.found = is;
-      check.outcome = at_most(found, allowed);
-      check.reason = axis + "the active frame moves " + is + " times as much as the " + of + " (" +
+      ratio(against, span_of(*active, forces, *reference), *reference, allowed);
+    }
+  }
+
+  void ratio(const Against& against, const Span& span, const Level& reference, double allowed) {
+    const AxisAcceptance& a = against.motion->asked;
+    const std::string of = against.reference, range = hz_range(a), is = cell("%.4g", span.found);
+    const std::string too_short_for = too_short(a.from_hz);
+    std::string open;
+    if (!too_short_for.empty() && span.found <= beyond_doubt * allowed) {
+      open = too_short_for;
+    } else if (reference.least() <= 0) {
+      open = "the " + of + " hardly moves " + range + ": " + reference.doubt() +
+             " may be all that is there";
+    } else if (span.found <= allowed && span.most > allowed) {
+      open = span.doubt +
+             cell(" may be so much of the range that the ratio, %.4g, is known up to %.4g only",
+                  span.found, span.most);
+    } else if (span.found > allowed && span.least <= allowed) {
+      open =
+          is + " times as much as the " + of +
+          (span.forces ? ", but forces act on the frame besides the floor and may be the difference"
+                       : ", but " + span.doubt + " may be the difference");
+    }
+    Check check = open_ratio(against, allowed, open);
+    check.found = is;
+    if (open.empty()) {
+      check.outcome = at_most(span.found, allowed);
+      check.reason = "Axis " + against.axis->axis + ": the active frame moves " + is +
+                     " times as much as the " + of + " (" +
                      (std::string(against.measure) == "rms" ? "rms" : "worst third-octave band") +
                      " " + range + "), allowed is " + cell("%.4g", allowed) + ".";
-      const std::string open = too_short(a.from_hz);
-      if (!open.empty() && found <= beyond_doubt * allowed) {
-        check.outcome = Outcome::not_judged;
-        check.reason = axis + open + ".";
-      } else if (*reference <= reference_jumps) {
-        check.outcome = Outcome::not_judged;
-        check.reason = axis + "the " + of + " hardly moves " + range +
-                       ": where its record begins and ends may be all that is there.";
-      } else if (found <= allowed && most > allowed) {
-        check.outcome = Outcome::not_judged;
-        check.reason =
-            axis + cell(
-                       "where the records begin and end may be so much of the range that the "
-                       "ratio, %.4g, is known up to %.4g only.",
-                       found, most);
-      } else if (found > allowed && least <= allowed) {
-        check.outcome = Outcome::not_judged;
-        check.reason =
-            axis + cell("%.4g times as much as the ", found) + of +
-            (active.forces > 0
-                 ? ", but forces act on the frame besides the floor and may be the difference."
-                 : ", but where the records begin and end may be the difference.");
-      }
     }
     add(std::move(check));
   }
 
-  void bands(const AxisLevels& axis, const AskedMotion& motion, const char* of,
-             const std::optional<MotionSpectra>& reference, double allowed) {
-    const auto& floor = axis.floor_spectra;
-    const auto& active = axis.active_spectra;
-    std::optional<double> worst;
-    if (reference && active && floor) {
-      double floor_largest = 0;
-      for (const double v : floor->velocity) floor_largest = std::max(floor_largest, v);
-      const auto centres = third_octave_bands();
-      for (std::size_t i = 0; i < std::min({centres.size(), active->velocity.size(),
-                                            reference->velocity.size(), floor->velocity.size()});
-           ++i) {
-        const double f = centres[i].nominal_hz;
-        if (f < motion.asked.from_hz || f > motion.asked.to_hz ||
-            centres[i].upper_hz > 0.5 * active_->sample_rate_hz) {
-          continue;
-        }
-        // What is no number is not left out.
-        const bool still = floor->velocity[i] < least_floor_share * floor_largest ||
-                           hides(*floor, i) || hides(*reference, i);
-        if (still || reference->velocity[i] == 0) continue;
-        const double found = active->velocity[i] / reference->velocity[i];
-        if (!worst || !(found <= *worst)) worst = found;
-        if (std::isnan(found)) break;
-      }
+  /// What a frame does that rests without its loop is its loop's doing.
+  bool rests(const Against& against, const std::optional<Level>& active,
+             const std::optional<Level>& passive, double allowed) {
+    if (!active || !passive || !(passive->value <= rounding_acceleration)) return false;
+    const std::string range = hz_range(against.motion->asked);
+    Check check = open_ratio(against, allowed,
+                             "neither frame moves " + range + " so that an instrument could tell");
+    if (!(active->least() <= least_acceleration)) {
+      check.outcome = Outcome::failed;
+      check.found = cell("%.3g m/s^2, passive 0", active->value);
+      check.reason =
+          "Axis " + against.axis->axis + ": the passive frame rests, and the active one moves by " +
+          cell("%.3g m/s^2 rms ", active->value) + range + ", which only its own loop can do.";
     }
-    const bool there = reference && active && floor;
-    ratio({&axis, &motion, of, "band"},
-          {there ? std::optional(worst.value_or(0)) : std::nullopt, 0, 0, worst.has_value()},
-          there ? std::optional(1.0) : std::nullopt, 0, allowed);
+    add(std::move(check));
+    return true;
   }
 
-  /// Whether a third of a band or more may come of where the record begins and ends.
+  void bands(const Against& against, const std::optional<MotionSpectra>& reference,
+             double allowed) {
+    const AskedMotion& motion = *against.motion;
+    const auto &floor = against.axis->floor_spectra, &active = against.axis->active_spectra;
+    const std::string of = against.reference, range = hz_range(motion.asked);
+    const auto open = [&](const std::string& why) { add(open_ratio(against, allowed, why)); };
+    if (!reference || !active || !floor) {
+      return open("there is no motion of the " + of + " on the same floor to compare with");
+    }
+    double floor_largest = 0;
+    for (const double v : floor->velocity) floor_largest = std::max(floor_largest, v);
+    std::optional<Span> worst;
+    bool any = false, hidden = false;
+    std::string coarse;
+    const auto centres = third_octave_bands();
+    for (std::size_t i = 0; i < std::min({centres.size(), active->velocity.size(),
+                                          reference->velocity.size(), floor->velocity.size()});
+         ++i) {
+      const OctaveBand& band = centres[i];
+      if (band.nominal_hz < motion.asked.from_hz || band.nominal_hz > motion.asked.to_hz ||
+          band.upper_hz > 0.5 * active_->sample_rate_hz) {
+        continue;
+      }
+      any = true;
+      // What is no number is not left out.
+      if (floor->velocity[i] < least_floor_share * floor_largest || reference->velocity[i] == 0) {
+        continue;
+      }
+      if (hides(*floor, i) || hides(*reference, i)) {
+        hidden = true;
+        if (coarse.empty() && band.upper_hz - band.lower_hz < reference->narrowest_hz) {
+          coarse =
+              cell("the record does not resolve the third-octave band of %g Hz", band.nominal_hz);
+        }
+        continue;
+      }
+      const Span span = span_of(level_in(*active, i), 0, level_in(*reference, i));
+      if (!worst) worst = span;
+      if (!(span.found <= worst->found)) worst->found = span.found;
+      if (span.most > worst->most) {
+        worst->most = span.most;
+        worst->doubt = span.doubt;
+      }
+      worst->least = std::max(worst->least, span.least);
+      if (std::isnan(span.found)) break;
+    }
+    if (!any) return open("no third-octave band has its centre " + range);
+    if (!coarse.empty() && !(worst && worst->least > allowed)) return open(coarse);
+    if (!worst) {
+      return open(
+          "the " + of + " hardly moves in any third-octave band " + range +
+          (hidden ? ", but for what its record's ends and its motion beside the band may be" : ""));
+    }
+    ratio(against, *worst, {.value = 1}, allowed);
+  }
+
+  static Level level_in(const MotionSpectra& spectra, std::size_t band) {
+    Level level{.value = spectra.velocity[band]};
+    if (band < spectra.jumps.size()) level.jumps = spectra.jumps[band];
+    if (band < spectra.leak.size()) level.leak = spectra.leak[band];
+    return level;
+  }
+
+  /// Whether a third of a band or more may come of where the record begins and ends, or nearly all
+  /// of what is beside it.
   static bool hides(const MotionSpectra& spectra, std::size_t band) {
-    return band < spectra.jumps.size() && 3 * spectra.jumps[band] >= spectra.velocity[band];
+    const Level level = level_in(spectra, band);
+    return 3 * level.jumps >= level.value || level.leak >= 0.9 * level.value;
   }
 
   void class_of(const AxisLevels& axis, const AskedMotion& motion) {
@@ -410,23 +510,35 @@ class Judge {
                           asked + ".",
                 .by_scene = motion.by_scene};
     const std::string open = too_short(lowest_judged_hz);
+    const auto not_judged = [&](const std::string& why) {
+      check.outcome = Outcome::not_judged;
+      check.reason = "Axis " + axis.axis + ": " + why + ".";
+    };
     if (met == "not known") {
       const auto& v = axis.active_spectra->velocity;
       if (exceeds(Eigen::Map<const Eigen::VectorXd>(v.data(), std::ssize(v)), asked)) {
         check.reason = "Axis " + axis.axis + ": the active frame is above " + asked +
                        ", which is asked, in bands below half the sample rate.";
       } else {
-        check.outcome = Outcome::not_judged;
-        check.reason =
-            "Axis " + axis.axis + ": bands of " + asked + " reach beyond half the sample rate.";
+        not_judged("bands of " + asked + " reach beyond half the sample rate");
       }
     }
     if (met.empty() || !open.empty()) {
-      check.outcome = Outcome::not_judged;
-      check.reason = "Axis " + axis.axis + ": " +
-                     (open.empty() ? "there is no spectrum to take a class from" : open) + ".";
+      not_judged(open.empty() ? "there is no spectrum to take a class from" : open);
+    } else if (axis.active_spectra && !axis.active_spectra->leak.empty() &&
+               exceeds(of_bands(*axis.active_spectra, &Level::least), asked) !=
+                   exceeds(of_bands(*axis.active_spectra, &Level::most), asked)) {
+      not_judged("the active frame is at the limits of " + asked +
+                 ", which is asked, and where its record begins and ends, or what it does not "
+                 "resolve of the edges of a band, decides");
     }
     add(std::move(check));
+  }
+
+  static Eigen::VectorXd of_bands(const MotionSpectra& spectra, double (Level::*value)() const) {
+    return Eigen::VectorXd::NullaryExpr(std::ssize(spectra.velocity), [&](Eigen::Index i) {
+      return (level_in(spectra, static_cast<std::size_t>(i)).*value)();
+    });
   }
 
   static constexpr double lowest_judged_hz = 1;
@@ -478,7 +590,13 @@ std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::stri
 
 Judgement judge(const Verdict& verdict, const SceneAcceptance& accept,
                 std::vector<Check> prediction) {
-  return conclude(Judge(verdict, accept).checks(std::move(prediction)));
+  Judgement judgement = conclude(Judge(verdict, accept).checks(std::move(prediction)));
+  const std::string worse = worse_by_class(verdict.axes);
+  // By default no check of its own (decision 21), but no pass keeps it to itself.
+  if (judgement.outcome == Outcome::passed && !worse.empty()) {
+    judgement.reason += " By vibration class the frame is worse than its floor in " + worse + ".";
+  }
+  return judgement;
 }
 
 }  // namespace stillframe::report

@@ -30,6 +30,11 @@ inline constexpr double least_periods = 10;
 /// Hz at least: below it a window's leakage, and the sensors, would be compared.
 inline constexpr double least_floor_share = 1e-3;
 
+/// m/s^2 rms. A frame that moves less than the first rests but for rounding: solvers leave 1e-13 of
+/// a weight. Less than the second no accelerometer tells from rest: the quietest places on Earth
+/// have it in a band of 80 Hz (the low noise model of Peterson, 1e-10 m/s^2/sqrt(Hz)).
+inline constexpr double rounding_acceleration = 1e-12, least_acceleration = 1e-9;
+
 /// What is asked of an axis, with no levels yet: what the scene names, or else that the active
 /// frame moves no more than the passive one in the range that is judged (Verdict::judged), and no
 /// more than the floor from isolates_above_hz on.

@@ -79,6 +79,10 @@ ordered_json json_of(const AskedMotion& motion) {
           {"floor_jumps", motion.floor_jumps},
           {"passive_jumps", motion.passive_jumps},
           {"active_jumps", motion.active_jumps},
+          {"floor_leak", motion.floor_leak},
+          {"passive_leak", motion.passive_leak},
+          {"active_leak", motion.active_leak},
+          {"narrowest_hz", motion.narrowest_hz},
           {"active_unexplained", json_of(motion.active_unexplained)}};
 }
 

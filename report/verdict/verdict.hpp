@@ -90,8 +90,10 @@ struct MotionLevel {
 struct MotionSpectra {
   std::vector<double> velocity;        ///< m/s rms in the band
   std::vector<double> cumulative_rms;  ///< m/s^2, from 0 to the band's upper edge
-  /// m/s rms, how much of velocity may come of where the record begins and ends; empty: nothing.
-  std::vector<double> jumps = {};
+  /// m/s rms, how much of velocity may come of where the record begins and ends, and the root of how
+  /// far its square may be wrong by what lies beside the band; empty: nothing.
+  std::vector<double> jumps = {}, leak = {};
+  double narrowest_hz = 0;  ///< of a band that the record resolves
 };
 /// What is asked of a direction, beside the rms accelerations in its range, m/s^2.
 struct AskedMotion {
@@ -101,6 +103,9 @@ struct AskedMotion {
   std::optional<double> floor = {}, passive = {}, active = {};
   /// m/s^2, how much of these may come of where the records begin and end.
   double floor_jumps = 0, passive_jumps = 0, active_jumps = 0;
+  /// m/s^2, the roots of how far their squares may be wrong by what lies beside the range.
+  double floor_leak = 0, passive_leak = 0, active_leak = 0;
+  double narrowest_hz = 0;  ///< of a range that the records resolve
   /// m/s^2, of the active frame, what the model does not make of the floor, if that is known.
   std::optional<double> active_unexplained = {};
 };
@@ -132,9 +137,14 @@ struct ResponseSummary {
   double tolerance_db = 0;  ///< what is allowed of it
   /// dB, so far or further outside their bands lies a tenth of the values that are compared.
   double broadly_beyond_db = 0;
-  /// Directions in which the floor's nodes may shake a frame with weight on its legs and no input
-  /// measures it: the prediction does not have that motion.
+  /// Directions in which the floor's nodes may move and no input measures it: the prediction does
+  /// not have that motion. If it is as large as that of the inputs, it may shift one value so far,
+  /// dB, and a tenth of them so far or further; why: what makes those directions stiff.
   std::int64_t n_unmeasured = 0;
+  double unmeasured_largest_db = 0, unmeasured_broadly_db = 0;
+  std::string unmeasured_why = {};
+  /// It tells what another response of the run tells: a value of the one is that of the other.
+  bool repeats = false;
   double continuous_largest_db = 0, continuous_at_hz = 0;
   std::int64_t n_segments = 0, n_filled = 0, n_left_out = 0;  ///< samples but for the first
   double resolution_hz = 0;
@@ -213,8 +223,10 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     third_octave_bands_hz; ratio_active_to_passive and ratio_active_to_floor, each with
 ///     rms_acceleration and largest_band_velocity; ranges[] that were asked for: from_hz to_hz,
 ///     floor passive active (m/s^2 rms in it; null: none), floor_jumps passive_jumps active_jumps
-///     (m/s^2, how much of these the ends of the records may be), active_unexplained (m/s^2; null:
-///     not known)
+///     (m/s^2, how much of these the ends of the records may be), floor_leak passive_leak
+///     active_leak (m/s^2, roots of how far their squares may be wrong by what lies beside the
+///     range), narrowest_hz (of a range that the records resolve), active_unexplained (m/s^2;
+///     null: not known)
 ///   third_octave_bands_hz: nominal centres
 ///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
 ///     sampled_at_hz beyond_db tolerance_db broadly_beyond_db

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/said_once.hpp"
 #include "report/table.hpp"
 #include "report/verdict/verdict.hpp"
 
@@ -9,6 +10,13 @@ namespace stillframe::report {
 namespace {
 
 std::string count(std::int64_t n) { return std::to_string(n); }
+
+/// Its lines below a table.
+std::string indented(const std::string& before, const SaidOnce& said) {
+  std::string text;
+  for (const std::string& line : said.lines()) text += "  " + before + line + "\n";
+  return text;
+}
 
 std::string runs_text(const std::vector<RunSummary>& runs) {
   Table table({"loop", "mode", "rate Hz", "delay", "samples", "lost", "repeated", "commands",
@@ -121,9 +129,10 @@ std::string responses_text(const std::vector<ResponseSummary>& responses) {
                "at Hz", "beyond its band", "continuous dB", "at Hz"},
               3);
   std::string notes;
+  SaidOnce missing;
   for (const ResponseSummary& r : responses) {
     if (!r.missing.empty()) {
-      notes += "  " + r.loop + ", " + r.what + ": " + r.missing + "\n";
+      missing.add(r.loop + ", " + r.what, r.missing);
       if (r.n_frequencies == 0) continue;
     }
     if (r.n_filled > 0) {
@@ -139,7 +148,7 @@ std::string responses_text(const std::vector<ResponseSummary>& responses) {
                compared ? cell("%.4g", r.continuous_at_hz) : ""});
   }
   return "Identified singular values that are known to 1 dB, against the predictions\n" +
-         table.print() + notes;
+         table.print() + indented("", missing) + notes;
 }
 
 std::string shocks_text(const std::vector<ShockSummary>& shocks) {
@@ -181,12 +190,12 @@ std::string effort_text(const std::vector<EffortSummary>& effort) {
 
 std::string checks_text(const std::vector<Check>& checks) {
   Table table({"check", "asked", "found", "outcome"}, 4);
-  std::string notes;
+  SaidOnce open;
   for (const Check& check : checks) {
     table.add({check.what, check.asked, check.found, std::string(to_text(check.outcome))});
-    if (check.outcome == Outcome::not_judged) notes += "  not judged: " + check.reason + "\n";
+    if (check.outcome == Outcome::not_judged) open.add(check.reason);
   }
-  return "What was asked, and what was found\n" + table.print() + notes;
+  return "What was asked, and what was found\n" + table.print() + indented("not judged: ", open);
 }
 
 }  // namespace

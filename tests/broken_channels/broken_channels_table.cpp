@@ -38,8 +38,8 @@ Cell cell(const Gains& gains, const std::vector<Broken>& broken, int n_seeds, do
   return out;
 }
 
-int run(const std::string& controller, int n_seeds, double floor) {
-  const Gains gains = shipped_gains(controller);
+int run(const std::string& controller, const std::string& scene, int n_seeds, double floor) {
+  const Gains gains = shipped_gains(controller, scene);
   const Cell sound = cell(gains, {}, n_seeds, floor);
   std::printf(
       "Undisturbed %.2f / %.2f.\n\n| what breaks | sensor | read-back | actuator "
@@ -73,10 +73,11 @@ int main(int argc, char** argv) {
       "told at once and lets go, and the longest time to the fault.\nExit codes: 0 done, 2 bad "
       "usage.",
       "broken_channels");
-  std::string controller = "force_feedback_5hz";
+  std::string controller = "force_feedback_5hz", scene = "metrology_frame";
   int n_seeds = 10;
   double floor = usual_floor;
   app.add_option("--controller", controller, "One of config/controllers")->capture_default_str();
+  app.add_option("--scene", scene, "That frame, or frame_under_gravity")->capture_default_str();
   app.add_option("--floor", floor, "Size of the floor, m/s^2")
       ->check(CLI::Range(1e-9, 1.0))
       ->capture_default_str();
@@ -85,7 +86,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   try {
     app.parse(argc, argv);
-    return run(controller, n_seeds, floor);
+    return run(controller, scene, n_seeds, floor);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

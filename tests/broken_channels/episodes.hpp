@@ -8,10 +8,10 @@
 
 namespace stillframe::controller {
 
-/// The gains of config/scenes/metrology_frame.yaml with another of the shipped controllers, its
-/// legs damped (1000 N s/m, 1 % in the fastest mode), so that the passive frame is no easy
-/// comparison.
-Gains shipped_gains(const std::string& controller);
+/// The gains of a scene of config/scenes, metrology_frame or the same frame under its weight, with
+/// another of the shipped controllers, its legs damped (1000 N s/m, 1 % in the fastest mode), so
+/// that the passive frame is no easy comparison.
+Gains shipped_gains(const std::string& controller, const std::string& scene = "metrology_frame");
 
 /// What came of one or two things that broke in an active loop.
 struct Episode {

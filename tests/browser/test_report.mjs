@@ -24,14 +24,16 @@ const readCanvas = (page, id) => page.evaluate((name) => {
   context.drawImage(canvas, 0, 0);
   const {data} = context.getImageData(0, 0, copy.width, copy.height);
   const colours = new Set();
-  let sum = 0, filled = 0;
+  let sum = 0, filled = 0, atEdge = 0;
   for (let i = 0; i < data.length; i += 4) {
     if (data[i + 3] === 0) continue;
     ++filled;
+    const x = i / 4 % copy.width, y = Math.floor(i / 4 / copy.width);
+    if (Math.min(x, y, copy.width - 1 - x, copy.height - 1 - y) < 1) ++atEdge;
     colours.add((data[i] >> 4) << 8 | (data[i + 1] >> 4) << 4 | data[i + 2] >> 4);
     sum = (sum * 31 + data[i] + 7 * data[i + 1] + 13 * data[i + 2] + i) % 2147483647;
   }
-  return {colours: colours.size, filled: filled / (data.length / 4), sum};
+  return {colours: colours.size, filled: filled / (data.length / 4), sum, atEdge};
 }, id);
 
 /** Length of all paths drawn inside the plot of a chart: a figure that is there has long ones. */
@@ -62,11 +64,27 @@ async function figuresAreThere(page) {
   check(families['#0072b2'] === 12, `six closed and six continuous curves, not ${families['#0072b2']}`);
   const pictures = new Set();
   for (let i = 1; i <= 6; ++i) {
-    const {colours, filled, sum} = await readCanvas(page, `fig-mode-${i}`);
+    const {colours, filled, sum, atEdge} = await readCanvas(page, `fig-mode-${i}`);
     pictures.add(sum);
+    check(atEdge === 0, `mode ${i} stays in its picture (${atEdge} pixels of its edge are drawn on)`);
     check(colours > 5 && filled > 0.05, `mode ${i} is drawn (${colours} colours, ${(100 * filled).toFixed(1)} %)`);
   }
   check(pictures.size === 6, 'no mode looks like another');
+}
+
+/** No word of a figure lies on another or runs into it, and no name stands among the curves of a density. */
+async function wordsApart(page) {
+  const pairs = await page.evaluate(() => [...document.querySelectorAll('.chart')].flatMap(({id}) => {
+    const words = [...document.querySelectorAll(`#${id} svg text`)].filter((text) => text.textContent.trim())
+      .map((text) => ({text: text.textContent, box: text.getBoundingClientRect()}));
+    // Boxes hold a pixel or two above and below what is printed.
+    const apart = (a, b) => a.right <= b.left - 3 || b.right <= a.left - 3 || a.bottom <= b.top + 3 || b.bottom <= a.top + 3;
+    return words.flatMap((a, i) => words.slice(i + 1).filter((b) => !apart(a.box, b.box))
+      .map((b) => `${id}: "${a.text}" lies on "${b.text}"`));
+  }));
+  for (const pair of pairs) check(false, pair);
+  const names = await page.locator('#fig-density-1 svg text').allTextContents();
+  check(!names.some((name) => /N[LH]NM/.test(name)), 'noise models are named above the densities, not among them');
 }
 
 async function accessible(page) {
@@ -264,6 +282,7 @@ for (const webgl of [true, false]) {
     await paper(page, webgl ? 'paper' : 'paper_without_webgl');
     if (!webgl) return;
     await accessible(page);
+    await wordsApart(page);
     await contrast(page, 'light');
     await tooltips(page);
     await zoom(page);

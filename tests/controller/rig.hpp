@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -100,6 +101,16 @@ class Rig {
       step(wire);
     }
     return loop_.counters().state == state;
+  }
+
+  /// Another controller has left so much on every leg (N), and the amplifiers begin to miss it.
+  void leave(double force) {
+    force_.setConstant(force);
+    force_before_ = force_;
+    unheard_ = 10;
+    std::ranges::fill(on_its_way_, force_);
+    std::ranges::fill(reports_, force_);
+    before_ = force_;
   }
 
   State state() const { return loop_.counters().state; }

@@ -58,12 +58,13 @@ struct Sound {
   const char* name;
   double noise = 1e-3, step = 0, calibration = 0.02, loud = 1, quiet = 1, rate_hz = 1000;
   const char* recording = nullptr;
-  double stiffness = 0;     ///< by so much the frame's legs are softer or stiffer than the model's
-  double lost = 0;          ///< part of the measurements
-  bool floor_late = false;  ///< by a sample
-  int burst = 0;            ///< measurements lost in a row once a second
-  double tilt = 0;          ///< m/s^2, what the sensors of the floor read at rest
-  double kick = 0;          ///< N, by which the frame swings when the loop takes hold
+  double stiffness = 0;      ///< by so much the frame's legs are softer or stiffer than the model's
+  double lost = 0;           ///< part of the measurements
+  bool floor_late = false;   ///< by a sample
+  int burst = 0;             ///< measurements lost in a row once a second
+  double tilt = 0;           ///< m/s^2, what the sensors of the floor read at rest
+  double kick = 0;           ///< N, by which the frame swings when the loop takes hold
+  bool by_position = false;  ///< the floor acts by its position, as under weight
 };
 
 Gains frame_of(Gains gains, double stiffness, std::mt19937_64& random) {
@@ -83,7 +84,8 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
   // scripts/false_alarms asks for a day in all.
   const char* asked = std::getenv("STILLFRAME_SIMULATED_HOURS");
   const double hours = asked != nullptr ? std::stod(asked) : 0.02;
-  const Gains gains = toy::damped_gains(5, sound.rate_hz);
+  Gains gains = toy::damped_gains(5, sound.rate_hz);
+  if (sound.by_position) gains = toy::by_position(gains);
   const auto n = static_cast<std::int64_t>(hours * 3600 * sound.rate_hz);
   std::mt19937_64 random(17);
   std::normal_distribution<double> normal;
@@ -128,7 +130,9 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
       << to_text(rig.fault());
   for (std::int64_t k = 0; k < n; ++k) rig.step(wire);
   // Within a burst that is longer than forces are held they fade.
-  if (sound.burst <= 10) EXPECT_EQ(rig.state(), State::active);
+  if (sound.burst <= 10) {
+    EXPECT_EQ(rig.state(), State::active);
+  }
   EXPECT_EQ(rig.supervisor().n_faults(), 0) << to_text(rig.fault());
   // After a burst a command may catch up less than it would.
   EXPECT_LE(rig.supervisor().n_saturated(), sound.burst > 0 ? n / 1000 : 0);
@@ -153,6 +157,9 @@ INSTANTIATE_TEST_SUITE_P(
         Sound{.name = "QuakeTenPercentLost", .recording = "mikb_quake_200hz", .lost = 0.1},
         Sound{.name = "FloorLate", .floor_late = true}, Sound{.name = "TiltedFloor", .tilt = 0.05},
         Sound{.name = "BurstsOf10", .burst = 10}, Sound{.name = "BurstsOf21", .burst = 21},
+        Sound{.name = "QuakeBurstsOf10", .recording = "mikb_quake_200hz", .burst = 10},
+        Sound{.name = "FloorByPosition", .by_position = true},
+        Sound{.name = "FloorByPositionEarthquakes", .quiet = 0.1, .by_position = true},
         Sound{.name = "Kicked", .loud = 0.03, .quiet = 0.01, .kick = 0.02}),
     [](const auto& sound) { return sound.param.name; });
 

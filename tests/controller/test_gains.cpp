@@ -36,6 +36,9 @@ void expect_same(const Gains& a, const Gains& b) {
   expect_same_bits(a.plant.A, b.plant.A);
   expect_same_bits(a.plant.B, b.plant.B);
   expect_same_bits(a.plant.C, b.plant.C);
+  expect_same_bits(a.plant.B_w, b.plant.B_w);
+  expect_same_bits(a.plant.A_w, b.plant.A_w);
+  expect_same_bits(a.plant.C_w, b.plant.C_w);
 }
 
 // Every bit pattern of a double up to `highest` is as likely as any other: all exponents, both
@@ -52,8 +55,11 @@ double any_double(std::mt19937_64& random, double highest) {
 TEST(Gains, ReadingBackIsBitExact) {
   std::mt19937_64 random(20240607);
   Gains gains = toy::gains(5);
+  gains.plant.A_w.resize(8, 2);
+  gains.plant.C_w.resize(4, 2);
   for (int round = 0; round < 50; ++round) {
-    for (auto* M : {&gains.K_P, &gains.K_I, &gains.plant.A, &gains.plant.B, &gains.plant.C}) {
+    for (auto* M : {&gains.K_P, &gains.K_I, &gains.plant.A, &gains.plant.B, &gains.plant.C,
+                    &gains.plant.B_w, &gains.plant.A_w, &gains.plant.C_w}) {
       *M = M->unaryExpr([&](double) { return any_double(random, 1e18); });
     }
     gains.sample_rate_hz = 1 + std::abs(any_double(random, 999'999));
@@ -208,6 +214,28 @@ TEST(Gains, AFloorHasABoundedNumberOfChannels) {
   const std::string message = error_of(to_yaml(gains));
   EXPECT_NE(message.find("plant.B_w: found 65 columns, allowed are up to 64"), std::string::npos)
       << message;
+}
+
+// Velocity and position of each channel of the floor, for the states and for the legs.
+TEST(Gains, WhatTheFloorsPositionDoesFitsItsChannels) {
+  const auto with = [](Eigen::Index states, Eigen::Index legs, Eigen::Index channels) {
+    Gains gains = toy::gains(5);
+    gains.plant.A_w = Eigen::MatrixXd::Ones(states, channels);
+    gains.plant.C_w = Eigen::MatrixXd::Ones(legs, channels);
+    return to_yaml(gains);
+  };
+  EXPECT_EQ(error_of(with(8, 4, 2)), "");
+  EXPECT_NE(error_of(with(7, 4, 2)).find("plant.A_w"), std::string::npos);
+  EXPECT_NE(error_of(with(8, 3, 2)).find("plant.C_w"), std::string::npos);
+  EXPECT_NE(error_of(with(8, 4, 1)).find("plant.A_w"), std::string::npos);
+  const std::string text = with(8, 4, 2);
+  const auto without = [&](const std::string& key, const std::string& next) {
+    const auto from = text.find("  " + key + ":\n");
+    return text.substr(0, from) + (next.empty() ? "" : text.substr(text.find("  " + next + ":\n")));
+  };
+  EXPECT_NE(error_of(without("C_w", "")).find("C_w"), std::string::npos);
+  EXPECT_NE(error_of(without("A_w", "C_w")).find("A_w"), std::string::npos);
+  EXPECT_NE(error_of(without("B_w", "A_w")).find("B_w"), std::string::npos);
 }
 
 // What is under way is states of the loop, and a judgement takes the cube of these.

@@ -6,6 +6,7 @@
 #include "controller/pace.hpp"
 #include "controller/start_check.hpp"
 #include "core/worst.hpp"
+#include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
 
 // What a loop may hurry, and that a sound one never does.
@@ -261,6 +262,41 @@ TEST(Pace, WithoutAFloorItIsThatOfTheFrame) {
     return true;
   }));
   EXPECT_EQ(rig.fault(), Fault::restless);
+}
+
+// What a floor strains by its position, as it does a frame under its weight or with more legs than
+// motions, is asked of a loop as well: it is followed, and a floor that grows after arming is no
+// fault. Without it, as before, it is one.
+TEST(Pace, AFloorThatActsByItsPositionIsFollowed) {
+  const Gains gains = toy::damped_gains(), places = toy::by_position(gains);
+  Gains blind = places;
+  blind.plant.B_w.resize(8, 0);
+  blind.plant.A_w.resize(0, 0);
+  blind.plant.C_w.resize(0, 0);
+  const auto fades_in = [&](Rig& rig) {
+    rig.floor = [&, floor = MadeUpFloor(1000, 3)](std::int64_t k, VectorXd& w) mutable {
+      floor(5e-2 * smooth_step(std::min(1.0, 2.5e-4 * static_cast<double>(k))), w);
+    };
+    rig.steps(10'000);
+  };
+  Rig by_acceleration({}, true, gains), known({}, true, places), unknown({}, true, blind, places);
+  for (Rig* rig : {&by_acceleration, &known, &unknown}) fades_in(*rig);
+  // One and the same frame; the position is the sum of the sum of 10^4 accelerations.
+  EXPECT_LT((known.sigma - by_acceleration.sigma).norm(), 1e-6 * known.peak);
+  EXPECT_EQ(known.state(), State::active) << to_text(known.fault());
+  EXPECT_EQ(known.supervisor().n_faults(), 0);
+  EXPECT_EQ(known.supervisor().n_saturated(), 0);
+  EXPECT_EQ(unknown.fault(), Fault::restless);
+  // And what breaks is found as soon.
+  for (Rig* rig : {&by_acceleration, &known}) {
+    const std::int64_t since = rig->k();
+    ASSERT_TRUE(rig->reaches(State::fault, 3000, [](Measurement& m) {
+      m.sigma(1) = -m.sigma(1);
+      return true;
+    }));
+    EXPECT_EQ(rig->fault(), Fault::restless);
+    EXPECT_LT(rig->k() - since, 50);
+  }
 }
 
 // One leg that swings while the others hardly do, as of a frame with something loose on it, is no

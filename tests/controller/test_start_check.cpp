@@ -176,6 +176,13 @@ TEST(StartCheck, RefusalSaysWhyAndWhatMends) {
   EXPECT_TRUE(contains(text, "delay_samples: 0")) << text;
   EXPECT_TRUE(contains(text, "sample_rate_hz: 240")) << text;
 
+  // Decays in 1600 s, at a rate at which a decay of 1000 s is 1e-9 a sample.
+  text = refusal(toy::gains(5, 1e6, 1, 1e-4));
+  EXPECT_TRUE(contains(text, "0.9999999993")) << text;  // known to 1e-11
+  EXPECT_TRUE(contains(text, "and what takes longer than 1000 s to settle")) << text;
+  EXPECT_TRUE(contains(text, "What mends it: leak_hz: ")) << text;
+  EXPECT_FALSE(contains(text, "static stiffness")) << text;
+
   Gains hopeless = toy::gains(5, 1000, 1);
   hopeless.K_P = -30 * MatrixXd::Identity(4, 4);
   text = refusal(hopeless);

@@ -125,6 +125,7 @@ struct Period {
   std::int64_t n_elapsed = 1;
   bool heard = true;
   double follows = 1;  ///< part of the last command that the amplifiers report
+  double left = 0;     ///< N, beside that
 };
 
 /// A supervisor and made-up measurements, 10 ms a period, without a frame. Amplifiers do what was
@@ -156,6 +157,7 @@ class Drive {
     measurement_.seq = k_;
     measurement_.time_ns = k_ * 10'000'000;
     measurement_.applied = period.follows * applied_;
+    measurement_.applied.array() += period.left;
     measurement_.heard = period.heard;
     // Legs feel what is applied to them; the reading is what their elongation adds.
     for (double& value : measurement_.sigma) value = reading(period.sigma);
@@ -246,6 +248,8 @@ const string latched = "fault, latched", passing = "fault, passing";
 const std::vector<string> engaged{"ramp_in", "active", "ramp_out"};
 const Period missing{.defect = Defect::missing}, stop{.request = Request::stop},
     start{.request = Request::start}, still{.sigma = Sigma::still};
+// Beyond any force limit here.
+const Period left_by_another{.left = 1e4};
 const std::vector<std::pair<string, Defect>> defects{{"not_finite", Defect::not_finite},
                                                      {"out_of_range", Defect::out_of_range}};
 // A period as long as hold_periods, and as much of it missing.
@@ -259,6 +263,8 @@ void before_force(std::vector<Scenario>& all) {
   all.push_back({{"begins", "idle", ""}, "", [](Drive&) {}});
   all.push_back({{"begins", latched, ""}, "", [](Drive& d) { d.begin_latched(Fault::restless); }});
   all.push_back({{"idle", "arming", ""}, "", [](Drive& d) { d.change(); }});
+  all.push_back(
+      {{"idle", latched, "out_of_range"}, "", [](Drive& d) { d.change(left_by_another); }});
   const auto from_arming = [&](const string& to, const string& fault, const Period& period) {
     all.push_back({{"arming", to, fault}, "", [period](Drive& d) {
                      d.reach("arming");
@@ -433,6 +439,11 @@ void out_of_faults(std::vector<Scenario>& all) {
   after_a_sleep("arming", "", Request::none);
   after_a_sleep("idle", "", Request::stop);
   after_a_sleep(latched, never_again, Request::none);
+  all.push_back({{passing, latched, "out_of_range"}, "", [](Drive& d) {
+                   d.reach("active");
+                   d.change({.n_elapsed = longest + 1});
+                   d.change(left_by_another);
+                 }});
   all.push_back({{latched, "idle", ""}, "", [](Drive& d) {
                    d.begin_latched(Fault::offset);
                    d.change({.request = Request::reset});
@@ -505,6 +516,11 @@ class RandomWorld {
     if (what == 6) sleepy_ = true;
     if (what == 7) flaky_ = sleepy_ = true;
     if (what == 8) kind_.heard = false;
+    if (what == 9) {
+      kind_.left = 1e4;
+      sleepy_ = one_in(2);
+      left_ += 150;  // seconds of long periods
+    }
     // Gaps that end while the loop still fades are the most eventful.
     if (what >= 1 && what <= 7 && one_in(2)) left_ = 5 + static_cast<int>(random_() % 20);
   }

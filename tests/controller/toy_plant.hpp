@@ -62,6 +62,21 @@ inline Gains damped_gains(double design_hz = 5, double rate_hz = 1000) {
   return out;
 }
 
+/// The same frame with places as states in place of the elongations of its legs: the floor does by
+/// its position x what its acceleration did, q'' = -K (q - x) - D (q' - x') - u,
+/// sigma = K (q - x) + u.
+inline Gains by_position(Gains out) {
+  const auto m = out.n_legs();
+  out.plant.B_w.setZero();
+  out.plant.A_w = Eigen::MatrixXd::Zero(2 * m, 2);  // of velocity and position
+  out.plant.A_w.bottomRows(m) << -out.plant.A.bottomRightCorner(m, m).rowwise().sum(),
+      -out.plant.A.bottomLeftCorner(m, m).rowwise().sum();
+  out.plant.C_w.resize(m, 2);
+  out.plant.C_w << -out.plant.C.rightCols(m).rowwise().sum(),
+      -out.plant.C.leftCols(m).rowwise().sum();
+  return out;
+}
+
 /// One mode over a sample with u held, in closed form: q'' + K q = -u is a rotation about q = -u /
 /// K.
 inline void move(size_t mode, double& q, double& v, double u, double sample_time) {

@@ -97,7 +97,7 @@ inline Case make_case(const std::string& kind, Eigen::Vector3d l_0) {
   if (kind == "planar_arc_beam") {
     auto inner = std::make_unique<PlanarBeam>(0, 1, l_0);
     return case_of(
-        std::make_unique<SecondOrder>(std::move(inner), planar_second_order_terms(l_0.norm())),
+        std::make_unique<SecondOrder>(std::move(inner), planar_second_order_terms(l_0.norm(), 0)),
         [l_0](const auto& u) { return arc_formula(l_0, planar_beam_formula(l_0, u)); }, l_0);
   }
   if (kind == "hinge") {
@@ -118,7 +118,8 @@ inline Case make_case(const std::string& kind, Eigen::Vector3d l_0) {
   }
   if (kind == "arc_beam") {
     return case_of(
-        std::make_unique<SecondOrder>(std::move(beam), spatial_second_order_terms(l_0.norm())),
+        std::make_unique<SecondOrder>(std::move(beam),
+                                      spatial_second_order_terms(l_0.norm(), 0, 0)),
         [=](const auto& u) { return arc_formula(l_0, beam_formula(l_0, orientation, u)); }, l_0);
   }
   const auto terms = any_terms(6);

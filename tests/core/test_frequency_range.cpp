@@ -1,13 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "core/linear/frequency_range.hpp"
 
 namespace stillframe::test {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 void expect_range(const FrequencyRange& found, double lowest_hz, double highest_hz) {
@@ -33,20 +30,6 @@ TEST(FrequencyRange, ShowsModesAndTargetsAndEndsAtHalfTheRate) {
 TEST(FrequencyRange, RoundNumbersAreThoseThatAreWrittenSo) {
   EXPECT_EQ(round_frequencies({0.05, 2}), (std::vector<double>{0.05, 0.1, 0.2, 0.5, 1, 2}));
   EXPECT_EQ(round_frequencies({0.3, 150}), (std::vector<double>{0.5, 1, 2, 5, 10, 20, 50, 100}));
-}
-
-TEST(FrequencyRange, OwnFrequenciesAreModuliWithoutWhatIsZero) {
-  // A free body beside an oscillator of 3 rad/s, damped, and a creeping one of 0.5 1/s.
-  MatrixXd A = MatrixXd::Zero(5, 5);
-  A(0, 1) = 1;
-  A.block(2, 2, 2, 2) << 0, 1, -9, -0.6;
-  A(4, 4) = -0.5;
-  const VectorXd found = own_frequencies_hz(A);
-  ASSERT_EQ(found.size(), 2);
-  EXPECT_NEAR(found(0), 0.5 / (2 * M_PI), 1e-12);
-  EXPECT_NEAR(found(1), 3 / (2 * M_PI), 1e-12);
-  EXPECT_EQ(own_frequencies_hz(MatrixXd::Constant(2, 2, std::nan(""))).size(), 0);
-  EXPECT_EQ(own_frequencies_hz(MatrixXd(0, 0)).size(), 0);
 }
 
 }  // namespace

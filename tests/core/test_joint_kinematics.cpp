@@ -288,6 +288,18 @@ TEST_P(Factors, SolveForVectorsAndRowsAndTransposed) {
   }
 }
 
+TEST_P(Factors, KnowTheSignOfTheDeterminant) {
+  ConditionFactors factors(n_, 1);
+  for (int k = 0; k < 20; ++k) {
+    const double determinant = fill(factors).determinant();  // up to 1e150
+    EXPECT_EQ(factors.sign(), determinant > 0 ? 1 : -1) << determinant;
+  }
+  factors.clear();  // two rows swapped, and no pivot is negative
+  for (Index i = 0; i < n_; ++i) factors.add(i, i < 2 ? 1 - i : i, 1.0);
+  factors.factorise();
+  EXPECT_EQ(factors.sign(), -1);
+}
+
 TEST_P(Factors, ASingularMatrixHasNoReciprocalCondition) {
   ConditionFactors factors(n_, 1);
   factors.clear();

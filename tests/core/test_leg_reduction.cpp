@@ -222,6 +222,12 @@ TEST(LegReduction, WhatTheLegsCannotDoIsRefusedInWords) {
   EXPECT_NE(refused(I3, I3, MatrixXd{{1, 1, 0}, {2, 2, 0}})
                 .find("the elongations of left and right depend on each other"),
             std::string::npos);
+  // By a hair they do not, as where a weight bends the frame: every motion has its stiffness.
+  const std::string hair =
+      refused(I3, I3, MatrixXd{{1, 1, 0}, {2, 2, 1e-9}}, Reduction::static_shapes);
+  EXPECT_NE(hair.find("the elongations of left and right depend on each other"), std::string::npos)
+      << hair;
+  EXPECT_EQ(hair.find("without stiffness"), std::string::npos) << hair;
   const MatrixXd K = VectorXd{{1.0, 4.0, 4.0}}.asDiagonal();
   const MatrixXd both{{1, 1, 0}, {0, 1, 1}};
   EXPECT_NE(refused(I3, K, both).find("2 legs cannot tell mode 2 (0.31831 Hz) from mode 3"),

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "core/control_loop.hpp"
+#include "core/linear/delay_limit.hpp"
 #include "core/linear/disk_margin.hpp"
 #include "core/linear/margins.hpp"
 #include "core/state_space.hpp"
@@ -219,7 +220,77 @@ TEST_P(DelaysOfRandomLoops, NoneBelowTheLimitIsUnstable) {
   expect_stable(VectorXd::Unit(m, 0), found.leg_delay(0));
 }
 
+// Nothing is left to what a grid happens to see: on each of these loops the limit is proven, and a
+// delay just beyond is none of a stable loop.
+TEST_P(DelaysOfRandomLoops, AreProvenAndEndWhereStated) {
+  for (const double times : {1.0, 4.0}) {
+    LoopSettings loop = random_loop(GetParam());
+    loop.sampling.sample_time *= times;
+    if (!(spectral_radius(loop) < largest_stable_radius)) continue;
+    const DiscreteLaw law = law_of(loop);
+    const Index m = loop.plant.B_u.cols();
+    for (Index leg = -1; leg < m; ++leg) {  // -1: all
+      const VectorXd legs =
+          leg < 0 ? VectorXd(VectorXd::Ones(m)) : VectorXd(VectorXd::Unit(m, leg));
+      const DelayLimit found = delay_limit(feedback_part(loop.plant), loop.sampling, law, legs, 6);
+      EXPECT_TRUE(found.proven) << leg;
+      // One a whole sample and some at the limit.
+      EXPECT_LT(found.n_centres, 100) << leg;
+      if (std::isinf(found.samples)) continue;
+      // Known to 1e-6 of it, and next to none to 1e-15 of a sample.
+      loop.sampling.leg_delays = (found.samples * (1 + 2e-6) + 1e-9) * legs;
+      EXPECT_GE(spectral_radius(loop), largest_stable_radius) << leg;
+      loop.sampling.leg_delays.resize(0);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, DelaysOfRandomLoops, testing::Range(1u, 61u));
+
+/// A loop that is unstable at one delay and stable at those about it that one would look at.
+struct SteppedOver {
+  unsigned seed;
+  double times;  ///< slower
+  Index leg;     ///< -1: all
+  double unstable_at;
+};
+
+class DelaysSteppedOver : public testing::TestWithParam<SteppedOver> {};
+
+// A search at four delays a sample and at those that turn a resonance into antiphase stated limits
+// of 5.04 samples for 277, 16.03 for 135, none and 1.78 for 310. In 1958 a pole leaves and is back
+// within a sixteenth of a sample, from the middle of a piece that is proven.
+TEST_P(DelaysSteppedOver, AreLimits) {
+  const SteppedOver& at = GetParam();
+  LoopSettings loop = random_loop(at.seed);
+  const Index m = loop.plant.B_u.cols(), n = loop.plant.A.rows() / 2;
+  loop.plant.A.bottomRightCorner(n, n).setZero();  // no damping
+  loop.sampling.sample_time *= at.times;
+  const VectorXd legs =
+      at.leg < 0 ? VectorXd(VectorXd::Ones(m)) : VectorXd(VectorXd::Unit(m, at.leg));
+  const auto stable = [&](double samples) {
+    LoopSettings late = loop;
+    late.sampling.leg_delays = samples * legs;
+    return spectral_radius(late) < largest_stable_radius;
+  };
+  ASSERT_TRUE(stable(0));
+  ASSERT_FALSE(stable(at.unstable_at));
+  const DelayLimit found =
+      delay_limit(feedback_part(loop.plant), loop.sampling, law_of(loop), legs, longest_delay);
+  EXPECT_TRUE(found.proven);
+  EXPECT_LT(found.samples, at.unstable_at);
+  EXPECT_FALSE(stable(found.samples * (1 + 2e-6)));
+  for (double samples = 0; samples < found.samples; samples += 1.0 / 61) {
+    EXPECT_TRUE(stable(samples)) << samples << " of " << found.samples;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, DelaysSteppedOver,
+                         testing::Values(SteppedOver{277, 3, -1, 4.7784},
+                                         SteppedOver{1958, 0.432, 1, 4.52},
+                                         SteppedOver{135, 3, -1, 15.6477},
+                                         SteppedOver{310, 5, 2, 0.83511},
+                                         SteppedOver{310, 6, 0, 0.85611}));
 
 /// A mode of 10 Hz, damped by 5 %, at 200 Hz, and one without damping that turns by `turn` rad in a
 /// sample; 4 Hz, zeta 0.7, leak 0.4 Hz, an actuator lag or none.

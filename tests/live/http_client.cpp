@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -25,6 +26,11 @@ Connection::~Connection() {
 
 void Connection::send(const std::string& text) const {
   ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
+}
+
+bool Connection::hears_within(int ms) const {
+  pollfd ready{.fd = socket_, .events = POLLIN, .revents = 0};
+  return poll(&ready, 1, ms) > 0;
 }
 
 std::string Connection::read_until(const std::string& part) {

@@ -14,6 +14,8 @@ class Connection {
 
   bool open() const { return socket_ >= 0; }
   void send(const std::string& text) const;
+  /// True once there is something to read or the other side has closed, within so many ms.
+  bool hears_within(int ms) const;
   /// Reads until `part` has come or the other side has closed; all that came.
   std::string read_until(const std::string& part);
   std::string read_all() { return read_until("\x01 never"); }

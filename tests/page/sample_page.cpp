@@ -125,6 +125,10 @@ page::ModeShapes mode_shapes() {
     shapes.elements.push_back({"leg_" + number + "t", page::ShapeKind::truss, first + 1, first});
     shapes.elements.push_back({"leg_" + number + "v", page::ShapeKind::truss, first + 2, first});
   }
+  // A camera on a mast, far from the middle of all nodes, whose top moves more than the frame.
+  const std::size_t camera = shapes.nodes.size();
+  shapes.nodes.push_back({"camera", Vector3d(0.3, 0, 1), false, 2});
+  shapes.elements.push_back({"mast", page::ShapeKind::beam, 0, camera});
   // Slides with tilt, turns about the vertical, and so on: rigid motion t + r x position.
   const Vector3d t[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.12, 0, 0}, {0, 0.12, 0}, {0, 0, 0}};
   const Vector3d r[] = {{0, 0.3, 0}, {-0.3, 0, 0}, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
@@ -136,6 +140,7 @@ page::ModeShapes mode_shapes() {
       if (shapes.nodes[i].floor) continue;
       mode.displacement.row(static_cast<Index>(i)) = t[m] + r[m].cross(shapes.nodes[i].position);
     }
+    mode.displacement.row(static_cast<Index>(camera)) *= 1.5;
     shapes.modes.push_back(mode);
   }
   return shapes;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <random>
 
 #include "core/operating_point.hpp"
 #include "core/worst.hpp"
@@ -418,6 +419,15 @@ TEST(PlantChoice, SaysWhyAndRefusesWhatCannotBe) {
   EXPECT_THROW(Plant(scene, table(Eigen::MatrixXd::Zero(6, 1))), InputError);
 }
 
+// In nodal coordinates a rotor accelerates, and the tolerance is of that.
+TEST(PlantChoice, BesideARotorIsNeverTheNodalMethod) {
+  Scene scene = scene_of("105001003_methods", "tests/random_scenes/found");
+  const Eigen::MatrixXd floor = Eigen::MatrixXd::Zero(2, 1);
+  EXPECT_EQ(Plant(scene, table(floor)).choice().method, PlantMethod::exponential);
+  scene.instruments.force_rate_limit = 1e4;
+  EXPECT_EQ(Plant(scene, table(floor)).choice().method, PlantMethod::dormand_prince);
+}
+
 class BadRuns : public testing::TestWithParam<PlantMethod> {};
 
 TEST_P(BadRuns, StopWithTimeStateAndReason) {
@@ -500,6 +510,37 @@ TEST(MinimalEquations, GoOnAfterAPositionThatCannotBeReached) {
     // Positions are solved for to some epsilon, from wherever.
     EXPECT_LE((found - expected).norm(), 1e-9 * expected.norm()) << elongation;
   }
+}
+
+// The same elongations of a frame's legs are those of several positions. Of those behind a dead
+// point the determinant has the other sign, and no motion that the dofs describe comes to them; of
+// those of the same sign an attempt that was given up may have found any.
+TEST(MinimalEquations, StayOnTheirBranch) {
+  const Scene scene = scene_of("105000155_methods", "tests/random_scenes/found");
+  const MergedScene merged = merge_rigid_bodies(scene);
+  const Model model = make_model(merged.scene);
+  const NominalMotion nominal = nominal_motion(model);
+  MinimalEquations fresh(model, nominal, {}, 0), tried(model, nominal, {}, 0);
+  const Rest rest;
+  Eigen::VectorXd near = fresh.start(), far = near, expected(near.size()), found(near.size());
+  const int branch = fresh.data().J.sign();
+  ASSERT_NE(branch, 0);
+  near(0) = 1e-5;
+  ASSERT_TRUE(fresh.evaluate(rest, 0, near, expected));
+  std::mt19937 engine(59);
+  std::uniform_real_distribution<double> elongation(-0.02, 0.02);  // of legs of a decimetre, m
+  int reached = 0;
+  for (int k = 0; k < 200; ++k) {
+    for (Index i = 0; i < model.n_d; ++i) far(i) = elongation(engine);
+    if (tried.evaluate(rest, 0, far, found)) {
+      EXPECT_EQ(tried.data().J.sign(), branch) << k;
+      ++reached;
+    }
+    tried.go_back();
+    ASSERT_TRUE(tried.evaluate(rest, 0, near, found)) << k;
+    EXPECT_LE((found - expected).norm(), 1e-9 * expected.norm()) << k;
+  }
+  EXPECT_GE(reached, 50);
 }
 
 }  // namespace

@@ -127,10 +127,11 @@ TEST(Acceptance, WithoutAnythingToJudgeByNothingPasses) {
        }},
       {"is too short", [](MadeUp& m) { m.active().n_samples = 9000; }},
       {"No direction is compared", [](MadeUp& m) { m.verdict.axes.clear(); }},
-      {"hardly moves",
+      {"neither frame moves",
        [](MadeUp& m) {
          for (AxisLevels& axis : m.verdict.axes) {
-           for (AskedMotion& motion : axis.asked) motion.floor = motion.passive = 0;
+           for (AskedMotion& motion : axis.asked) motion.floor = 0;
+           axis.asked[0].passive = axis.asked[0].active = 0;
          }
        }},
   };
@@ -233,6 +234,118 @@ TEST(Acceptance, EndsOfRecordsNeitherPassNorFail) {
   }
 }
 
+// A still floor: what the active frame does there is its own loop's doing.
+TEST(Acceptance, AFrameThatOnlyItsLoopShakesFails) {
+  const auto judged = [](double passive, double active, AxisAcceptance asked = {}) {
+    SceneAcceptance accept;
+    if (asked.axis == "z") accept.axes.push_back(asked);
+    MadeUp m(accept);
+    for (AxisLevels& axis : m.verdict.axes) {
+      for (AskedMotion& motion : axis.asked) {
+        motion.floor = 0;
+        motion.passive = passive;
+        motion.active = active;
+      }
+    }
+    return m.judged();
+  };
+  EXPECT_EQ(judged(0, 1.9).outcome, Outcome::failed);
+  EXPECT_NE(judged(0, 1.9).reason.find("the passive frame rests, and the active one moves by 1.9 "
+                                       "m/s^2 rms from 1 to 80 Hz, which only its own loop can do"),
+            std::string::npos)
+      << judged(0, 1.9).reason;
+  EXPECT_EQ(judged(1e-13, 2e-9).outcome, Outcome::failed) << "rounding is rest";
+  EXPECT_EQ(judged(0, nan).outcome, Outcome::failed);
+  // What no instrument tells from rest is no motion, and no proof either.
+  EXPECT_EQ(judged(0, 1e-10).outcome, Outcome::not_judged);
+  EXPECT_EQ(judged(0, 0).outcome, Outcome::not_judged);
+  // Forces shake both.
+  EXPECT_EQ(judged(1, 0.5).outcome, Outcome::passed);
+  EXPECT_EQ(judged(0, 1, {.axis = "z", .rms_of_passive = 0.5}).outcome, Outcome::failed);
+  EXPECT_EQ(judged(0, 1, {.axis = "z", .band_of_passive = 0.5}).outcome, Outcome::failed);
+}
+
+// What lies beside a range and may reach into it neither passes nor fails a run.
+TEST(Acceptance, WhatIsBesideARangeNeitherPassesNorFails) {
+  const auto of_floor = [](double active, double floor_leak, double active_leak) {
+    MadeUp m;
+    for (AxisLevels& axis : m.verdict.axes) {
+      axis.asked[1].active = active;
+      axis.asked[1].floor_leak = floor_leak;
+      axis.asked[1].active_leak = active_leak;
+    }
+    Check found;
+    for (const Check& check : m.judged().checks) {
+      if (check.what.find("active to floor") != std::string::npos) found = check;
+    }
+    return found;
+  };
+  EXPECT_EQ(of_floor(0.8, 0.1, 0.4).outcome, Outcome::passed) << "0.894 / 0.995";
+  EXPECT_EQ(of_floor(0.8, 0.1, 0.6).outcome, Outcome::not_judged) << "1 / 0.995";
+  EXPECT_NE(of_floor(0.8, 0.1, 0.6).reason.find("what moves beside the range may be so much"),
+            std::string::npos);
+  EXPECT_EQ(of_floor(0.8, 1, 0).outcome, Outcome::not_judged) << "nothing is sure of the floor";
+  EXPECT_EQ(of_floor(1.3, 0.1, 0.8).outcome, Outcome::failed) << "1.025 / 1.005";
+  EXPECT_EQ(of_floor(1.3, 0.1, 0.9).outcome, Outcome::not_judged) << "0.938 / 1.005";
+}
+
+TEST(Acceptance, ARangeThatNoRecordResolvesIsNotJudged) {
+  MadeUp m({.axes = {{.axis = "z", .from_hz = 5, .to_hz = 5.0001, .rms_of_floor = 0.5}}});
+  m.asked()[0].narrowest_hz = 0.1;
+  m.asked()[0].floor = 1e-9;  // as little as such a range has
+  const Judgement judgement = m.judged();
+  EXPECT_EQ(judgement.outcome, Outcome::not_judged);
+  EXPECT_EQ(judgement.reason,
+            "Axis z: the range from 5 to 5.0001 Hz is narrower than what the record resolves, 0.1 "
+            "Hz.");
+}
+
+TEST(Acceptance, BandsThatCannotBeLookedAtSayWhy) {
+  const auto judged = [](double from_hz, double to_hz,
+                         const std::function<void(AxisLevels&)>& change) {
+    MadeUp m({.axes = {{.axis = "z", .from_hz = from_hz, .to_hz = to_hz, .band_of_floor = 0.5}}});
+    change(m.verdict.axes[1]);
+    return m.judged();
+  };
+  const auto nothing = [](AxisLevels&) {};
+  EXPECT_EQ(judged(21, 22, nothing).reason,
+            "Axis z: no third-octave band has its centre from 21 to 22 Hz.");
+  EXPECT_EQ(judged(20, 22, nothing).outcome, Outcome::passed);
+  const auto leak = [](double floor, double active, double narrowest_hz) {
+    return [=](AxisLevels& axis) {
+      const std::size_t n = axis.floor_spectra->velocity.size();
+      axis.floor_spectra->leak.assign(n, floor);
+      axis.active_spectra->leak.assign(n, active);
+      axis.floor_spectra->narrowest_hz = narrowest_hz;
+    };
+  };
+  // 0.1 of the floor's 1: 0.4 more is 0.412, 0.6 more is 0.608.
+  EXPECT_EQ(judged(20, 22, leak(0, 0.4, 0.1)).outcome, Outcome::passed);
+  EXPECT_EQ(judged(20, 22, leak(0, 0.6, 0.1)).outcome, Outcome::not_judged);
+  EXPECT_NE(judged(20, 22, leak(0.95, 0, 0.1)).reason.find("hardly moves in any third-octave"),
+            std::string::npos);
+  EXPECT_NE(judged(20, 22, leak(0.95, 0, 5))
+                .reason.find("does not resolve the third-octave band "
+                             "of 20 Hz"),
+            std::string::npos);
+}
+
+TEST(Acceptance, AClassThatHangsOnWhatIsBesideABandIsNotJudged) {
+  const auto outcome = [](double leak, const char* asked) {
+    MadeUp m({.axes = {{.axis = "z", .vibration_class = asked}}});
+    AxisLevels& z = m.verdict.axes[1];
+    z.active->vibration_class = "VC-E";  // 3.12 um/s
+    z.active_spectra = flat(3e-6);
+    z.active_spectra->leak.assign(20, leak);
+    return m.judged().outcome;
+  };
+  EXPECT_EQ(outcome(0.5e-6, "VC-E"), Outcome::passed) << "3.04";
+  EXPECT_EQ(outcome(1e-6, "VC-E"), Outcome::not_judged) << "3.16";
+  EXPECT_EQ(outcome(1e-6, "VC-D"), Outcome::passed);
+  EXPECT_EQ(outcome(1e-6, "VC-F"), Outcome::failed) << "2.83 for 1.56";
+  EXPECT_EQ(outcome(2.7e-6, "VC-F"), Outcome::not_judged) << "1.31 for 1.56";
+}
+
 TEST(Acceptance, FloorsThatMoveApartLeaveThePassiveFrame) {
   MadeUp m;
   m.verdict.floors_apart = true;
@@ -292,6 +405,23 @@ TEST(Acceptance, WhatAllSamplesSayIsNotContradictedSilently) {
             std::string::npos);
   EXPECT_NE(said(0.9, 1.5, 0.64).find("1.5 times by peak"), std::string::npos);
   EXPECT_EQ(said(2.06, 2, 2.06), "");  // a check says so
+}
+
+/// No check fails by it, and no pass keeps it to itself.
+TEST(Acceptance, APassSaysWhereTheClassGetsWorse) {
+  MadeUp m;
+  EXPECT_EQ(m.judged().outcome, Outcome::passed) << m.judged().reason;
+  EXPECT_EQ(m.judged().reason.find("class"), std::string::npos) << m.judged().reason;
+  m.verdict.axes[1].active->vibration_class = "VC-C";
+  EXPECT_EQ(m.judged().outcome, Outcome::passed);
+  EXPECT_NE(m.judged().reason.find(
+                "By vibration class the frame is worse than its floor in z (VC-C for the floor's "
+                "VC-D)."),
+            std::string::npos)
+      << m.judged().reason;
+  m.active().n_saturated = 30000;
+  EXPECT_EQ(m.judged().outcome, Outcome::failed);
+  EXPECT_EQ(m.judged().reason.find("class"), std::string::npos) << m.judged().reason;
 }
 
 TEST(Acceptance, WhatIsNoProofCanOnlyFail) {

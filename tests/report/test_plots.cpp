@@ -208,6 +208,37 @@ TEST_F(Plots, ThirdOctaves) {
   expect_picture(file);
 }
 
+/// Low panels have room for three labels of tics, and for every other name of a criterion.
+TEST_F(Plots, ManyPanelsHaveFewerLabels) {
+  HistoryPlot histories{.title = "", .axes = {}};
+  OctavePlot octaves{.title = "", .axes = {}};
+  for (const double size : {0.03, 0.03, 0.03, 0.5, 0.5}) {
+    const MatrixXd rows{{0, -size, size}, {1, -0.5 * size, size}};
+    histories.axes.push_back({"a", rows, {}, {}});
+    octaves.axes.push_back({"a", VectorXd::LinSpaced(20, 1e-9, 1e-3), {}, {}});
+  }
+  const auto tics = [&] {
+    const std::string script = script_of([&] { plot_histories(histories, folder_ / "a.png"); });
+    const auto has = [&](double tic) {
+      return script.find("set ytics (" + plot_number(-tic) + ", 0, " + plot_number(tic) + ")") !=
+             std::string::npos;
+    };
+    return std::pair{has(20), has(500)};
+  };
+  EXPECT_EQ(tics(), (std::pair{true, true}));
+  histories.axes.resize(3);
+  EXPECT_EQ(tics(), (std::pair{false, false}));
+  const auto named = [&](const char* criterion) {
+    const std::string script = script_of([&] { plot_third_octaves(octaves, folder_ / "a.png"); });
+    return script.find(std::string("'") + criterion + "' at") != std::string::npos;
+  };
+  EXPECT_TRUE(named("VC-A") && named("VC-C"));
+  EXPECT_FALSE(named("VC-B"));
+  octaves.axes.resize(1);  // the picture's whole height
+  for (AxisBands& axis : octaves.axes) axis.floor.setConstant(1e-5);
+  EXPECT_TRUE(named("VC-A") && named("VC-B"));
+}
+
 TEST_F(Plots, NumbersAndTextSurviveGnuplot) {
   EXPECT_EQ(std::stod(plot_number(-1.25e-7)), -1.25e-7);
   EXPECT_EQ(plot_number(std::nan("")), "NaN");

@@ -9,6 +9,7 @@
 #include "core/yaml/input_error.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/log/run_log.hpp"
+#include "report/said_once.hpp"
 #include "report/verdict/verdict.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
@@ -159,6 +160,29 @@ TEST(Verdict, TextIsAlignedAndSaysItAll) {
   }
   ASSERT_EQ(widths.size(), 3u);
   EXPECT_EQ(widths[0], widths[1]);
+}
+
+TEST(Verdict, WhatHoldsForSeveralIsSaidOnce) {
+  SaidOnce said;
+  said.add("Axis x: the run is short.");
+  said.add("Nothing moves.");
+  said.add("Axis y: the run is short.");
+  said.add("Axis y: the run is short.");
+  said.add("Axis z", "the run is long.");
+  EXPECT_EQ(said.lines(), (std::vector<std::string>{"Axis x; Axis y: the run is short.",
+                                                    "Nothing moves.", "Axis z: the run is long."}));
+  Verdict verdict;
+  for (const char* what : {"3 inputs to 2 outputs", "3 inputs to 3 outputs"}) {
+    ResponseSummary response;
+    response.loop = "active";
+    response.what = what;
+    response.missing = "they move together";
+    verdict.responses.push_back(response);
+  }
+  EXPECT_NE(to_text(verdict).find("\n  active, 3 inputs to 2 outputs; active, 3 inputs to 3 "
+                                  "outputs: they move together\n"),
+            std::string::npos)
+      << to_text(verdict);
 }
 
 TEST(Verdict, DamageIsSaid) {

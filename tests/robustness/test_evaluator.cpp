@@ -162,6 +162,22 @@ TEST(Evaluator, ThePeakIsMetBetweenTheFrequencies) {
   EXPECT_LT(worst_of(outcome.gain), 2);
 }
 
+// The mass swings at 3.18 Hz, which is nearer to 5 than to 1 Hz by its ratio.
+TEST(Evaluator, AResonanceCountsAtTheFrequencyNearestToIt) {
+  Cart cart{.m = 2, .k = 800, .kappa = 1e-3, .sample_time = 0.01};
+  const Evaluator evaluator = cart.evaluator({});
+  const Outcome outcome = evaluator(VectorXd(0));
+  EXPECT_EQ(outcome.highest(0), outcome.gain(0));
+  EXPECT_EQ(outcome.highest(1), outcome.peak);
+  EXPECT_LT(outcome.gain(1), 2);
+  // The curve that a picture shows is as high, to the hundredths of a dB by which a grid misses it.
+  const Evaluator::Curve coarse = evaluator.curve(VectorXd(0), Eigen::Vector2d(1, 5), false),
+                         fine = evaluator.curve(VectorXd(0), Eigen::Vector2d(1, 5), true);
+  EXPECT_EQ(coarse.frequencies_hz.size(), 2);
+  EXPECT_NEAR(coarse.gain(1), outcome.gain(1), 1e-9 * outcome.gain(1));
+  EXPECT_NEAR(20 * std::log10(fine.gain.maxCoeff() / outcome.peak), 0, 0.07);
+}
+
 TEST(Evaluator, APlantThatCannotBeIsAnOutcome) {
   Cart cart;
   SceneUncertainty uncertainty;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <set>
 
+#include "core/model/model.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "tests/robustness/frame.hpp"
 
@@ -187,6 +188,36 @@ controller:
   EXPECT_EQ(node(shifted, "arm").position, Vector3d(1, 0.1, 0));
   const Scene turned = perturbed(scene, {}, list, only(3, 2, 1)).scene;
   EXPECT_EQ(moved_nodes(scene, turned), std::set<std::string>{"foot"});
+}
+
+TEST(Parameters, DampersStayWhereStiffnessChanges) {
+  const Scene scene = parse_scene(R"(title: A mass on a damped beam
+planar: true
+nodes:
+  ground: {position: [0, 0]}
+  mass: {position: [1, 0]}
+masses:
+  - {node: mass, mass: 1, inertia: 1}
+elements:
+  leg: {type: beam, nodes: [ground, mass], EA: 4e4, damping_time: 5e-4, rigid: [2, 3]}
+supports:
+  - {nodes: [ground], fix: [x, y, rotation]}
+dofs: [{element: leg, mode: 1}]
+inputs:
+  - {name: push, force: mass, along: x}
+controller:
+  {legs: [leg], target_hz: 1, damping_ratio: 0.7, sample_rate_hz: 100, delay_samples: 0, leak_hz: 0}
+)",
+                                  "scene");
+  SceneUncertainty uncertainty;
+  uncertainty.stiffness = 0.5;
+  const auto list = parameters_of(scene, uncertainty);
+  ASSERT_EQ(list.size(), 1u);
+  const Model as_is = make_model(scene),
+              stiffer = make_model(perturbed(scene, {}, list, only(1, 0, 1)).scene);
+  EXPECT_DOUBLE_EQ(stiffer.elements.back().S(0, 0), 1.5 * as_is.elements.back().S(0, 0));
+  EXPECT_DOUBLE_EQ(stiffer.elements.back().S_d(0, 0), as_is.elements.back().S_d(0, 0));
+  EXPECT_DOUBLE_EQ(as_is.elements.back().S_d(0, 0), 4e4 * 5e-4);
 }
 
 TEST(Parameters, RefusesTheWrongNumberOfValues) {

@@ -18,6 +18,7 @@ Outcome stable(double radius, double damping, double peak) {
   outcome.damping = damping;
   outcome.peak = peak;
   outcome.gain = VectorXd::Constant(2, peak / 2);
+  outcome.highest = VectorXd::Constant(2, peak);
   return outcome;
 }
 
@@ -50,6 +51,28 @@ TEST(Histogram, BinsAndQuantiles) {
   EXPECT_TRUE(std::isnan(Histogram{}.quantile(0.5)));
 }
 
+TEST(RatioHistogram, KnowsSmallNumbersAsWellAsLargeOnes) {
+  const Histogram bins{.width = 0.001, .first = -9000, .last = 0, .counts = {}};
+  RatioHistogram histogram{.below = bins, .above = bins};
+  for (const double value : {0.00112, 0.00134, 0.35, -0.2, -0.003, 0.0}) histogram.add(value);
+  EXPECT_EQ(histogram.total(), 6u);
+  // Half of a bin of 10^0.001.
+  const auto expect = [&](double share, double value) {
+    EXPECT_NEAR(histogram.quantile(share) / value, 1, 0.0012) << share;
+  };
+  expect(1.0 / 6, -0.2);
+  expect(2.0 / 6, -0.003);
+  expect(3.0 / 6, -std::pow(10, -8.9995));  // 0 is in the smallest bin
+  expect(4.0 / 6, 0.00112);
+  expect(5.0 / 6, 0.00134);
+  expect(1, 0.35);
+  RatioHistogram twice = histogram;
+  twice.merge(histogram);
+  EXPECT_EQ(twice.total(), 12u);
+  EXPECT_EQ(twice.quantile(0.5), histogram.quantile(0.5));
+  EXPECT_TRUE(std::isnan(RatioHistogram{}.quantile(0.5)));
+}
+
 TEST(Tally, CountsAndExtremes) {
   Tally tally(2);
   tally.add(0, VectorXd::Zero(1), stable(0.99, 0.5, 2));
@@ -67,6 +90,8 @@ TEST(Tally, CountsAndExtremes) {
   EXPECT_EQ(tally.peak.most, 2);
   EXPECT_EQ(tally.gain[1].least, 0.5);
   EXPECT_EQ(tally.gain_db[1].total(), 2u);
+  EXPECT_EQ(tally.highest[1].most, 2);
+  EXPECT_EQ(tally.highest_db[1].total(), 2u);
   EXPECT_EQ(tally.least_damping.total(), 3u);
   EXPECT_EQ(tally.decay.total(), 2u);
   // 20 log10(2) = 6.0206 is in the bin from 6.00 to 6.05.
@@ -104,7 +129,10 @@ void expect_equal(const Tally& a, const Tally& b) {
   EXPECT_EQ(a.peak.least, b.peak.least);
   EXPECT_EQ(a.gain[0].most, b.gain[0].most);
   EXPECT_EQ(a.decay.counts, b.decay.counts);
-  EXPECT_EQ(a.least_damping.counts, b.least_damping.counts);
+  EXPECT_EQ(a.least_damping.below.counts, b.least_damping.below.counts);
+  EXPECT_EQ(a.least_damping.above.counts, b.least_damping.above.counts);
+  EXPECT_EQ(a.highest[0].most, b.highest[0].most);
+  EXPECT_EQ(a.highest_db[1].counts, b.highest_db[1].counts);
   EXPECT_EQ(a.peak_db.counts, b.peak_db.counts);
   EXPECT_EQ(a.gain_db[1].counts, b.gain_db[1].counts);
   for (const Measure measure : measures) {

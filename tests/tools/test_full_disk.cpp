@@ -103,7 +103,7 @@ TEST_F(FullDisk, LeavesTheOlderFileWhole) {
   expect_whole_or_older("trade.png", "design " + frame_ + " --plot-trade trade.png", 100);
   expect_whole_or_older(
       "spread.png",
-      "robustness " + frame_ + uncertainty + " --samples 5 --no-search --plot spread.png", 100);
+      "robustness " + frame_ + uncertainty + " --samples 5 --no-search --plot spread.png", 140);
 }
 
 TEST_F(FullDisk, EndsARunThatSaysWhy) {

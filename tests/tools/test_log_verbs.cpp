@@ -157,5 +157,49 @@ TEST_F(LogVerbs, TheModelOfALogIsThatOfItsScene) {
   EXPECT_LT((skew * D - straight).norm(), 1e-12 * straight.norm());
 }
 
+/// However often a motion of the floor is named, and by whatever foot, it is one input.
+TEST_F(LogVerbs, AMotionOfTheFloorThatIsNamedTwiceIsOneInput) {
+  auto design = tools::make_loop_design(config("scenes/metrology_frame.yaml"), {});
+  const SceneSignal floor_x =
+      *std::find_if(design.scene.monitors.begin(), design.scene.monitors.end(),
+                    [](const SceneSignal& signal) { return signal.name == "floor_x"; });
+  const auto add = [&](const std::string& name, const Eigen::Vector3d& direction) {
+    SceneSignal signal = floor_x;
+    signal.name = name;
+    signal.direction = direction.normalized();
+    design.scene.monitors.push_back(signal);
+  };
+  add("other_foot_x", {-1, 0, 0});
+  add("slanted", {3, 0, 4});
+  std::vector<report::AxisPlan> axes{
+      {"x", "floor_x", "lens_x"}, {"y", "floor_y", "lens_y"}, {"z", "floor_z", "lens_z"}};
+  const MatrixXcd three =
+      tools::ResponsePrediction(design, tools::signals_by_motion(design.scene, axes).signals)
+          .at({17}, true)
+          .sampled[0];
+  axes.push_back({"again", "floor_x", "lens_y"});
+  axes.push_back({"other foot", "other_foot_x", "lens_x"});
+  axes.push_back({"slanted", "slanted", "lens_x"});
+  const report::AxisSignals signals = tools::signals_by_motion(design.scene, axes);
+  EXPECT_EQ(signals.signals.inputs, (std::vector<std::string>{"floor_x", "floor_y", "floor_z"}));
+  EXPECT_EQ(signals.signals.outputs, (std::vector<std::string>{"lens_x", "lens_y", "lens_z"}));
+  EXPECT_EQ(signals.dependent_floors, (std::vector<std::string>{"other_foot_x", "slanted"}));
+  const MatrixXcd T = tools::ResponsePrediction(design, signals.signals).at({17}, true).sampled[0];
+  EXPECT_EQ(T, three);
+  // |T_xx| beside a floor along x, whoever tells of it; along (3, 0, 4) / 5 both columns of it.
+  const auto of = [&](std::size_t a) {
+    const Eigen::VectorXd along = signals.along.row(static_cast<Eigen::Index>(a)).transpose();
+    return std::complex<double>((T.row(signals.output[a]) * along).value());
+  };
+  const double rounding = 1e-12 * T.norm();
+  EXPECT_LE(std::abs(of(0) - T(0, 0)), rounding);
+  EXPECT_LE(std::abs(of(3) - T(1, 0)), rounding);
+  EXPECT_LE(std::abs(of(4) + T(0, 0)), rounding);
+  EXPECT_LE(std::abs(of(5) - 0.6 * T(0, 0) - 0.8 * T(0, 2)), rounding);
+  // What two inputs of one motion do apart, nothing tells.
+  const report::ResponseSignals twice{{"floor_x", "floor_y", "floor_x"}, {"lens_x"}};
+  EXPECT_THROW(tools::ResponsePrediction(design, twice), InputError);
+}
+
 }  // namespace
 }  // namespace stillframe::test

@@ -160,5 +160,57 @@ TEST_F(ModesVerb, ModesAreThoseOfTheEquilibrium) {
   EXPECT_EQ(document["natural_frequencies_hz"].size(), 6u);
 }
 
+// Damping in proportion to the stiffness, tau: every mode has omega tau / 2, the slow ones beside
+// poles 1e7 times as fast too.
+TEST_F(ModesVerb, SlowModesOfAStiffStripAreDamped) {
+  const auto scene = write("scene.yaml", R"(title: A strip with a mass at its tip
+planar: true
+nodes: {clamp: {position: [0, 0]}, tip: {position: [0.5, 0]}}
+masses: [{node: tip, mass: 0.5}]
+elements:
+  strip: {type: beam, nodes: [clamp, tip], EA: 4e6, EI: 0.3333, mass_per_length: 0.156,
+    damping_time: 5e-3, divide: 16}
+supports: [{nodes: [clamp], fix: [x, y, rotation]}]
+dofs: [{deformations: strip}]
+)");
+  const Json document = json({"modes", scene});
+  for (const size_t i : {0u, 1u}) {
+    const double omega = 2 * M_PI * document["natural_frequencies_hz"][i].get<double>();
+    const double expected = omega * 5e-3 / 2;
+    // Of K in these dofs 1e-10 is rounding in its softest motion, and little of it is seen.
+    EXPECT_NEAR(document["damping_ratios"][i].get<double>() / expected, 1, 1e-9);
+    EXPECT_NEAR(eigenvalues(document)[2 * i].real() / (-expected * omega), 1, 1e-9);
+  }
+  const std::string page = run({"modes", scene}).output;
+  EXPECT_NE(page.find("0.625156        0.00982\n"), std::string::npos) << page;
+}
+
+// A mass that a weak spring does not hold on a turning table, 0.2^2 - 0.01 = 0.1732^2 1/s^2, beside
+// one on a spring of 1e7 rad/s.
+TEST_F(ModesVerb, SlowGrowthBesideAFastModeIsSeen) {
+  const auto scene = write("scene.yaml", R"(title: A weak spring on a turning table
+nodes:
+  c: {position: [0, 0, 0]}
+  r: {position: [0, 0, 0]}
+  m: {position: [1, 0, 0]}
+  n: {position: [0, 0, 1]}
+masses: [{node: m, mass: 1}, {node: n, mass: 0.001}]
+elements:
+  h: {type: hinge, nodes: [c, r], axis: z}
+  arm: {type: beam, nodes: [r, m], orientation: y, EA: 0.01, rigid: [2, 3, 4, 5, 6]}
+  stiff: {type: truss, nodes: [c, n], stiffness: 1e11}
+supports: [{nodes: [c], fix: [x, y, z, rotation]}, {nodes: [n], fix: [x, y]}]
+prescribed: [{element: h, rate: 0.2}]
+dofs: [{element: arm, mode: 1}, {element: stiff}]
+operating_point: as_written
+)");
+  const Json document = json({"modes", scene});
+  EXPECT_EQ(document["growing_eigenvalues"], 1);
+  EXPECT_EQ(document["damping_ratios"][0], -1.0);
+  // The rate squared and the stiffness are 15 digits of their difference.
+  EXPECT_NEAR(std::abs(eigenvalues(document)[0]), std::sqrt(0.03), 1e-14);
+  EXPECT_NE(run({"modes", scene}).output.find("NOT STABLE: 1 eigenvalue"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace stillframe::test

@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "tests/tools/verb.hpp"
+#include "tools/robustness_spread.hpp"
 #include "tools/robustness_text.hpp"
 
 namespace stillframe::test {
@@ -53,6 +54,57 @@ TEST(RobustnessPage, NoQuantileIsBeyondTheExtremes) {
   EXPECT_EQ(histogram.quantile(0.05), 0.0025);
   EXPECT_EQ(tools::quantile_within(histogram, extremes, 0.05), 0.0036);
   EXPECT_EQ(tools::quantile_within(histogram, extremes, 1), 0.0101);
+}
+
+robustness::Outcome outcome_of(double damping, double gain, double highest) {
+  robustness::Outcome outcome;
+  outcome.verdict = robustness::Outcome::Verdict::stable;
+  outcome.radius = 0.99;
+  outcome.decay = 10;
+  outcome.damping = damping;
+  outcome.gain = Eigen::Vector3d::Constant(gain);
+  outcome.highest = Eigen::Vector3d(gain, highest, gain);
+  outcome.peak = highest;
+  return outcome;
+}
+
+// What is largest in the picture is the peak of the table, and where the resonances of the plants
+// are, all of it is as high.
+TEST(RobustnessPicture, HoldsThePeaks) {
+  robustness::Record record;
+  record.frequencies_hz = Eigen::Vector3d(1, 10, 100);
+  record.sample_time = 1e-3;
+  record.tally = robustness::Tally(3);
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    record.tally.add(i, {}, outcome_of(0.001, 0.5, 20 + 0.1 * static_cast<double>(i)));
+  }
+  const tools::Spread spread(record);
+  const Eigen::VectorXd hz{{1, 3.1, 3.2, 10, 31, 32, 100}}, most = spread.most(hz);
+  for (const Eigen::Index i : {2, 3, 4}) {  // nearest to 10 Hz by their ratio
+    EXPECT_NEAR(most(i), 29.9, 1e-9) << hz(i);
+    // The middles of bins of 0.05 dB.
+    EXPECT_NEAR(20 * std::log10(spread.low(hz)(i) / 20.4), 0, 0.03) << hz(i);
+    EXPECT_NEAR(20 * std::log10(spread.high(hz)(i) / 29.4), 0, 0.03) << hz(i);
+  }
+  EXPECT_NEAR(most(0), 0.5, 1e-9);
+  EXPECT_NEAR(most(6), 0.5, 1e-9);
+}
+
+TEST(RobustnessPicture, BarsOfDampingAreAsFineAsTheData) {
+  robustness::Tally tally(3);
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    tally.add(i, {}, outcome_of(0.001 + 5e-6 * static_cast<double>(i), 1, 2));
+  }
+  const tools::DampingBars bars = tools::damping_bars(tally, 0.0015);
+  EXPECT_DOUBLE_EQ(bars.width, 5e-5);  // 1e-3 / 30, rounded up to 1, 2 or 5
+  EXPECT_GE(bars.shares.size(), 19u);
+  double sum = 0;
+  for (const auto& [from, share] : bars.shares) {
+    EXPECT_GT(from, 0.001 - bars.width);
+    EXPECT_LT(share, 0.1) << from;  // an even twentieth, and a bin at either end
+    sum += share;
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
 }
 
 TEST_F(RobustnessVerb, ShardsAndThreadsChangeNoBit) {
@@ -142,7 +194,7 @@ TEST_F(RobustnessVerb, TellsTheWorstInWords) {
   // much.
   for (const char* words :
        {"7 parameters, seed 1, 50 of 50 samples", "with a confidence of 95 %", "T at 20 Hz, dB",
-        "Bins are 0.05 dB, 0.02 decades of decay and\n0.005 of damping ratio wide",
+        "Bins are 0.05 dB, 0.02 decades of decay and\n0.001 decades of damping ratio wide",
         "  delay -0.3 samples\n", "without the delay: stable", "without the stiffness: unstable",
         "of these deviations together the loop is stable"}) {
     EXPECT_NE(said.output.find(words), std::string::npos) << words << "\n" << said.output;

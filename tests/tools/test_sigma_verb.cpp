@@ -173,6 +173,34 @@ TEST_F(SigmaVerb, TheAxisIsThatOfTheScene) {
   EXPECT_NEAR(slow["frequencies_hz"].back().get<double>(), 125, 1e-9);
 }
 
+// 3.183 Hz, damped by 4 / (2 sqrt(800 * 2)) = 0.05 as it is written, by 5e-5 here: between two of
+// fifty frequencies.
+TEST_F(SigmaVerb, APeakBetweenTheFrequenciesHasARow) {
+  std::string text = hanging_mass;
+  text.replace(text.find("damping: 4"), 10, "damping: 0.004");
+  const auto scene = write("scene.yaml", text);
+  const double zeta = 5e-5, peak = 1 / (2 * zeta * std::sqrt(1 - zeta * zeta)) / 800;
+  const Json document = json({"sigma", scene});
+  double highest = 0;
+  for (const Json& row : document["singular_values"]) {
+    highest = std::max(highest, row[0].get<double>());
+  }
+  EXPECT_LT(highest, peak / 10);
+  ASSERT_EQ(document["peaks"].size(), 1u);
+  EXPECT_EQ(document["peaks"][0]["of"], "open");
+  // To what peaks_between refines.
+  EXPECT_NEAR(document["peaks"][0]["singular_value"].get<double>() / peak, 1, 1e-6);
+  EXPECT_NEAR(document["peaks"][0]["hz"].get<double>(), 20 / (2 * M_PI), 1e-6);
+  const std::string page = run({"sigma", scene}).output;
+  EXPECT_NE(page.find("3.183  1.2500e+01   open 1\n"), std::string::npos) << page;
+  // Nothing damps it: no value, and no picture of one.
+  text.replace(text.find(", damping: 0.004"), 16, "");
+  const auto undamped = write("undamped.yaml", text);
+  EXPECT_TRUE(json({"sigma", undamped})["peaks"][0]["singular_value"].is_null());
+  const std::string without = run({"sigma", undamped}).output;
+  EXPECT_NE(without.find("no bound"), std::string::npos) << without;
+}
+
 TEST_F(SigmaVerb, PictureOfAnyScene) {
   const auto file = folder_ / "curve.png";
   ASSERT_EQ(run({"sigma", config("scenes/spinning_arm.yaml"), "--plot", file}).exit_code, 0);

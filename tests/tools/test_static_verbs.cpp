@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "tests/tools/verb.hpp"
@@ -146,6 +147,60 @@ TEST_F(BucklingVerb, PullHasNoMultiplier) {
 
 TEST_F(BucklingVerb, NoLoadIsRefused) {
   expect_refused({"buckling", column("")}, 3, "there is no load to multiply");
+}
+
+// 20 N on a column that buckles at 7.4 N: it balances, and does not stay there.
+TEST_F(BucklingVerb, BeyondItsLoadEveryVerbWarnsThatTheOperatingPointIsNotStable) {
+  const std::string signals = R"(inputs: [{name: push, force: tip, along: x}]
+outputs: [{name: moved, position: tip, along: x}]
+)";
+  const auto scene = column("loads: [{node: tip, force: [-20, 0]}]\n" + signals);
+  for (const char* verb : {"equilibrium", "linearise", "sigma"}) {
+    for (const bool as_json : {false, true}) {
+      std::vector<std::string> arguments{verb, scene};
+      if (as_json) arguments.push_back("--json");
+      const Said said = run(arguments);
+      EXPECT_EQ(said.exit_code, 0) << verb;
+      EXPECT_NE(said.error.find("warning: the operating point is not stable, and nothing stays "
+                                "there: omega^2 = -"),
+                std::string::npos)
+          << verb << said.error;
+      EXPECT_NE(said.error.find("which moves root rz 1"), std::string::npos) << verb << said.error;
+      EXPECT_EQ(std::count(said.error.begin(), said.error.end(), '\n'), 1) << said.error;
+      if (as_json) {
+        EXPECT_EQ(Json::parse(said.output)["stable"], false) << verb;
+      }
+    }
+  }
+  const auto below = column("loads: [{node: tip, force: [-7, 0]}]\n" + signals);
+  for (const char* verb : {"equilibrium", "linearise", "sigma"}) {
+    EXPECT_EQ(json({verb, below})["stable"], true) << verb;
+  }
+}
+
+/// A shaft, twisted by a torque that stays fixed in space, or pushed by a force that follows.
+TEST_F(BucklingVerb, ReasonOfAStiffnessThatIsNotSymmetricIsTheLoadThatMakesItSo) {
+  const auto scene = [&](const std::string& load) {
+    return write("shaft.yaml", R"(title: A shaft
+nodes: {p: {position: [0, 0, 0]}, q: {position: [1, 0, 0]}}
+masses: [{node: q, mass: 1, inertia: [0.1, 0.1, 0.1]}]
+elements:
+  b: {type: beam, nodes: [p, q], orientation: y, EA: 1e6, GJ: 100, EI_y: 100, EI_z: 100,
+    mass_per_length: 0.5, inertia_per_length: 0.001, second_order: true}
+supports: [{nodes: [p], fix: [x, y, z, rotation]}]
+dofs: [{deformations: b}]
+loads: [{node: q, )" + load + "}]\n");
+  };
+  const std::string dead = "as a torque keeps its direction while its node turns",
+                    follows = "as a load follows its node";
+  for (const auto& [load, reason] :
+       {std::pair{"torque: [1, 0.2, 0]", dead}, {"force: [0, 1, 0], follows: true", follows}}) {
+    const std::string page = run({"modes", scene(load)}).output;
+    EXPECT_NE(page.find("No natural frequencies: the stiffness is not symmetric, " + reason + "\n"),
+              std::string::npos)
+        << page;
+    expect_refused({"buckling", scene(load)}, 3, "is not symmetric, " + reason + ":");
+  }
 }
 
 }  // namespace

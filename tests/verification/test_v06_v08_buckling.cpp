@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "tests/verification/closed_forms.hpp"
 #include "tests/verification/convergence.hpp"
@@ -84,6 +85,25 @@ TEST(V6, FurtherMultipliersAreThoseOfHigherModes) {
   for (int mode = 1; mode <= 3; ++mode) {
     const double k = mode * pi, kh = k / 24, cubic = std::pow(kh, 4) / 720;
     EXPECT_NEAR(values(mode - 1) / (k * k) - 1, cubic, next_term(cubic, kh));
+  }
+}
+
+/// F. Engesser, Zentralblatt der Bauverwaltung 11 (1891) 483-486: P_e / (1 + P_e / (k G A)) where
+/// the normal force goes along the axis. Shear that is one value in each part leaves out (k h)^2 /
+/// 12 of its share p (1 - p) of the work, p = P / (k G A); the chord the share 1 - p.
+TEST(V6, ColumnsThatShearAreThoseOfEngesser) {
+  const double euler = pi * pi;
+  for (const double shear : {5.0, 40.0, 400.0}) {
+    std::ostringstream key;
+    key << "EI: 1, shear: " << shear << ",";
+    const std::string text = with(text_of(columns().front()), "EI: 1,", key.str());
+    const double load = euler / (1 + euler / shear), p = load / shear;
+    const Error second = error_of(text, load), first = error_of(first_order(text), load);
+    for (const int n : {8, 16, 32}) {
+      const double kh = pi / n, chord = kh * kh / 12 * (1 - p);
+      EXPECT_NEAR(second(n), chord * p + std::pow(kh, 4) / 720, next_term(chord, kh)) << shear;
+      EXPECT_NEAR(first(n), chord, next_term(chord, kh)) << shear;
+    }
   }
 }
 

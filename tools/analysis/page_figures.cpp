@@ -67,6 +67,19 @@ std::vector<double> psd_frequencies(const report::Psd& psd) {
   return frequencies;
 }
 
+/// As many points as a picture shows: steps of a hundredth of the frequency.
+page::Curve cumulative_curve(const report::Psd& power) {
+  const Eigen::VectorXd rms = report::cumulative_rms(power);
+  page::Curve curve{.name = "", .frequencies_hz = {}, .values = {}};
+  for (Index k = 0; k < rms.size(); k += std::max<Index>(1, k / 100)) {
+    curve.frequencies_hz.push_back(power.frequency_hz(k));
+    curve.values.push_back(rms(k));
+  }
+  curve.frequencies_hz.push_back(power.frequency_hz(rms.size() - 1));
+  curve.values.push_back(rms(rms.size() - 1));
+  return curve;
+}
+
 void add_spectra(const report::SignalAnalysis& signal, page::Curve page::SignalCurves::*member,
                  page::SpectraAxis& axis) {
   if (signal.density.density.size() == 0) return;
@@ -78,8 +91,7 @@ void add_spectra(const report::SignalAnalysis& signal, page::Curve page::SignalC
     bands.values.push_back(velocity);
   }
   axis.density.*member = curve_of(psd_frequencies(signal.density), signal.density.density);
-  axis.cumulative_rms.*member =
-      curve_of(psd_frequencies(signal.power), report::cumulative_rms(signal.power));
+  axis.cumulative_rms.*member = cumulative_curve(signal.power);
 }
 
 page::Curve noise_model(const std::string& name, bool high) {
@@ -141,14 +153,16 @@ std::vector<page::TransmissibilityAxis> transmissibility_figures(const RunAnalys
     }
   }
   for (std::size_t a = 0; a < any.data.axes.size(); ++a) {
-    const auto i = static_cast<Index>(a);
+    const report::AxisSignals& axes = any.data.axis_signals;
+    const Index i = axes.output[a];
+    const Eigen::VectorXd along = axes.along.row(static_cast<Index>(a)).transpose();
     page::TransmissibilityAxis figure;
     figure.axis = any.data.axes[a].name;
     if (passive) {
       figure.frequencies_hz = grid;
       for (std::size_t l = 0; l < grid.size(); ++l) {
-        figure.passive.push_back(std::abs(passive->sampled[l](i, i)));
-        figure.active.push_back(std::abs(active->sampled[l](i, i)));
+        figure.passive.push_back(std::abs((passive->sampled[l].row(i) * along).value()));
+        figure.active.push_back(std::abs((active->sampled[l].row(i) * along).value()));
       }
     }
     bool drawn = passive.has_value();

@@ -5,6 +5,7 @@
 #include <ctime>
 
 #include "report/page/html.hpp"
+#include "report/said_once.hpp"
 #include "report/table.hpp"
 #include "report/verdict/motion_level.hpp"
 
@@ -69,17 +70,22 @@ std::string headline(const report::Verdict& verdict) {
 std::vector<std::string> reasons_of(const report::Judgement& judgement) {
   std::vector<std::string> reasons{judgement.reason};
   constexpr std::size_t most = 12;
+  report::SaidOnce others;
   for (const report::Check& check : judgement.checks) {
-    if (check.outcome == report::Outcome::passed || reasons.size() == most ||
-        judgement.reason.starts_with(check.reason)) {
+    if (check.outcome == report::Outcome::passed || judgement.reason.starts_with(check.reason)) {
       continue;
     }
-    reasons.push_back(check.reason);
+    others.add(check.reason);
+  }
+  for (std::string& line : others.lines()) {
+    if (reasons.size() < most) reasons.push_back(std::move(line));
   }
   return reasons;
 }
 
-void warn_of_log(const RunAnalysis& run, std::vector<page::Warning>& warnings) {
+/// unidentified: responses of the log, and why there are none.
+void warn_of_log(const RunAnalysis& run, std::vector<page::Warning>& warnings,
+                 report::SaidOnce& unidentified) {
   const report::LogScan& scan = run.data.scan;
   const std::string log = run.log.filename().string() + ": ";
   const auto warn = [&](Severity severity, const std::string& text) {
@@ -127,7 +133,7 @@ void warn_of_log(const RunAnalysis& run, std::vector<page::Warning>& warnings) {
     const std::string what = cell("the response of %zu outputs to %zu inputs",
                                   measured.signals.outputs.size(), measured.signals.inputs.size());
     if (!measured.missing.empty()) {
-      warn(Severity::note, what + " was not identified: " + measured.missing + ".");
+      unidentified.add(run.log.filename().string() + ", " + what, measured.missing);
     } else if (!(*response)->unpredicted.empty() && run.run.design) {
       warn(Severity::note, what + " has no prediction: " + (*response)->unpredicted + ".");
     }
@@ -290,9 +296,13 @@ void add_judgement(const report::Verdict& verdict, page::Head& head) {
 
 std::vector<page::Warning> warnings_of(const RunAnalyses& runs, const report::Verdict& verdict) {
   std::vector<page::Warning> warnings;
+  report::SaidOnce unidentified;
   for (const std::string& text : verdict.warnings) warnings.push_back({Severity::warning, text});
   for (const auto* run : {&runs.passive, &runs.active}) {
-    if (*run) warn_of_log(**run, warnings);
+    if (*run) warn_of_log(**run, warnings, unidentified);
+  }
+  for (const std::string& line : unidentified.lines()) {
+    warnings.push_back({Severity::note, "Not identified: " + line + "."});
   }
   for (const report::TimingSummary& t : verdict.timing) {
     if (t.n_late == 0 && t.n_lost == 0) continue;

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +11,7 @@
 #include "core/yaml/input_error.hpp"
 #include "core/yaml/load.hpp"
 #include "plant_sim/floor/floor_block.hpp"
+#include "report/verdict/motion_level.hpp"
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/response_prediction.hpp"
 
@@ -37,18 +39,39 @@ std::string with_controller(const std::string& scene_text, const controller::Gai
   return YAML::Dump(scene);
 }
 
+/// How the scene's inputs move on a floor that does not turn and moves floor signals by one each,
+/// and nowhere across them: D_w D_m^+, inputs x names. D: rows of directions.
+Eigen::MatrixXd inputs_of_floors(const Scene& scene, const std::vector<std::string>& names) {
+  const auto direction_of = [&](const std::string& name) -> Eigen::Vector3d {
+    for (const auto* list : {&scene.outputs, &scene.monitors}) {
+      for (const SceneSignal& signal : *list) {
+        if (signal.name == name) return signal.direction;
+      }
+    }
+    return Eigen::Vector3d::Zero();
+  };
+  Eigen::MatrixXd D_m(std::ssize(names), 3), D_w(std::ssize(scene.inputs), 3);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    D_m.row(static_cast<Eigen::Index>(i)) = direction_of(names[i]).transpose();
+  }
+  for (std::size_t i = 0; i < scene.inputs.size(); ++i) {
+    const SceneSignal& input = scene.inputs[i];
+    const bool translation = input.quantity == Quantity::acceleration;
+    D_w.row(static_cast<Eigen::Index>(i)) =
+        translation ? Eigen::RowVector3d(input.direction.transpose()) : Eigen::RowVector3d::Zero();
+  }
+  return D_w * D_m.completeOrthogonalDecomposition().pseudoInverse();
+}
+
 /// The model of a run's loop and what it predicts of the plan's frequencies.
 void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
                const stillframe_msgs::run_info_t& info) {
   const bool active = info.loop == "active";
   report::ResponseSignals all{
       info.floor_names, {info.frame_names.begin(), info.frame_names.begin() + plan.n_outputs}};
-  report::ResponseSignals axes;
-  for (const report::AxisPlan& axis : plan.axes) {
-    axes.inputs.push_back(axis.floor);
-    axes.outputs.push_back(axis.frame);
-    all.outputs.push_back(axis.frame);
-  }
+  plan.axis_signals = report::signals_by_name(plan.axes);
+  const std::vector<std::string>& frames = plan.axis_signals.signals.outputs;
+  all.outputs.insert(all.outputs.end(), frames.begin(), frames.end());
   const auto is_input = [](const std::string& name, const SceneSignal& input) {
     return name == input.name;
   };
@@ -57,10 +80,12 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
     plan.unmodelled = "the floor inputs of the log are not those of its scene";
     return;
   }
+  std::vector<Eigen::MatrixXcd> predicted;
   try {
     const ResponsePrediction prediction(design, all);
     plan.model = report::RunModel{.loop = prediction.loop(active), .matrix = {}, .axes = {}};
-    for (const Eigen::MatrixXcd& T : prediction.at(plan.frequencies_hz, active).sampled) {
+    predicted = prediction.at(plan.frequencies_hz, active).sampled;
+    for (const Eigen::MatrixXcd& T : predicted) {
       plan.model->matrix.emplace_back(T.topRows(plan.n_outputs));
     }
   } catch (const std::exception& error) {
@@ -68,8 +93,17 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
     return;
   }
   try {
-    plan.model->floors = floors_of_inputs(design.scene, axes.inputs);
-    plan.model->axes = ResponsePrediction(design, axes).at(plan.frequencies_hz, active).sampled;
+    report::AxisSignals axes = signals_by_motion(design.scene, plan.axes);
+    std::vector<std::string> floors = axes.signals.inputs;
+    floors.insert(floors.end(), axes.dependent_floors.begin(), axes.dependent_floors.end());
+    plan.model->floors = floors_of_inputs(design.scene, floors);
+    // Of the model that is followed, whose floor moves by its inputs alone: what the frame makes of
+    // other motion is measured, and not taken off as if it had been followed.
+    const Eigen::MatrixXd moved = inputs_of_floors(design.scene, axes.signals.inputs);
+    for (const Eigen::MatrixXcd& T : predicted) {
+      plan.model->axes.emplace_back(T.bottomRows(std::ssize(frames)) * moved);
+    }
+    plan.axis_signals = std::move(axes);
   } catch (const InputError&) {
     // The floors of the axes do not say how the floor moves; the verdict tells.
   }
@@ -134,6 +168,15 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::str
 
 namespace {
 
+/// Of the ranges in which verdict_of judges levels.
+double lowest_judged_hz(const LoopDesign& design) {
+  double lowest = report::judged_range(axis_of(design)).lowest_hz;
+  for (const AxisAcceptance& asked : acceptance_of(design.scene).axes) {
+    lowest = std::min(lowest, asked.from_hz);
+  }
+  return lowest;
+}
+
 /// Above 0.4 of the rate an estimate says little: a sensor's filter and folding are in it.
 FrequencyRange shown(const RecordedRun& run, const stillframe_msgs::run_info_t& info) {
   FrequencyRange range =
@@ -169,6 +212,7 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
   }
   const auto& sensors = run.design->scene.instruments.floor_sensors;
   if (sensors) plan.floor_noise = sensors->noise;
+  plan.lowest_hz = lowest_judged_hz(*run.design);
   plan.n_outputs = std::min<Eigen::Index>(run.design->loop.n_y, info.n_frame);
   if (!run.multisine) add_model(plan, *run.design, info);
   return plan;

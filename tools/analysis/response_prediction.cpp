@@ -1,9 +1,10 @@
 #include "tools/analysis/response_prediction.hpp"
 
-#include <Eigen/SVD>
+#include <Eigen/QR>
 #include <algorithm>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "controller/law.hpp"
 #include "core/state_space.hpp"
@@ -71,7 +72,40 @@ std::vector<SceneSignal> floor_signals(const Scene& scene, const std::vector<std
   return signals;
 }
 
+/// Which rows are no combinations of those before them.
+std::vector<bool> independent_rows(const MatrixXd& directions) {
+  // Inputs that are less apart are not told apart in a log either.
+  constexpr double least_angle = 1 / report::largest_shown_condition;
+  std::vector<bool> independent;
+  std::vector<Eigen::RowVector3d> basis;
+  for (Index i = 0; i < directions.rows(); ++i) {
+    Eigen::RowVector3d rest = directions.row(i);
+    for (const Eigen::RowVector3d& other : basis) rest -= other.dot(rest) * other;
+    independent.push_back(rest.norm() > least_angle * directions.row(i).norm());
+    if (independent.back()) basis.push_back(rest.normalized());
+  }
+  return independent;
+}
+
 }  // namespace
+
+report::AxisSignals signals_by_motion(const Scene& scene,
+                                      const std::vector<report::AxisPlan>& axes) {
+  report::AxisSignals result = report::signals_by_name(axes);
+  const std::vector<std::string> floors = std::exchange(result.signals.inputs, {});
+  const MatrixXd D = directions_of(floor_signals(scene, floors));
+  const std::vector<bool> independent = independent_rows(D);
+  std::vector<Index> rows;
+  for (std::size_t i = 0; i < floors.size(); ++i) {
+    (independent[i] ? result.signals.inputs : result.dependent_floors).push_back(floors[i]);
+    if (independent[i]) rows.push_back(static_cast<Index>(i));
+  }
+  const MatrixXd inputs = D(rows, Eigen::all);
+  // A floor that moves by a has signals D a: one along its own direction d alone moves by d / d'd.
+  const MatrixXd own = D.array().colwise() / D.rowwise().squaredNorm().array();
+  result.along = result.along * own * inputs.transpose();
+  return result;
+}
 
 MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names) {
   MatrixXd D_w = directions_of(scene.inputs);
@@ -93,6 +127,12 @@ ResponsePrediction::ResponsePrediction(const LoopDesign& design,
                             static_cast<Index>(scene.inputs.size()));
   } else {
     const MatrixXd D = directions_of(floor_signals(scene, signals.inputs));
+    const std::vector<bool> independent = independent_rows(D);
+    const auto other = std::find(independent.begin(), independent.end(), false);
+    if (other != independent.end()) {
+      throw InputError("'" + signals.inputs[static_cast<std::size_t>(other - independent.begin())] +
+                       "' moves as the other floor signals say, and is no input of its own");
+    }
     scene.inputs = prescribed_translations(scene);
     E_ = directions_of(scene.inputs) * D.completeOrthogonalDecomposition().pseudoInverse();
   }

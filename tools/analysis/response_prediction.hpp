@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "report/analysis/response_analyser.hpp"
+#include "report/analysis/axis_signals.hpp"
 #include "tools/loop_design.hpp"
 
 namespace stillframe::tools {
@@ -15,6 +15,12 @@ struct PredictedResponse {
   std::vector<Eigen::MatrixXcd> continuous;  ///< of the continuous loop, without sampling
 };
 
+/// The signals of axes on a floor that does not turn. Floors of which one moves as the others say,
+/// as two feet along one direction do, tell of one motion: those that are named first are the
+/// inputs, the others depend on them. Errors: as ResponsePrediction.
+report::AxisSignals signals_by_motion(const Scene& scene,
+                                      const std::vector<report::AxisPlan>& axes);
+
 /// Accelerations of floor nodes as the scene's inputs have them on a floor that does not turn,
 /// names x inputs: D_m D_w^+, D the rows of their directions. Errors: as ResponsePrediction.
 Eigen::MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names);
@@ -25,7 +31,8 @@ Eigen::MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::stri
 class ResponsePrediction {
  public:
   /// Errors: InputError for a signal that the scene has not, for an input that is no acceleration
-  /// of a prescribed node.
+  /// of a prescribed node, and for inputs whose directions depend on each other: no response tells
+  /// what each of them does.
   ResponsePrediction(const LoopDesign& design, const report::ResponseSignals& signals);
 
   /// The loop whose inputs are the scene's, if those are the signals, and its outputs.

@@ -1,6 +1,7 @@
 #include "tools/analysis/verdict_of.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "report/analysis/summaries.hpp"
 #include "report/table.hpp"
@@ -10,29 +11,38 @@
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/multisine_motion.hpp"
 #include "tools/analysis/prediction_checks.hpp"
+#include "tools/analysis/unmeasured_floor.hpp"
 
 namespace stillframe::tools {
 
 namespace {
 
-/// Directions of floor nodes in which nothing that is measured of the floor points, and in which it
-/// shakes a frame with weight on its legs.
-std::int64_t n_unmeasured(const Scene& scene) {
-  if (scene.gravity.isZero(0)) return 0;
-  std::int64_t directions = 0;
-  for (const SceneConstraint& motion : scene.prescribed)
-    directions += std::ssize(motion.directions);
-  return std::max<std::int64_t>(0, directions - std::ssize(scene.inputs));
+/// Whether two responses have the same compared values, as those of one floor input and of the one
+/// axis above it have: to a hundredth of what a prediction is known to, which no noise leaves of
+/// channels that were measured twice.
+bool repeats(const JudgedResponse& one, const JudgedResponse& other) {
+  if (!one.errors || !other.errors) return false;
+  const Eigen::MatrixXd &a = one.errors->sampled.difference_db,
+                        &b = other.errors->sampled.difference_db;
+  if (a.rows() != b.rows() || a.cols() != b.cols()) return false;
+  constexpr double alike_db = 1e-3;
+  for (Eigen::Index i = 0; i < a.size(); ++i) {
+    const double x = a.reshaped()(i), y = b.reshaped()(i);
+    if (std::isnan(x) != std::isnan(y) || std::abs(x - y) > alike_db) return false;
+  }
+  return true;
 }
 
-report::ResponseSummary summary_of(const JudgedResponse& response, const std::string& loop) {
+report::ResponseSummary summary_of(const JudgedResponse& response, const std::string& loop,
+                                   bool of_axes) {
   const report::IdentifiedResponse& measured = response.measured;
   report::ResponseSummary summary;
   summary.loop = loop;
-  summary.what = report::cell("%zu %s to %zu %s", measured.signals.inputs.size(),
-                              measured.signals.inputs.size() == 1 ? "input" : "inputs",
-                              measured.signals.outputs.size(),
-                              measured.signals.outputs.size() == 1 ? "output" : "outputs");
+  const auto many = [](std::size_t n, const char* what) {
+    return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+  };
+  summary.what = many(measured.signals.inputs.size(), of_axes ? "floor" : "input") + " to " +
+                 many(measured.signals.outputs.size(), of_axes ? "frame" : "output");
   summary.method = measured.method;
   summary.missing = measured.missing.empty() ? response.unpredicted : measured.missing;
   summary.n_segments = measured.n_segments;
@@ -73,8 +83,17 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   append(verdict.effort, report::effort_summaries(log, limit));
   for (const auto* response : {&run.matrix, &run.axes}) {
     if (!*response) continue;
-    verdict.responses.push_back(summary_of(**response, loop));
-    if (run.run.design) verdict.responses.back().n_unmeasured = n_unmeasured(run.run.design->scene);
+    const bool of_axes = response == &run.axes;
+    report::ResponseSummary summary = summary_of(**response, loop, of_axes);
+    summary.repeats = of_axes && run.matrix && repeats(*run.axes, *run.matrix);
+    if (run.run.design) {
+      UnmeasuredFloor floor = unmeasured_floor(*run.run.design, **response, run.active(), of_axes);
+      summary.n_unmeasured = floor.n_directions;
+      summary.unmeasured_largest_db = floor.largest_db;
+      summary.unmeasured_broadly_db = floor.broadly_db;
+      summary.unmeasured_why = std::move(floor.why);
+    }
+    verdict.responses.push_back(std::move(summary));
   }
   append(verdict.noise, report::noise_summaries(log));
   if (run.axes && run.axes->measured.response) {
@@ -107,16 +126,22 @@ void add_warnings(report::Verdict& verdict) {
                                worse + ".");
   }
   for (const report::ResponseSummary& response : verdict.responses) {
-    if (response.n_compared == 0 || response.beyond_db <= response.tolerance_db) continue;
+    if (response.repeats || response.n_compared == 0 ||
+        response.beyond_db <= response.tolerance_db) {
+      continue;
+    }
     std::string text = report::cell(
         "The %s loop, %s, is not what the model says: a measured singular value lies %.3g dB "
-        "beyond "
-        "its band, allowed are %.3g dB.",
+        "beyond its band, allowed are %.3g dB.",
         response.loop.c_str(), response.what.c_str(), response.beyond_db, response.tolerance_db);
-    if (response.n_unmeasured > 0) {
+    if (response.unmeasured_largest_db > response.tolerance_db) {
       text += " The floor's nodes can also move in " + std::to_string(response.n_unmeasured) +
-              " directions that no input measures, and with weight on the legs those shake the "
-              "frame too.";
+              (response.n_unmeasured == 1 ? " direction" : " directions") +
+              " that no input measures, and by " + response.unmeasured_why +
+              report::cell(
+                  " those shake the frame too: as much motion there as along the inputs "
+                  "would shift a value by up to %.3g dB.",
+                  response.unmeasured_largest_db);
     }
     verdict.warnings.push_back(std::move(text));
   }

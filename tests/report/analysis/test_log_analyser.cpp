@@ -157,6 +157,63 @@ TEST_F(ToyLog, NoNoiseIsNone) {
   }
 }
 
+/// Axes that share a floor have one input between them: the others' responses stay what they are
+/// without the axis that was added, which has one of its own.
+TEST_F(ToyLog, AxesMayShareAFloorAndAFrame) {
+  const auto path = write([](Index) { return false; });
+  const LogAnalysis apart = analyse(path, plan_with_model(loop_));
+  AnalysisPlan what = plan_with_model(loop_);
+  what.axes.push_back({"across", "floor_x", "b"});
+  const LogAnalysis shared = analyse(path, what);
+  ASSERT_TRUE(shared.axis_matrix->response.has_value()) << shared.axis_matrix->missing;
+  EXPECT_EQ(shared.axis_matrix->signals.inputs, apart.axis_matrix->signals.inputs);
+  EXPECT_EQ(shared.axis_matrix->signals.outputs, apart.axis_matrix->signals.outputs);
+  const auto before = transmissibilities(apart, *apart.axis_matrix->response);
+  const auto after = transmissibilities(shared, *shared.axis_matrix->response);
+  ASSERT_EQ(after.size(), 4u);
+  for (std::size_t a = 0; a < before.size(); ++a) {
+    EXPECT_EQ(after[a].value, before[a].value) << a;
+    EXPECT_EQ(after[a].upper, before[a].upper) << a;
+  }
+  for (std::size_t l = 0; l < what.frequencies_hz.size(); ++l) {
+    const auto exact = transfer(loop_, 2 * toy::pi * what.frequencies_hz[l]);
+    // As in NoNoiseIsNone.
+    EXPECT_NEAR(after[3].value[l], std::abs(exact(1, 0)), 1e-8 * exact.norm()) << l;
+  }
+  // It makes of the floor what its frame does, and the rest is none.
+  const auto noise = noise_summaries(shared);
+  ASSERT_EQ(noise.size(), 4u);
+  EXPECT_EQ(noise[3].rms_acceleration, noise[1].rms_acceleration);
+  EXPECT_LE(noise[3].share.value(), 1e-10);
+}
+
+/// A floor signal that follows from others is no input, and is held to what follows from them.
+TEST_F(ToyLog, AFloorThatDependsOnOthersIsNoInputAndIsChecked) {
+  const auto path = write([](Index) { return false; });
+  AnalysisPlan what = plan_with_model(loop_);
+  what.axes.push_back({"slanted", "floor_z", "a"});
+  what.axis_signals = signals_by_name(plan().axes);
+  what.axis_signals.dependent_floors = {"floor_z"};
+  what.axis_signals.output.push_back(0);
+  // floor_z taken for (x + y) / 2: the floor moves by (1, 1, 0) while it moves by one.
+  what.axis_signals.along.conservativeResize(4, Eigen::NoChange);
+  what.axis_signals.along.row(3) << 1, 1, 0;
+  what.model->floors.conservativeResize(4, Eigen::NoChange);
+  what.model->floors.row(3) << 0.5, 0.5, 0;
+  const LogAnalysis strays = analyse(path, what);
+  EXPECT_FALSE(strays.axis_matrix->response.has_value());
+  EXPECT_EQ(strays.axis_matrix->missing.find("floor_z is not the motion of the floor's inputs"), 0u)
+      << strays.axis_matrix->missing;
+  what.model->floors.row(3) << 0, 0, 1;  // what it is
+  const LogAnalysis log = analyse(path, what);
+  ASSERT_TRUE(log.axis_matrix->response.has_value()) << log.axis_matrix->missing;
+  const auto slanted = transmissibilities(log, *log.axis_matrix->response)[3];
+  for (std::size_t l = 0; l < what.frequencies_hz.size(); ++l) {
+    const auto exact = transfer(loop_, 2 * toy::pi * what.frequencies_hz[l]);
+    EXPECT_NEAR(slanted.value[l], std::abs(exact(0, 0) + exact(0, 1)), 1e-8 * exact.norm()) << l;
+  }
+}
+
 /// A monitor of the floor that shows something else is none of the floor's response.
 TEST_F(ToyLog, AFloorChannelThatIsNotTheFloorIsRefused) {
   floor_z_ = -1;

@@ -30,7 +30,7 @@ class AboutTheModel : public ::testing::Test {
   /// The model is right: it makes the outputs of the floor that it follows.
   IdentifiedResponse identified(const MatrixXd& channels, const MatrixXd& followed) const {
     ResponseAnalyser analyser({{"floor_x", "floor_y", "floor_z"}, {"a", "b", "c"}}, plan_, model_);
-    analyser.add(0, channels, record_.outputs, record_.outputs, followed);
+    analyser.add(0, channels, record_.outputs, record_.outputs, channels - followed);
     return analyser.finish();
   }
 

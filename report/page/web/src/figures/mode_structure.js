@@ -35,8 +35,6 @@ export class Structure {
     this.planar = planar;
     this.positions = nodes.map(({position}) => new Vector3(...position.map((x) => x ?? 0)));
     const box = new Box3().setFromPoints(this.positions);
-    // The mean of the nodes, not the middle of their box, which a frame on three mounts is beside.
-    this.centre = this.positions.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(this.positions.length);
     this.size = Math.max(box.getSize(new Vector3()).length(), 1e-9);
     this.elements = elements;
     this.floor = nodes.map((node, i) => (node.floor ? i : -1)).filter((i) => i >= 0);
@@ -49,7 +47,17 @@ export class Structure {
       const largest = Math.max(...moves.map((move) => move.length())) || 1;
       return moves.map((move) => move.multiplyScalar(deflection * this.size / largest));
     });
+    this.drawn = this.reach();
     this.frequencies = modes.map(({frequency_hz: f}) => f);
+  }
+
+  /** Balls within which everything is that any mode draws at full deflection, either way. */
+  reach() {
+    const radii = this.positions.map(() => 0.03 * this.size);  // a floor point, and more than a strut
+    for (const {node, radius} of this.masses) radii[node] = Math.max(radii[node], radius);
+    for (const {node} of this.bodies.flat()) radii[node] = Math.max(radii[node], cornerSize * this.size);
+    return this.positions.flatMap((position, node) => [{position, radius: radii[node]}, ...this.shapes.flatMap((_, m) =>
+      [-1, 1].map((share) => ({position: this.moved(position, node, m, share), radius: radii[node]})))]);
   }
 
   /** Where a point tied to a node is when mode m has a deflection of share, -1 to 1. */

@@ -1,5 +1,5 @@
 // The animated pictures of the modes: time, view and size; what draws them is WebGL or, without it, a plain canvas.
-import {PerspectiveCamera} from 'three';
+import {PerspectiveCamera, Vector3} from 'three';
 
 import {drawn, expect, onPrint} from '../charts.js';
 import {colours, onScheme} from '../theme.js';
@@ -7,6 +7,7 @@ import {CanvasPictures} from './mode_canvas.js';
 import {Structure} from './mode_structure.js';
 import {WebglPictures} from './mode_webgl.js';
 
+const edge = 0.02;           // of a picture's half height and width, left free on each side
 const slowestPeriod = 2.4;   // s on the screen, of the slowest mode
 const frameTime = 1000 / 30;  // ms: calm on laptops
 const paperSize = {width: 560, height: 420};  // pixels of a picture 6 cm wide, 240 an inch
@@ -48,16 +49,26 @@ class Modes {
     this.draw();
   }
 
+  /** So near that all that moves stays in the picture, from wherever it is looked at. */
   placeCamera() {
-    const {camera, structure: {centre, size, planar}} = this;
-    const distance = 0.86 * size / (2 * Math.tan(camera.fov / 2 * Math.PI / 180));
+    const {camera, structure: {drawn, planar}} = this;
     const across = Math.cos(this.elevation), a = this.azimuth;
     const away = planar ? [Math.sin(a) * across, Math.sin(this.elevation), Math.cos(a) * across]
       : [Math.sin(a) * across, -Math.cos(a) * across, Math.sin(this.elevation)];
+    camera.position.set(...away);
+    camera.lookAt(0, 0, 0);
+    camera.updateMatrix();
+    const axes = [0, 1, 2].map((i) => new Vector3().setFromMatrixColumn(camera.matrix, i));  // right, up, to the eye
+    const balls = drawn.map(({position, radius}) => ({at: axes.map((axis) => axis.dot(position)), radius}));
+    const most = (size) => balls.reduce((largest, ball) => Math.max(largest, size(ball)), -Infinity);
+    const middle = axes.map((_, i) => (most(({at, radius}) => at[i] + radius) - most(({at, radius}) => radius - at[i])) / 2);
+    const slope = Math.tan(camera.fov / 2 * Math.PI / 180) * (1 - edge);
+    const distance = most(({at: [x, y, z], radius}) => z + radius - middle[2] + Math.max(
+      (Math.abs(x - middle[0]) + radius) / (slope * camera.aspect), (Math.abs(y - middle[1]) + radius) / slope));
+    const centre = axes.reduce((sum, axis, i) => sum.addScaledVector(axis, middle[i]), new Vector3());
     camera.position.set(...away).multiplyScalar(distance).add(centre);
     camera.near = distance / 50;
     camera.far = distance * 4;
-    camera.lookAt(centre);
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
   }

@@ -21,11 +21,16 @@ function readout(spectrum, c, x, scale, unit) {
   return `<b>${number(shown)} Hz</b>${rows(lines)}`;
 }
 
-/** A grey line that bears its name, for what signals are compared with. */
+/** A grey line for what signals are compared with. */
 function reference({name, f, values}, c, scale, type) {
+  return curveSeries(name, f, values.map((value) => log10(scale * value)), c.muted, {width: 1, type, z: 1});
+}
+
+/** The same with its name behind its end. */
+function named(curve, c, scale, type) {
   return {
-    ...curveSeries(name, f, values.map((value) => log10(scale * value)), c.muted, {width: 1, type, z: 1}),
-    endLabel: {show: true, formatter: name, color: c.muted, fontSize: 10.5, distance: 3}, labelLayout: {hideOverlap: true},
+    ...reference(curve, c, scale, type),
+    endLabel: {show: true, formatter: curve.name, color: c.muted, fontSize: 10.5, distance: 3}, labelLayout: {hideOverlap: true},
   };
 }
 
@@ -47,7 +52,7 @@ function octaves(axis, criteria, c, range) {
   return {
     ...frame(spectrum, c, {...range, scale, unit: '\u00b5m/s', right: 42}),
     series: [
-      ...criteria.map((curve) => reference(curve, c, scale, 'solid')),
+      ...criteria.map((curve) => named(curve, c, scale, 'solid')),
       ...present(spectrum).map((name) => ({
         ...curveSeries(name, spectrum[name].f, spectrum[name].values.map((v) => log10(scale * v)), c[name],
           {width: 1.8}),
@@ -60,8 +65,9 @@ function octaves(axis, criteria, c, range) {
 function density(axis, models, c, range) {
   const spectrum = axis.density;
   return {
-    ...frame(spectrum, c, {...range, scale: 1, unit: '', right: models.length ? 46 : 14}),
+    ...frame(spectrum, c, {...range, scale: 1, unit: ''}),
     series: [
+      // Without names: they end in the midst of the curves. The words above the pictures have them.
       ...models.map((curve) => reference(clipped(curve, range.f), c, 1, [4, 3])),
       ...present(spectrum).map((name) => curveSeries(name, spectrum[name].f, spectrum[name].values.map(log10), c[name],
         {width: widths[name] - 0.5})),
@@ -69,7 +75,7 @@ function density(axis, models, c, range) {
   };
 }
 
-/** The part of a curve between two frequencies, so that its name stands within the picture. */
+/** The part of a curve between two frequencies. */
 function clipped({name, f, values}, [low, high]) {
   const kept = f.map((_, i) => i).filter((i) => f[i] >= low && f[i] <= high);
   return {name, f: kept.map((i) => f[i]), values: kept.map((i) => values[i])};
@@ -90,19 +96,23 @@ function cumulative(axis, c, range) {
 function ranges(axes, kind, scale, most, extra = []) {
   const curves = axes.flatMap((axis) => present(axis[kind]).map((name) => axis[kind][name]));
   if (!curves.length) return null;
-  const f = extent(...curves.map((curve) => curve.f));
   const [low, high] = extent(...[...curves, ...extra].map(({values}) => values.map((v) => log10(scale * v))));
-  const top = Math.ceil(high + 1e-9);
-  return {f, y: [Math.max(Math.floor(low), top - most), top]};
+  const top = Math.ceil(high + 1e-9), y = [Math.max(Math.floor(low), top - most), top];
+  // Where everything lies below the picture there is nothing to see.
+  const f = extent(...curves.map((curve) => curve.f.filter((_, i) => log10(scale * curve.values[i]) >= y[0])));
+  return {f, y};
 }
 
 export function spectra(data) {
   const criteria = data.criteria.filter(Boolean), models = data.models.filter(Boolean);
+  const densities = ranges(data.axes, 'density', 1, 14), sums = ranges(data.axes, 'cumulative_rms', 1e3, 6);
+  // Sums do not change where there is no density.
+  if (densities && sums) sums.f = densities.f;
   const kinds = [
     {id: 'fig-octaves', range: ranges(data.axes, 'third_octaves', 1e6, 6), make: (axis, c, range) =>
       octaves(axis, criteria, c, {...range, f: [range.f[0] * 0.89, range.f[1] * 1.12]})},
-    {id: 'fig-density', range: ranges(data.axes, 'density', 1, 14), make: (axis, c, range) => density(axis, models, c, range)},
-    {id: 'fig-cumulative', range: ranges(data.axes, 'cumulative_rms', 1e3, 6), make: cumulative},
+    {id: 'fig-density', range: densities, make: (axis, c, range) => density(axis, models, c, range)},
+    {id: 'fig-cumulative', range: sums, make: cumulative},
   ];
   for (const {id, range, make} of kinds) {
     data.axes.forEach((axis, i) => {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/analysis/run_analysis.hpp"
+
+namespace stillframe::tools {
+
+/// What the floor may do to a frame that no signal of a response tells of: motion of its nodes in
+/// directions that are not among the inputs.
+struct UnmeasuredFloor {
+  std::int64_t n_directions = 0;
+  /// dB, how far it may shift compared singular values if the floor moves there as much as along
+  /// the inputs: one of them, and a tenth of them or more.
+  double largest_db = 0, broadly_db = 0;
+  /// What makes those directions stiff: weight, preload, loads, or their springs.
+  std::string why = {};
+};
+
+/// Of a response with a prediction; nothing of any other. inputs_are_floors: they are axes' floors,
+/// with which all nodes are predicted to move, and not the scene's inputs.
+UnmeasuredFloor unmeasured_floor(const LoopDesign& design, const JudgedResponse& response,
+                                 bool active, bool inputs_are_floors);
+
+}  // namespace stillframe::tools

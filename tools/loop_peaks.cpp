@@ -1,0 +1,45 @@
+#include "tools/loop_peaks.hpp"
+
+#include <algorithm>
+
+#include "core/linear/continuous_loop.hpp"
+
+namespace stillframe::tools {
+
+LoopGains gains_of(const LoopDesign& design) {
+  const LoopPlant& plant = design.settings.plant;
+  const Index n_w = plant.B_w.cols();
+  return {LargestGain({plant.A, plant.B_w, plant.C_y, plant.D_yw}, n_w), LargestGain(design.closed),
+          LargestGain(continuous_loop(plant, design.loop.gains), n_w)};
+}
+
+const char* name_of(PeakRow::Of of) {
+  return of == PeakRow::Of::open ? "open" : of == PeakRow::Of::closed ? "closed" : "continuous";
+}
+
+std::vector<PeakRow> peak_rows(const Eigen::VectorXd& frequencies_hz, LoopGains& gains,
+                               double sample_rate_hz) {
+  std::vector<PeakRow> rows;
+  const auto add = [&](LargestGain& gain, PeakRow::Of of, Index n) {
+    for (const Peak& peak : peaks_between(frequencies_hz.head(n), gain)) rows.push_back({peak, of});
+  };
+  add(gains.open, PeakRow::Of::open, frequencies_hz.size());
+  if (gains.closed) {
+    add(*gains.closed, PeakRow::Of::closed, (frequencies_hz.array() <= sample_rate_hz / 2).count());
+  }
+  if (gains.continuous) add(*gains.continuous, PeakRow::Of::continuous, frequencies_hz.size());
+  std::sort(rows.begin(), rows.end(),
+            [](const PeakRow& a, const PeakRow& b) { return a.peak.hz < b.peak.hz; });
+  return rows;
+}
+
+Eigen::VectorXd with_resonances_of(const LoopGains& gains, const Eigen::VectorXd& frequencies_hz) {
+  std::vector<Resonance> all = gains.open.resonances();
+  for (const auto* gain : {&gains.closed, &gains.continuous}) {
+    if (!*gain) continue;
+    all.insert(all.end(), (*gain)->resonances().begin(), (*gain)->resonances().end());
+  }
+  return with_resonances(frequencies_hz, all);
+}
+
+}  // namespace stillframe::tools
