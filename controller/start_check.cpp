@@ -284,21 +284,25 @@ std::string unreached_in_words(const Gains& gains) {
   return of_unreached(causes_of(gains).unreached_hz);
 }
 
+std::string too_slow_to_tell(const Gains& gains, double radius) {
+  // A pole at 1 comes out within 1e-13 of it: this one decays, but far too slowly to be sure of.
+  if (radius < largest_stable_radius || !(radius < 1 - 1e-11)) return "";
+  return "whether the sampled closed loop is stable cannot be told: its spectral radius is " +
+         shown(radius, "%.11f") + ", and what takes longer than " +
+         shown(gains.sample_time() / (1 - largest_stable_radius)) +
+         " s to settle cannot be told from what drifts at this sample rate";
+}
+
 double require_stable(const Gains& gains) {
   const double radius = closed_loop_radius(gains);
   if (radius < largest_stable_radius) return radius;
   std::string text = "the sampled closed loop is not stable: its spectral radius is " +
                      shown_radius(radius) + ", and below 1 is needed.";
-  // A pole at 1 comes out within 1e-13 of it: this one decays, but far too slowly to be sure of.
-  const bool slow = radius < 1 - 1e-11;
-  if (slow) {
-    text = "whether the sampled closed loop is stable cannot be told: its spectral radius is " +
-           shown(radius, "%.11f") + ", and what takes longer than " +
-           shown(gains.sample_time() / (1 - largest_stable_radius)) +
-           " s to settle cannot be told from what drifts at this sample rate.";
-  }
+  const std::string too_slow = too_slow_to_tell(gains, radius);
+  if (!too_slow.empty()) text = too_slow + ".";
   const Causes causes = causes_of(gains);
-  const bool of_law = !slow && (causes.drifts || causes.others || causes.unreached_hz.empty());
+  const bool of_law =
+      too_slow.empty() && (causes.drifts || causes.others || causes.unreached_hz.empty());
   if (of_law) text += " " + of_the_law(gains, causes);
   if (!causes.unreached_hz.empty()) {
     // No change of the gains file makes this loop stable, so none is tried.

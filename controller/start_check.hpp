@@ -31,6 +31,10 @@ std::vector<double> unreached_motions_hz(const Gains& gains);
 /// Which those are and what they need, in one line; empty without any. Set-up.
 std::string unreached_in_words(const Gains& gains);
 
+/// Why nothing can be said of a loop of this spectral radius: it decays, but more slowly than
+/// rounding tells from a drift. Empty of any other.
+std::string too_slow_to_tell(const Gains& gains, double radius);
+
 /// The largest spectral radius of the loop while it is ramped in or out: with the law's force taken
 /// w times, w = 0.05, 0.10, ... 0.95. A frame that is not stable by itself has one above 1. Set-up.
 double ramp_radius(const Gains& gains);

@@ -28,6 +28,8 @@ std::string spread(const PoleSpread& poles) {
 void warn_of_stability(const LoopDesign& design, const DesignAnalysis& analysis,
                        std::vector<std::string>& out) {
   if (analysis.radius < largest_stable_radius) return;
+  const std::string slow = controller::too_slow_to_tell(design.gains, analysis.radius);
+  if (!slow.empty()) return out.push_back(slow);
   std::string text = cell("the sampled loop is not stable (spectral radius %.9g)", analysis.radius);
   const Eigen::VectorXcd& poles = analysis.poles;
   const double real = poles.real().maxCoeff();

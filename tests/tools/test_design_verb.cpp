@@ -592,5 +592,18 @@ TEST_F(DesignVerb, AnUnstableLoopIsPrintedAndRefusedWithoutAFile) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "g.yaml"));
 }
 
+TEST_F(DesignVerb, ALoopThatDecaysTooSlowlyToTellIsNotCalledUnstable) {
+  const auto slow =
+      write("slow.yaml",
+            "legs: [leg_1t, leg_1v, leg_2t, leg_2v, leg_3t, leg_3v]\ntarget_hz: 5\n"
+            "damping_ratio: 0.7\nsample_rate_hz: 1e6\ndelay_samples: 1\nleak_hz: 1e-4\n");
+  const Said found = run({"design", config("scenes/metrology_frame.yaml"), "--controller", slow});
+  EXPECT_EQ(found.exit_code, 3);
+  EXPECT_NE(found.output.find("whether the sampled closed loop is stable cannot be told"),
+            std::string::npos)
+      << found.output;
+  EXPECT_EQ(found.output.find("at fault"), std::string::npos) << found.output;
+}
+
 }  // namespace
 }  // namespace stillframe::test
