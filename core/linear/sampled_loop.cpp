@@ -188,7 +188,7 @@ MatrixXcd noise_transfer(const SampledLoop& loop, double omega) {
   return resolved(loop.C, loop.A, loop.B_v.cast<Complex>(), z) + loop.D_v;
 }
 
-MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega, Cut cut) {
+MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega) {
   const Complex z = std::polar(1.0, omega * plant.sample_time);
   const Index m = plant.Gamma_u.cols(), n = plant.Phi.rows() - plant.n_exogenous;
   const MatrixXd A = plant.Phi.topLeftCorner(n, n);
@@ -204,7 +204,6 @@ MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double
   MatrixXcd report = plant.C_report.leftCols(n) * x + plant.D_report.cast<Complex>() / z;
   report *=
       std::pow(z, -plant.report_age) * (1 - law.applied_memory) / (1.0 - law.applied_memory / z);
-  if (cut == Cut::command) return -F * (sigma - report);
   // c = F (sigma - r): what the law takes out of sigma is the report of its own command.
   return -(MatrixXcd::Identity(m, m) + F * report).partialPivLu().solve(F * sigma);
 }

@@ -43,13 +43,9 @@ Eigen::MatrixXcd transfer(const SampledLoop& loop, double omega);
 /// y from the noise of the force sensors, at e^{j omega T_s}: n_y x m, m/s^2 per N.
 Eigen::MatrixXcd noise_transfer(const SampledLoop& loop, double omega);
 
-/// Where a loop is cut: between the command, which is also reported, and the force that acts; or
-/// before the command, so that what is put in is also what is reported.
-enum class Cut { force, command };
-
-/// Return ratio L(e^{j omega T_s}) at the actuators: with the loop cut and f put in there, the law
-/// commands c = -L f; m x m. The closed loop is that of f = c. omega in rad/s.
-Eigen::MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega,
-                              Cut cut = Cut::force);
+/// Return ratio L(e^{j omega T_s}) at the actuators: with the loop cut between the command, which
+/// is also reported, and the force that acts, and f put in there, the law commands c = -L f; m x m.
+/// The closed loop is that of f = c. omega in rad/s.
+Eigen::MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega);
 
 }  // namespace stillframe

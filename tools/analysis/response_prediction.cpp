@@ -32,24 +32,6 @@ bool are_the_inputs(const Scene& scene, const std::vector<std::string>& names) {
       [](const std::string& name, const SceneSignal& signal) { return name == signal.name; });
 }
 
-/// Every prescribed translation as an input of its own.
-std::vector<SceneSignal> prescribed_translations(const Scene& scene) {
-  std::vector<SceneSignal> inputs;
-  for (const SceneConstraint& constraint : scene.prescribed) {
-    if (constraint.rotation || !constraint.element.empty()) continue;
-    for (const Eigen::Vector3d& direction : constraint.directions) {
-      SceneSignal signal;
-      signal.name = constraint.node + " " + std::to_string(inputs.size());
-      signal.place = constraint.place;
-      signal.node = constraint.node;
-      signal.quantity = Quantity::acceleration;
-      signal.direction = direction;
-      inputs.push_back(signal);
-    }
-  }
-  return inputs;
-}
-
 MatrixXd directions_of(const std::vector<SceneSignal>& signals) {
   MatrixXd directions(static_cast<Index>(signals.size()), 3);
   for (std::size_t i = 0; i < signals.size(); ++i) {
@@ -88,6 +70,23 @@ std::vector<bool> independent_rows(const MatrixXd& directions) {
 }
 
 }  // namespace
+
+std::vector<SceneSignal> prescribed_translations(const Scene& scene) {
+  std::vector<SceneSignal> inputs;
+  for (const SceneConstraint& constraint : scene.prescribed) {
+    if (constraint.rotation || !constraint.element.empty()) continue;
+    for (const Eigen::Vector3d& direction : constraint.directions) {
+      SceneSignal signal;
+      signal.name = constraint.node + " " + std::to_string(inputs.size());
+      signal.place = constraint.place;
+      signal.node = constraint.node;
+      signal.quantity = Quantity::acceleration;
+      signal.direction = direction;
+      inputs.push_back(signal);
+    }
+  }
+  return inputs;
+}
 
 report::AxisSignals signals_by_motion(const Scene& scene,
                                       const std::vector<report::AxisPlan>& axes) {

@@ -25,6 +25,9 @@ report::AxisSignals signals_by_motion(const Scene& scene,
 /// names x inputs: D_m D_w^+, D the rows of their directions. Errors: as ResponsePrediction.
 Eigen::MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names);
 
+/// Every prescribed translation of a scene as an input of its own (m/s^2).
+std::vector<SceneSignal> prescribed_translations(const Scene& scene);
+
 /// Predicts T between accelerations of a loop's scene. Inputs are either the scene's inputs, all of
 /// them in their order, or accelerations of floor nodes; the latter speak for a floor that does not
 /// turn, whose translation a follows from them, m = D a, D the rows of their directions. Set-up.

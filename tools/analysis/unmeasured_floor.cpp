@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/model/model.hpp"
+#include "tools/analysis/response_prediction.hpp"
 
 namespace stillframe::tools {
 
@@ -46,25 +47,17 @@ std::vector<SceneSignal> unmeasured(const Scene& scene, const report::ResponseSi
     }
   }
   std::vector<SceneSignal> result;
-  for (const SceneConstraint& constraint : scene.prescribed) {
-    if (constraint.rotation || !constraint.element.empty()) continue;
+  for (SceneSignal& signal : prescribed_translations(scene)) {
     std::vector<Eigen::Vector3d> known = floors;
     for (const SceneSignal& input : scene.inputs) {
-      if (inputs_are_floors || input.node != constraint.node) continue;
+      if (inputs_are_floors || input.node != signal.node) continue;
       if (input.quantity == Quantity::acceleration) add_to(known, input.direction);
     }
-    for (const Eigen::Vector3d& direction : constraint.directions) {
-      const Eigen::Vector3d rest = across(direction, known);
-      if (rest.isZero(0)) continue;
-      known.push_back(rest);
-      SceneSignal signal;
-      signal.name = "unmeasured " + std::to_string(result.size());
-      signal.place = constraint.place;
-      signal.node = constraint.node;
-      signal.quantity = Quantity::acceleration;
-      signal.direction = rest;
-      result.push_back(signal);
+    for (const SceneSignal& before : result) {
+      if (before.node == signal.node) add_to(known, before.direction);
     }
+    signal.direction = across(signal.direction, known);
+    if (!signal.direction.isZero(0)) result.push_back(signal);
   }
   return result;
 }
