@@ -74,12 +74,12 @@ PassivePlant read_plant(const YamlReader& reader, Index n_legs) {
 }
 
 /// What a design wrote into the file it knows again: a plant that was changed since by hand, disk
-/// or wire would judge another loop than the one that runs.
-void check_plant_hash(const YamlReader& plant, const Gains& gains) {
+/// or wire would judge another loop than the one that runs. Whether there is a hash.
+bool check_plant_hash(const YamlReader& plant, const Gains& gains) {
   const auto written = plant.find("hash");
-  if (!written) return;
+  if (!written) return false;
   const std::string found = plant_hash(gains);
-  if (written->text() == found) return;
+  if (written->text() == found) return true;
   written->fail("found " + written->text() +
                 ", but legs, scene_hash and the matrices that stand here have " + found +
                 ": they are not those that were designed. `stillframe design --out` writes "
@@ -122,7 +122,7 @@ Gains read(const YamlReader& reader) {
   gains.K_I = read_matrix(reader.require("K_I"), gains.n_legs(), gains.n_legs());
   const YamlReader plant = reader.require("plant");
   gains.plant = read_plant(plant, gains.n_legs());
-  check_plant_hash(plant, gains);
+  gains.plant_is_as_designed = check_plant_hash(plant, gains);
   if (most_loop_states(gains) > largest_loop) {
     reader.fail("found a loop of " + std::to_string(most_loop_states(gains)) +
                 " states (plant, law, and what is under way by delay_samples and "

@@ -44,6 +44,7 @@ struct Gains {
   Eigen::MatrixXd K_I;                  ///< m x m, 1/s
   Instruments instruments;
   PassivePlant plant;
+  bool plant_is_as_designed = false;  ///< read from a file whose hash of the plant is right
 
   Eigen::Index n_legs() const { return static_cast<Eigen::Index>(legs.size()); }
   double sample_time() const { return 1.0 / sample_rate_hz; }  ///< s

@@ -15,7 +15,7 @@ struct Measurement {
   /// p, m/s^2, prescribed accelerations, mean over the sample that ends now; empty: not measured.
   Eigen::VectorXd floor;
   /// false: the force is not this controller's; amplifiers that heard nothing let go, or another
-  /// commands. True where an Io cannot tell.
+  /// commands. True where an Io cannot tell: then a fade goes on where they have let go.
   bool heard = true;
 };
 

@@ -107,7 +107,7 @@ void LcmStream::on_measurement(const lcm::ReceiveBuffer* buffer, const std::stri
   note_obeyed(message.controller_instance, now);
   Measurement* place = measurements_.free_place();
   if (place == nullptr) {
-    ++n_measurements_dropped_;
+    ++n_bad_;
     return;
   }
   place->seq = message.seq;

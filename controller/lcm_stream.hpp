@@ -34,11 +34,11 @@ class LcmStream : public Io {
   bool receive(Measurement& measurement) noexcept override;
   void send(const Command& command) noexcept override;
 
-  std::int64_t n_bad_messages() const noexcept { return n_bad_; }  ///< other run, size or type
+  /// Measurements of another run, size or type, and those that found no room.
+  std::int64_t n_bad_messages() const noexcept { return n_bad_; }
   /// Since when (CLOCK_MONOTONIC, ns) every measurement has said that the plant obeys another
   /// controller; 0 if it does not.
   std::int64_t obeys_another_since_ns() const noexcept { return obeys_another_since_ns_; }
-  std::int64_t n_measurements_dropped() const noexcept { return n_measurements_dropped_; }
   std::int64_t n_commands_dropped() const noexcept { return n_commands_dropped_; }
 
  private:
@@ -56,7 +56,7 @@ class LcmStream : public Io {
   stillframe_msgs::command_t message_;
   std::vector<std::uint8_t> bytes_;
   std::atomic<std::int64_t> obeys_another_since_ns_{0};
-  std::atomic<std::int64_t> n_bad_{0}, n_measurements_dropped_{0}, n_commands_dropped_{0};
+  std::atomic<std::int64_t> n_bad_{0}, n_commands_dropped_{0};
   sem_t something_to_send_{};
   std::atomic<bool> stop_{false}, listening_{false}, deaf_{false};
   std::thread receiver_, sender_;

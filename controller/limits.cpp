@@ -59,10 +59,4 @@ Limits::Passed Limits::pass(Ref<VectorXd> force, const Ref<const VectorXd>& pace
   return passed;
 }
 
-void Limits::meet(const Ref<const VectorXd>& applied) noexcept {
-  for (Index i = 0; i < last_.size(); ++i) {
-    if (std::isfinite(applied(i))) last_(i) = std::clamp(applied(i), -force_, force_);
-  }
-}
-
 }  // namespace stillframe::controller

@@ -30,9 +30,8 @@ class Limits {
   Passed pass(Eigen::Ref<Eigen::VectorXd> force,
               const Eigen::Ref<const Eigen::VectorXd>& pace = Eigen::VectorXd()) noexcept;
 
-  /// The forces that act are these (m, N): what another has left, or an amplifier by itself. Of one
-  /// beyond the limit the limit is met: to go on from there is a step, see is_beyond.
-  void meet(const Eigen::Ref<const Eigen::VectorXd>& applied) noexcept;
+  /// No force acts: whoever held one has let go of it.
+  void let_go() noexcept { last_.setZero(); }
   /// True if a force (m, N) is that cannot pass.
   bool is_beyond(const Eigen::Ref<const Eigen::VectorXd>& applied) const noexcept {
     return (applied.array().abs() > force_).any();

@@ -374,6 +374,12 @@ int run(const Options& options, Outside& outside) {
   std::string policy_text;
   const Policy policy = policy_of(options, policy_text);
   const double radius = require_stable(gains);
+  if (!gains.plant_is_as_designed) {
+    spdlog::warn(
+        "{}: plant: has no hash, as one that `stillframe design` wrote; stability, the force that "
+        "a sound loop asks for and what each channel should read are judged by these matrices",
+        options.gains.string());
+  }
   if (options.check_only) {
     std::printf("spectral radius %.17g\n", radius);
     return exit_done;

@@ -113,11 +113,11 @@ Pace::Pace(const Gains& gains, const Settings& settings)
     // The leak leaves such a drift a gain of hundreds: what is more than this ends at the limit.
     most_doubt_(k) = settings.force_limit / worst_of(changes.rowwise().sum());
   }
-  VectorXd allowed = VectorXd::Constant(m, settings.free);
+  free_.setConstant(m, settings.free);
   if (p > 0 && std::isfinite(settings.beside)) {
-    allowed = allowed.cwiseMin(settings.beside * per_floor().rowwise().sum());
+    free_ = free_.cwiseMin(settings.beside * per_floor().rowwise().sum());
   }
-  for (PaceScale& scale : scales_) scale.allow(allowed);
+  for (PaceScale& scale : scales_) scale.allow(free_);
   rest_ = moves_ = largest_ = before_ = believed_ = doubted_ = beyond_ = VectorXd::Zero(p);
   last_ = MatrixXd::Zero(m, 5);
   squares_ = most_ = change_ = quiet_ = variance_ = sorted_ = mean_ = moved_ = VectorXd::Zero(m);

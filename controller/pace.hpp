@@ -73,6 +73,9 @@ class Pace {
   /// milliseconds; -1: none.
   Eigen::Index command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
 
+  /// m, N: what a command may always change by.
+  const Eigen::VectorXd& free() const noexcept { return free_; }
+
   /// L (m x p, N per m/s^2) and the squares of N (m x m, 1) above.
   const Eigen::MatrixXd& per_floor() const noexcept { return scales_.front().per_floor(); }
   const Eigen::MatrixXd& per_noise() const noexcept { return scales_.front().per_noise(); }
@@ -105,6 +108,7 @@ class Pace {
   Eigen::VectorXd fourth_, products_;   ///< m, N and N^2, the last one, and of two in a row
   Eigen::VectorXd mean_, moved_;        ///< m, N and N^2, of the readings and their sum of squares
   Eigen::VectorXd most_doubt_;          ///< m, N, offsets that would meet the force limit
+  Eigen::VectorXd free_;                ///< m, N
   Eigen::MatrixXd force_per_noise_;  ///< m x m, 1, the sum of squares of leg forces after a reading
   Eigen::VectorXd most_, change_, quiet_, variance_, sorted_;
   std::int64_t n_rest_ = 0, seq_ = -1, n_in_row_ = 0, n_squares_ = 0;

@@ -15,12 +15,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-// At first, and after a sleep of its own, the loop listens so long before it commands: another
-// controller may serve the run.
+// At first the loop listens so long before it commands: another controller may serve the run.
 constexpr double quiet_s = 0.35;
-// Amplifiers let go of a force within about a second; one that still acts after that many is held
-// by somebody, or the read-back lies.
-constexpr double stuck_s = 10;
+// Amplifiers that hear nothing let go of a force within about a second. It is theirs until then:
+// what acts is known from a read-back alone, which may lie.
+constexpr double let_go_s = 1.5;
 // Where the policy does not say what may push a frame beside its floor: a tenth of the force limit
 // in a second, as a person or a stage does, but no more than a floor asks for that is too quiet to
 // be measured. A limit that stands for none is no permission to do anything.
@@ -135,7 +134,7 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       sample_time_(gains.sample_time()),
       active_(active),
       wanted_(active && policy.start_at_once),
-      quiet_(std::llround(quiet_s / sample_time_)) {
+      quiet_(std::llround(let_go_s / sample_time_)) {
   change_ = asked_ = asked_before_ = base_ = step_ = force_ = u_ = offset_ = sigma_ =
       VectorXd::Zero(law_.n_legs());
   Counter counter;
@@ -148,7 +147,7 @@ void Supervisor::visit(Archive& archive) {
   archive(state_), archive(fault_), archive(latched_), archive(wanted_), archive(met_);
   archive(law_ran_), archive(missing_), archive(unheard_), archive(missing_part_);
   archive(last_defect_);
-  archive(quiet_), archive(beyond_), archive(n_beyond_);
+  archive(quiet_), archive(held_);
   archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
   archive(base_), archive(step_), archive(force_), archive(offset_);
   archive(asked_before_), archive(met_limit_);
@@ -182,7 +181,7 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
     seq_ = event.measurement->seq;
     pace_.floor(event.measurement->floor);
     time_ns_ = static_cast<double>(event.measurement->time_ns);
-    if (!met_) take_over(event.measurement->applied);
+    if (!met_) fall_silent(0);
     met_ = true;
   } else {
     seq_ += event.n_elapsed;
@@ -190,18 +189,14 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   }
   take(event.request);
   count_missing(event);
-  if (event.n_elapsed - 1 > policy_.hold_periods) {
-    quiet_ = std::llround(quiet_s / sample_time_) + event.n_elapsed;
-  }
+  if (event.n_elapsed - 1 > policy_.hold_periods) fall_silent(event.n_elapsed);
   watch(event);
 
   bool send = event.measurement != nullptr;
   if (engaged()) {
     if (send) run_law(event);
   } else {
-    if (event.measurement != nullptr && (gap_ > policy_.hold_periods || (unheard_ > 0 && q_ > 0))) {
-      meet(*event.measurement);
-    }
+    if (event.measurement != nullptr && unheard_ > 0 && q_ > 0) fall_silent(0);
     const double before = q_;
     q_ = std::max(0.0, q_ - static_cast<double>(event.n_elapsed) * sample_time_ / policy_.fade_s);
     step_ *= step_kept;
@@ -211,13 +206,12 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
     if (state_ == State::fault) come_back(event);
     if (state_ == State::idle && wanted_ && q_ == 0 && event.measurement) {
       state_ = State::arming;
-      arming_.restart();
-      pace_.restart();
+      restart_arming();
     } else if (state_ == State::arming) {
       arm(event);
     }
   }
-  if (quiet_ > 0 || beyond_) {
+  if (quiet_ > 0) {
     listen(event);
     send = false;
   }
@@ -309,38 +303,33 @@ void Supervisor::watch(const Event& event) noexcept {
 }
 
 void Supervisor::fade_from(const VectorXd& force) noexcept {
-  limits_.meet(force);
-  base_ = limits_.last();
+  base_ = force;
   step_.setZero();
   q_ = base_.isZero(0) ? 0 : 1;
 }
 
-// What another controller has left there, or the amplifiers by themselves. To lead it into the
-// limit would take commands beyond it, on the word of a read-back alone; amplifiers that hear
-// nothing let go of it as smoothly.
-void Supervisor::take_over(const VectorXd& applied) noexcept {
-  fade_from(applied);
-  beyond_ = limits_.is_beyond(applied);
+// Commands did not reach the amplifiers, or another has served them: what they do until they have
+// let go is their own. To go on from what a read-back says would command its lies.
+void Supervisor::fall_silent(std::int64_t n_elapsed) noexcept {
+  held_ = held_ || !limits_.last().isZero(0);
+  limits_.let_go();
+  base_.setZero();
+  step_.setZero();
+  q_ = 0;
+  quiet_ = std::llround(let_go_s / sample_time_) + n_elapsed;
 }
 
-// Nothing is sent: what the amplifiers do is their own; go on from what they report.
+// Nothing is sent. A loop that held nothing need not wait for amplifiers that hold nothing either,
+// and while they let go of something no sensor shows its offset.
 void Supervisor::listen(const Event& event) noexcept {
   quiet_ = std::max<std::int64_t>(0, quiet_ - event.n_elapsed);
-  if (event.measurement != nullptr) take_over(event.measurement->applied);
-  n_beyond_ = beyond_ && !latched_ ? n_beyond_ + event.n_elapsed : 0;
-  if (static_cast<double>(n_beyond_) * sample_time_ <= stuck_s) return;
-  n_beyond_ = 0;
-  latch(Fault::out_of_range);
-}
-
-// After a gap the amplifiers may have let go by themselves: then go on from what they report. Where
-// they have followed, but for the few samples that a report is old, the fade goes on as it is: with
-// one begun anew after every gap it would never end.
-void Supervisor::meet(const Measurement& measurement) noexcept {
-  constexpr double followed = 0.02;  // of the force at the beginning; 2 ms of a fade are 0.4 %
-  if ((measurement.applied - force_).norm() > followed * base_.norm()) {
-    take_over(measurement.applied);
+  if (event.measurement != nullptr) {
+    const bool acts = (event.measurement->applied.array().abs() > pace_.free().array()).any();
+    const auto n_listened = std::llround(let_go_s / sample_time_) - quiet_;
+    if (!acts && !held_ && n_listened >= std::llround(quiet_s / sample_time_)) quiet_ = 0;
+    if (acts && state_ == State::arming) restart_arming();
   }
+  held_ = held_ && quiet_ > 0;
 }
 
 // A fade that goes on already is not begun anew: it would never end.
@@ -350,8 +339,8 @@ void Supervisor::let_go(Fault fault, const Event& event) noexcept {
   fault_ = fault;
   state_ = State::fault;
   p_ = 0;
-  if (fault == Fault::suspended) {
-    if (event.measurement != nullptr) take_over(event.measurement->applied);
+  if (fault == Fault::suspended || fault == Fault::unheard) {
+    fall_silent(event.n_elapsed);
   } else if (!fades) {
     // What a loop that has run away commanded last is nothing to hold.
     const bool ran_away = fault == Fault::limited || fault == Fault::restless;
@@ -385,7 +374,7 @@ void Supervisor::begin_latched(Fault fault) noexcept {
 
 // Out of a passing fault, once the force is gone and measurements are there again.
 void Supervisor::come_back(const Event& event) noexcept {
-  if (latched_ || q_ > 0 || quiet_ > 0 || beyond_ || event.measurement == nullptr) return;
+  if (latched_ || q_ > 0 || quiet_ > 0 || event.measurement == nullptr) return;
   if (wanted_ && rejoins_ + 1 > static_cast<double>(policy_.rejoins_a_minute)) {
     latched_ = true;
     wanted_ = false;
@@ -394,10 +383,14 @@ void Supervisor::come_back(const Event& event) noexcept {
   state_ = State::idle;
 }
 
+void Supervisor::restart_arming() noexcept {
+  arming_.restart();
+  pace_.restart();
+}
+
 void Supervisor::arm(const Event& event) noexcept {
   if (event.n_elapsed - 1 > policy_.hold_periods || missing_ > policy_.hold_periods) {
-    arming_.restart();
-    pace_.restart();
+    restart_arming();
   }
   const Fault broken = fault_of(last_defect_);
   if (!is_passing(broken) &&
@@ -408,7 +401,9 @@ void Supervisor::arm(const Event& event) noexcept {
   arming_.add(event.measurement->sigma);
   pace_.listen(event.measurement->seq, event.measurement->sigma);
   if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0) return;
-  if (quiet_ > 0 || beyond_) return;
+  if (quiet_ > 0) return;
+  // Held by somebody, or a read-back that lies: a person should look.
+  if (limits_.is_beyond(event.measurement->applied)) return latch(Fault::out_of_range);
   const Fault found = arming_.judge(offset_, u_);
   if (found != Fault::none) return latch(found);
   pace_.begin(u_);

@@ -38,8 +38,8 @@ struct Event {
 ///   no measurement:     F held, for at most hold_periods;
 ///   then, and in faults: F = F_0 s(q), F_0 the force at its beginning, q from 1 to 0 in fade_s;
 ///   of a loop that has run away F_0 is smoothed, and the step to it decays within samples.
-/// What another controller has left beyond the force limit is the amplifiers' to let go of: nothing
-/// is sent until it is within.
+/// What acts and was not commanded in a row up to now, at the start, after a sleep, or because
+/// commands were not heard, is the amplifiers' to let go of: nothing is sent until they have.
 /// Source: docs/safety.md. Construction is set-up; the rest is hot: noexcept, no allocation.
 class Supervisor {
  public:
@@ -80,11 +80,11 @@ class Supervisor {
   void watch(const Event& event) noexcept;
   void let_go(Fault fault, const Event& event) noexcept;
   void fade_from(const Eigen::VectorXd& force) noexcept;
-  void take_over(const Eigen::VectorXd& applied) noexcept;
+  void fall_silent(std::int64_t n_elapsed) noexcept;
   void listen(const Event& event) noexcept;
   void latch(Fault fault) noexcept;
-  void meet(const Measurement& measurement) noexcept;
   void come_back(const Event& event) noexcept;
+  void restart_arming() noexcept;
   void arm(const Event& event) noexcept;
   void run_law(const Event& event) noexcept;
   void move_gain(std::int64_t n_elapsed) noexcept;
@@ -107,8 +107,7 @@ class Supervisor {
   double missing_part_ = 0;   ///< mean over about a second
   Defect last_defect_ = Defect::none;
   std::int64_t quiet_;          ///< periods in which nothing is sent
-  bool beyond_ = false;         ///< what acts, and is not commanded, is beyond the force limit
-  std::int64_t n_beyond_ = 0;   ///< periods, for which it has been
+  bool held_ = false;           ///< a force of this loop is the amplifiers' to let go of
   double rejoins_ = 0;          ///< of the last minute
   bool passing_fault_ = false;  ///< since the last arming
   double p_ = 0, q_ = 0;

@@ -215,13 +215,8 @@ double kinetic_energy(const Model& model, const Data& data) {
   return energy;
 }
 
-double potential_energy(const Model& model, const Data& data) {
-  double energy = model.preload.dot(data.e) - model.load.dot(data.x);
-  LocalVector u;
-  for (const ModelInertia& item : model.inertias) {
-    gather(item.parts, data.x, u);
-    energy += item.inertia->gravity_energy(u, model.gravity);
-  }
+double elastic_energy(const Model& model, const Data& data) {
+  double energy = 0;
   for (const ModelElement& item : model.elements) {
     if (item.S.size() == 0) continue;
     LocalDeformation e(item.S.rows());
@@ -230,6 +225,16 @@ double potential_energy(const Model& model, const Data& data) {
       e(i) = item.zero[k] ? 0.0 : data.e(item.row[k]);
     }
     energy += 0.5 * e.dot(item.S * e);
+  }
+  return energy;
+}
+
+double potential_energy(const Model& model, const Data& data) {
+  double energy = elastic_energy(model, data) + model.preload.dot(data.e) - model.load.dot(data.x);
+  LocalVector u;
+  for (const ModelInertia& item : model.inertias) {
+    gather(item.parts, data.x, u);
+    energy += item.inertia->gravity_energy(u, model.gravity);
   }
   return energy;
 }

@@ -29,8 +29,8 @@ void complete_accelerations(Data& data, const Eigen::VectorXd& q_d_ddot) noexcep
 /// Writes sigma_balanced, the stress resultants that balance all nodal forces: those of the
 /// conditions from the equations of reaction J^T sigma = f + f_in - M x'' - D_c^T sigma^c, and into
 /// sigma those of the zero and prescribed deformations. Those of dynamic deformations agree with
-/// their elastic law where the equations of motion hold. After complete_accelerations. Source: deck,
-/// section 4. set-up.
+/// their elastic law where the equations of motion hold. After complete_accelerations. Source:
+/// deck, section 4. set-up.
 void reaction_stresses(const Model& model, Data& data);
 
 /// Nodal forces (n_x + n_0) that constrain, at the accelerations in data: D^T sigma - f - f_in + M
@@ -38,16 +38,16 @@ void reaction_stresses(const Model& model, Data& data);
 /// forces f^m; the others are zero to rounding. After reaction_stresses. set-up.
 Eigen::VectorXd constraint_forces(const Model& model, const Data& data);
 
-/// Its parts (n_x + n_0 each): inertia forces M x'' - f_in, and applied forces (loads, data.external
-/// and weight).
-/// set-up.
+/// Its parts (n_x + n_0 each): inertia forces M x'' - f_in, and applied forces (loads,
+/// data.external and weight). set-up.
 Eigen::VectorXd inertia_forces(const Model& model, const Data& data);
 Eigen::VectorXd applied_forces(const Model& model, const Data& data);
 
-/// Kinetic and potential energy, J, at the positions and rates that accelerations() left in data.
-/// The potential counts elastic energy with preload (sigma_0 e + e^T S e / 2), constant loads and
-/// gravity; loads that follow a node and torques in space have no potential.
+/// Kinetic, elastic (e^T S e / 2) and potential energy, J, at the positions and rates that
+/// accelerations() left in data. The potential counts the elastic energy, preload (sigma_0 e),
+/// constant loads and gravity; loads that follow a node and torques in space have no potential.
 double kinetic_energy(const Model& model, const Data& data);
+double elastic_energy(const Model& model, const Data& data);
 double potential_energy(const Model& model, const Data& data);
 
 /// M_dd (n_d x n_d) for the transfer functions in data. hot.

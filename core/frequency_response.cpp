@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "core/state_space.hpp"
+
 namespace stillframe {
 
 using Complex = std::complex<double>;
@@ -13,23 +15,17 @@ MatrixXcd transfer_function(const LinearModel& model, Complex s) {
   const Index n_u = model.B.cols();
   Eigen::VectorXcd position = Eigen::VectorXcd::Zero(n_u);
   for (Index j = 0; j < n_u; ++j) {
-    switch (model.inputs[static_cast<size_t>(j)].quantity) {
-      case Quantity::position:
-      case Quantity::rotation:
-      case Quantity::deformation:
+    switch (input_kind(model.inputs[static_cast<size_t>(j)].quantity)) {
+      case InputColumns::Kind::position:
         position(j) = 1.0;
         break;
-      case Quantity::velocity:
-      case Quantity::angular_velocity:
-      case Quantity::deformation_rate:
+      case InputColumns::Kind::velocity:
         position(j) = 1.0 / s;
         break;
-      case Quantity::acceleration:
-      case Quantity::angular_acceleration:
-      case Quantity::deformation_acceleration:
+      case InputColumns::Kind::acceleration:
         position(j) = 1.0 / (s * s);
         break;
-      default:
+      case InputColumns::Kind::direct:
         break;
     }
   }

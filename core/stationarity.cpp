@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/dynamics.hpp"
 #include "core/equilibrium.hpp"
 #include "core/model/prescribed.hpp"
 #include "core/node_moves.hpp"
@@ -41,12 +42,11 @@ Rates rates_along(const Model& model, const NominalMotion& nominal) {
   const MatrixXd K = linear.stiffness(), K_r = linear.stiffness_r();
   Data data = lineariser.data();
   Rates rates;
-  rates.acceleration =
-      beyond_rounding(model, data.DF, -motion_against(K, K_r * a), prescribed_transfer_functions(model, data, a).col(0));
+  rates.acceleration = beyond_rounding(model, data.DF, -motion_against(K, K_r * a),
+                                       prescribed_transfer_functions(model, data, a).col(0));
   rates.velocity = beyond_rounding(
       model, data.DF,
-      -motion_against(
-          K, K_r * v + linear.damping_r() * a + linear.damping() * rates.acceleration),
+      -motion_against(K, K_r * v + linear.damping_r() * a + linear.damping() * rates.acceleration),
       prescribed_transfer_functions(model, data, v).col(0));
   return rates;
 }
@@ -283,17 +283,7 @@ class Comparison {
 
 /// sqrt(e^T S e) of all elements: does not change where the same strain goes round a shaft.
 double elastic_amplitude(const Model& model, const Data& data) {
-  double twice = 0;
-  for (const ModelElement& item : model.elements) {
-    if (item.S.size() == 0) continue;
-    LocalDeformation e(item.S.rows());
-    for (Index i = 0; i < e.size(); ++i) {
-      const auto k = static_cast<size_t>(i);
-      e(i) = item.zero[k] ? 0.0 : data.e(item.row[k]);
-    }
-    twice += e.dot(item.S * e);
-  }
-  return std::sqrt(std::max(twice, 0.0));
+  return std::sqrt(std::max(2 * elastic_energy(model, data), 0.0));
 }
 
 /// That of the rounding of positions.
@@ -336,9 +326,8 @@ void require_stationary(const Model& model, const NominalMotion& nominal,
     VectorXd f(model.n_d);
     const bool reached = out_of_balance(model, data, later, f);
     // 1e-7 is what an equilibrium may leave.
-    if (!reached ||
-        !(largest_work(model, data, f) <=
-          10 * same * reference + work_of_rounding(model, data, first.stiffness()))) {
+    if (!reached || !(largest_work(model, data, f) <=
+                      10 * same * reference + work_of_rounding(model, data, first.stiffness()))) {
       Index dof = 0;
       if (reached) f.cwiseAbs().maxCoeff(&dof);
       refuse(model, nominal,

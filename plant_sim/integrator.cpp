@@ -118,12 +118,12 @@ Integrator::Integrator(Eigen::Index n, RightHandSide f, double relative_toleranc
 
 Integrator::~Integrator() = default;
 
-Integrator::Status Integrator::advance(Eigen::VectorXd& y, double duration,
-                                       double acceleration) noexcept {
+Integrator::Status Integrator::advance(Eigen::VectorXd& y, double duration, double acceleration,
+                                       double within) noexcept {
   Impl& self = *impl_;
   // The smallest normal numbers keep the weights finite for a frame at rest on a floor at rest.
-  self.position_scale = acceleration * duration * duration + 1e-290;
-  self.velocity_scale = acceleration * duration + 1e-290;
+  self.position_scale = acceleration * within * within + 1e-290;
+  self.velocity_scale = acceleration * within + 1e-290;
   self.held = y;
   if (!self.restart(0.0, duration, duration)) return Status::failed;
   // Step by step up to the stop time: what a call over the whole time returns is interpolated.

@@ -19,7 +19,7 @@ class Integrator {
 
   /// y = (n positions, n velocities, n_filtered filtered positions). relative_tolerance: error of a
   /// step, root of the mean square over all of y, against what the acceleration of advance() does
-  /// in the part. Errors: std::runtime_error if SUNDIALS cannot be set up.
+  /// within the time that it has there. Errors: std::runtime_error if SUNDIALS cannot be set up.
   Integrator(Eigen::Index n, RightHandSide f, double relative_tolerance,
              Eigen::Index n_filtered = 0);
   ~Integrator();
@@ -28,8 +28,9 @@ class Integrator {
 
   enum class Status { ok, right_hand_side_failed, too_many_steps, failed };
 
-  /// Integrates y from 0 to duration (s). acceleration (m/s^2): the largest in the part.
-  Status advance(Eigen::VectorXd& y, double duration, double acceleration) noexcept;
+  /// Integrates y from 0 to duration (s). acceleration (m/s^2): the largest in the part; within
+  /// (s): up to duration, for how long it may go one way.
+  Status advance(Eigen::VectorXd& y, double duration, double acceleration, double within) noexcept;
 
   /// Right-hand sides evaluated since construction.
   long evaluations() const noexcept;

@@ -127,7 +127,11 @@ std::vector<std::string> amplification_warnings(const LoopSettings& settings, do
                   ", and most of that without sampling too: " + cause(of_design.worst(), poles));
   }
   if (!of_sampling.empty()) {
-    out.push_back(of_sampling.text() + ": the price of sampling; a higher rate moves it up");
+    out.push_back(of_sampling.text() +
+                  (settings.sampling.instruments.ideal()
+                       ? ": the price of sampling; a higher rate moves it up"
+                       : ": the price of sampling and of the instruments; a higher rate moves up "
+                         "what is of sampling"));
   }
   return out;
 }

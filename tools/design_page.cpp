@@ -171,7 +171,12 @@ std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysi
     add(design.gains.legs[i], margins.leg_gain[i], margins.leg_delay(j), margins.leg_disk(j));
   }
   add("all at once", margins.all_gain, margins.all_delay, margins.all_disk);
-  return text + table.print();
+  text += table.print();
+  if (!margins.delays_proven) {
+    text +=
+        "not all delays are proven: 64 of each sample were tried, one between may be unstable\n";
+  }
+  return text;
 }
 
 std::string limits_text(const DesignAnalysis& analysis) {
@@ -207,6 +212,7 @@ Json margins_json(const Margins& margins) {
           {"all_gain", range(margins.all_gain)},
           {"leg_delay_s", to_json(margins.leg_delay)},
           {"all_delay_s", margins.all_delay},
+          {"delays_proven", margins.delays_proven},
           {"leg_disk", to_json(margins.leg_disk)},
           {"all_disk", margins.all_disk},
           {"all_disk_hz", margins.all_disk_hz}};

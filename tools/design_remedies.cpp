@@ -126,7 +126,9 @@ std::string why_none_recommended(const LoopDesign& design) {
   if (!stable) {
     why = "at that rate the loop is not stable, with any roll-off that was tried";
   } else if (!(price <= most_price_db)) {
-    why = cell("at that rate sampling costs %.1f dB up to four targets, and %g are allowed", price,
+    const bool ideal = design.settings.sampling.instruments.ideal();
+    why = cell("at that rate %s %.1f dB up to four targets, and %g are allowed",
+               ideal ? "sampling costs" : "the instruments, and sampling a little, cost", price,
                most_price_db);
   } else if (!meets) {
     why = cell(

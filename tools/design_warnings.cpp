@@ -214,14 +214,20 @@ double slowest_on_legs(const ControlLoop& loop) {
 }
 
 void warn_of_targets(const LoopDesign& design, std::vector<std::string>& out) {
-  const double slowest = slowest_on_legs(design.loop);
   const auto& targets = design.scene.controller->target_hz;
-  const double highest = *std::max_element(targets.begin(), targets.end());
-  if (highest > slowest) {
-    out.push_back(
-        cell("the target %g Hz is above the slowest mode on the legs, %.4g Hz: the loop stiffens "
-             "it instead of isolating better",
-             highest, slowest));
+  constexpr const char* stiffened = ": the loop stiffens it instead of isolating better";
+  if (targets.size() == 1) {
+    const double slowest = slowest_on_legs(design.loop);
+    if (targets.front() <= slowest) return;
+    return out.push_back(cell("the target %g Hz is above the slowest mode on the legs, %.4g Hz%s",
+                              targets.front(), slowest, stiffened));
+  }
+  const Eigen::VectorXd modes = virtual_frequencies(design.loop.design.legs) / two_pi;
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const double mode = modes(static_cast<Index>(i));
+    if (targets[i] <= mode) continue;
+    out.push_back(cell("the target %g Hz is above virtual mode %zu, %.4g Hz%s", targets[i], i + 1,
+                       mode, stiffened));
   }
 }
 

@@ -71,12 +71,15 @@ int run(const Options& options) {
   require_own_places({{"the log", options.log}}, {{"--csv", options.csv}, {"--mat", options.mat}});
   Patience patience("reading " + options.log.string());
   report::ExportSettings settings = options.settings;
-  Json documents = Json::array();
+  Json documents = Json::array(), warnings = Json::array();
   const auto write = [&](const std::filesystem::path& file, const char* format, auto&& how) {
     settings.progress = [&](double share) {
       patience.now("writing " + file.string(), 100 * share);
     };
     const report::ExportSummary summary = how(options.log, settings, file);
+    const std::string plants = plants_in_words(summary.scan);
+    // The same of every file.
+    if (!plants.empty() && warnings.empty()) warnings.push_back(plants);
     if (options.json) {
       documents.push_back(to_json(summary, file, format));
     } else {
@@ -85,7 +88,13 @@ int run(const Options& options) {
   };
   if (options.csv) write(*options.csv, "csv", report::export_csv);
   if (options.mat) write(*options.mat, "mat", report::export_mat);
-  if (options.json) print({{"files", documents}});
+  if (options.json) {
+    print({{"files", documents}, {"warnings", warnings}});
+  } else {
+    for (const auto& warning : warnings) {
+      std::cout << "Warning: " << warning.get<std::string>() << "\n";
+    }
+  }
   return exit_done;
 }
 
@@ -99,6 +108,7 @@ constexpr const char* footer =
     "  files    a list: file, format, bytes, run_id, scene, loop, sample_rate_hz, rows, first_s,\n"
     "           last_s, columns [{name, unit, variable (of the .mat file)}], lost, damaged,\n"
     "           unread_bytes\n"
+    "  warnings a list of texts: that several plants measured the run\n"
     "Example: stillframe export active.lcm --csv active.csv --channels floor,frame --to 10";
 
 }  // namespace
@@ -111,6 +121,9 @@ void add_export(CLI::App& app, int& exit_code) {
   verb->add_option("--csv", options->csv, "Write RFC 4180 text")->type_name("FILE");
   verb->add_option("--mat", options->mat, "Write a MATLAB level-5 file")->type_name("FILE");
   verb->add_option("--run-id", options->settings.run_id, "Which run, if the log holds several");
+  verb->add_option("--plant", options->settings.plant,
+                   "Which plant, from 1, if several measured the run, as one does that was killed "
+                   "and came back (default: the last)");
   verb->add_option("--from", options->settings.from_s, "First second of plant time")
       ->default_str("the first");
   verb->add_option("--to", options->settings.to_s, "Last second of plant time")

@@ -24,6 +24,7 @@ using report::cell;
 struct Options {
   std::filesystem::path log;
   std::optional<std::int64_t> run_id;
+  std::optional<int> plant;
   double segment_s = 64, level = 0.95;
   std::optional<double> tolerance_db;
   bool json = false;
@@ -199,6 +200,7 @@ int run(const Options& options) {
   if (options.tolerance_db) rule.tolerance_db = *options.tolerance_db;
   const RunAnalysis analysis = analyse_run(
       options.log, {.run_id = options.run_id,
+                    .plant = options.plant,
                     .segment_s = options.segment_s,
                     .comparison = rule,
                     .progress = [&](double share) { patience.now("reading", 100 * share); }});
@@ -213,11 +215,15 @@ int run(const Options& options) {
                 {"sample_rate_hz", analysis.data.scan.info.sample_rate_hz},
                 {"n_samples", analysis.data.scan.measurements.n_received},
                 {"n_lost", analysis.data.scan.measurements.n_lost},
-                {"level", options.level}};
+                {"level", options.level},
+                {"warnings", Json::array()}};
+  const std::string plants = plants_in_words(analysis.data.scan);
+  if (!plants.empty()) document["warnings"].push_back(plants);
   if (!options.json) {
     std::cout << analysis.data.scan.info.scene_name << ", " << analysis.data.scan.info.loop
-              << " loop: singular values with " << cell("%g", 100 * options.level)
-              << " % bands\n\n";
+              << " loop: singular values with " << cell("%g", 100 * options.level) << " % bands\n";
+    if (!plants.empty()) std::cout << "Warning: " << plants << "\n";
+    std::cout << "\n";
   }
   for (const Shown& item : list) {
     identified = identified || item.response->measured.response.has_value();
@@ -243,6 +249,9 @@ void add_identify(CLI::App& app, int& exit_code) {
       "identify", "Frequency responses from a log, with confidence bands, against the predictions");
   verb->add_option("log", options->log, "LCM log of one run")->required()->type_name("LOG");
   verb->add_option("--run-id", options->run_id, "The run to take from a log that holds several");
+  verb->add_option("--plant", options->plant,
+                   "The plant to take, from 1, of a run that several measured, as one does that "
+                   "was killed and came back (default: the last)");
   verb->add_option("--segment", options->segment_s,
                    "Broadband identification: s of what is transformed at once; longer is finer")
       ->check(positive_number())
@@ -261,6 +270,7 @@ void add_identify(CLI::App& app, int& exit_code) {
       "Errors in dB are the largest of the singular values whose 95 % bands are within 1 dB.\n"
       "Keys of --json:\n"
       "  scene, loop, sample_rate_hz, n_samples, n_lost, level\n"
+      "  warnings: that several plants measured the run\n"
       "  matrix, axes: inputs, outputs, method, missing, unpredicted, n_segments, n_filled,\n"
       "    n_left_out, resolution_hz, and if identified\n"
       "    frequencies_hz, T (pairs re, im), T_radius, singular_values, singular_values_lower,\n"

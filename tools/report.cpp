@@ -19,6 +19,7 @@ struct Options {
   std::vector<std::filesystem::path> paths;
   std::optional<std::filesystem::path> out, verdict;
   std::optional<std::int64_t> run_id;
+  std::optional<int> plant;
   double segment_s = 64;
   report::ComparisonRule comparison = {};
   bool json = false;
@@ -70,6 +71,7 @@ int run(const Options& options) {
     patience.now(name, 0);
     runs.add(
         analyse_run(log, {.run_id = options.run_id,
+                          .plant = options.plant,
                           .segment_s = options.segment_s,
                           .comparison = options.comparison,
                           .progress = [&](double share) { patience.now(name, 100 * share); }}));
@@ -101,6 +103,9 @@ void add_report(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   verb->add_option("--run-id", options->run_id,
                    "The run to take from a log that holds several; not for a folder");
+  verb->add_option("--plant", options->plant,
+                   "The plant to take, from 1, of a run that several measured, as one does that "
+                   "was killed and came back (default: the last)");
   verb->add_option("--segment", options->segment_s,
                    "Broadband identification: s of what is transformed at once; longer is finer")
       ->check(positive_number())

@@ -75,8 +75,7 @@ Evaluator evaluator_of(const LoopDesign& design, const SceneUncertainty& uncerta
                     .law = law_of(design.settings),
                     .parameters = std::move(parameters),
                     .frequencies_hz = robustness::outcome_frequencies_hz(
-                        controller.lowest_target_hz(), controller.sample_rate_hz),
-                    .largest_stable_radius = largest_stable_radius});
+                        controller.lowest_target_hz(), controller.sample_rate_hz)});
 }
 
 /// What was asked, nothing sampled yet.

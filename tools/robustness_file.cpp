@@ -44,13 +44,19 @@ Json bins(const Histogram& histogram) {
   return {{"width", histogram.width}, {"first_bin", first}, {"counts", counts}};
 }
 
+/// The library would make a huge one of -1.
+std::uint64_t count_from(const Json& value) {
+  if (value.is_number_unsigned()) return value.get<std::uint64_t>();
+  throw InputError("found " + value.dump() + " as a count, allowed are whole numbers from 0 up");
+}
+
 void read_counts(const Json& value, Histogram& histogram) {
   if (value.at("width").get<double>() != histogram.width) {
     throw InputError("a histogram has another width of its bins");
   }
   int bin = value.at("first_bin").get<int>();
   for (const Json& count : value.at("counts")) {
-    if (count.get<std::uint64_t>() > 0) histogram.counts[bin] = count.get<std::uint64_t>();
+    if (const std::uint64_t n = count_from(count); n > 0) histogram.counts[bin] = n;
     ++bin;
   }
 }
@@ -106,9 +112,11 @@ void add_tally(const Tally& tally, Json& document) {
 
 Tally tally_from(const Json& document, size_t n_frequencies) {
   Tally tally(n_frequencies);
-  tally.n_stable = document.at("counts").at("stable").get<std::uint64_t>();
-  tally.n_unstable = document.at("counts").at("unstable").get<std::uint64_t>();
-  tally.failures = document.at("failures").get<std::map<std::string, std::uint64_t>>();
+  tally.n_stable = count_from(document.at("counts").at("stable"));
+  tally.n_unstable = count_from(document.at("counts").at("unstable"));
+  for (const auto& [why, count] : document.at("failures").items()) {
+    tally.failures[why] = count_from(count);
+  }
   const Json& extremes = document.at("extremes");
   const Json& histograms = document.at("histograms");
   tally.radius = extremes_from(extremes.at("spectral_radius"));
@@ -164,6 +172,35 @@ void require_format(const Json& document) {
       ", allowed is \"" + format + "\", as `stillframe robustness --out` writes it");
 }
 
+/// Every sample of the shards counts once, and every stable one in each histogram.
+void require_counts(const Record& record) {
+  const Tally& tally = record.tally;
+  std::uint64_t n = 0;
+  for (const std::uint64_t shard : record.shards) {
+    if (shard < 1 || shard > record.n_shards) {
+      throw InputError("shards: found " + std::to_string(shard) + ", allowed are 1 to " +
+                       std::to_string(record.n_shards));
+    }
+    n += robustness::Shard{shard, record.n_shards}.size(record.samples);
+  }
+  const auto require = [](const std::string& what, std::uint64_t found, std::uint64_t wanted) {
+    if (found == wanted) return;
+    throw InputError("its numbers contradict each other: " + what + " are " +
+                     std::to_string(found) + ", and " + std::to_string(wanted) +
+                     " samples belong there; write it anew with `stillframe robustness --out`");
+  };
+  require("stable, unstable and failed", tally.n_samples(), n);
+  require("those in log10_decay_per_s", tally.decay.total(), tally.n_stable);
+  require("those in the damping ratios", tally.least_damping.total(),
+          tally.n_stable + tally.n_unstable);
+  require("those in peak_db", tally.peak_db.total(), tally.n_stable);
+  for (const auto* histograms : {&tally.gain_db, &tally.highest_db}) {
+    for (const Histogram& histogram : *histograms) {
+      require("those in a histogram of singular values", histogram.total(), tally.n_stable);
+    }
+  }
+}
+
 Record record_from(const Json& document) {
   require_format(document);
   if (document.at("version") != version) {
@@ -178,8 +215,8 @@ Record record_from(const Json& document) {
   record.frequencies_hz = vector_from(document.at("frequencies_hz"));
   record.sample_time = document.at("sample_time_s");
   record.seed = document.at("seed");
-  record.samples = document.at("samples");
-  record.n_shards = document.at("shards").at("of");
+  record.samples = count_from(document.at("samples"));
+  record.n_shards = count_from(document.at("shards").at("of"));
   record.shards = document.at("shards").at("done").get<std::set<std::uint64_t>>();
   const Json& nominal = document.at("nominal");
   record.nominal.verdict = Outcome::Verdict::stable;
@@ -192,6 +229,7 @@ Record record_from(const Json& document) {
   if (record.nominal.gain.size() != record.frequencies_hz.size()) {
     throw InputError("there are not as many nominal singular values as frequencies");
   }
+  require_counts(record);
   return record;
 }
 

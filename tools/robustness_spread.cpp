@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/frequency_response.hpp"
+#include "core/linear/frequency_range.hpp"
 #include "tools/robustness_text.hpp"
 
 namespace stillframe::tools {
@@ -83,19 +84,6 @@ VectorXd frequencies_of(const Evaluator& evaluator, const std::vector<VectorXd>&
   std::erase_if(all, [&](double hz) { return hz < nodes.front() || hz > nodes.back(); });
   return Eigen::Map<VectorXd>(all.data(), static_cast<Index>(all.size()));
 }
-
-namespace {
-
-/// The next of 1, 2, 5, 10, ... (and their decimal parts) from a value up.
-double rounded_up(double value) {
-  const double decade = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0}) {
-    if (value <= step * decade) return step * decade;
-  }
-  return 10 * decade;
-}
-
-}  // namespace
 
 DampingBars damping_bars(const Tally& tally, double nominal) {
   const auto samples = static_cast<double>(tally.n_samples());

@@ -81,17 +81,26 @@ std::optional<std::string> controller_text(const Options& options, const Scene& 
   return text;
 }
 
-/// Everything that a person may have got wrong is found before anything is started or written.
-Checked check_input(const Options& options) {
-  LoopDesign design = make_loop_design(options.scene, options.controller, options.design_scene);
-  if (options.policy) controller::read_policy(*options.policy);
-  controller::require_stable(design.gains);
-  if (options.mode == "wall_clock" && design.gains.delay_samples < 1) {
+/// What the processes of a run by the clock would refuse.
+void require_clocked(const Options& options, const LoopDesign& design,
+                     const controller::Policy& policy) {
+  if (design.gains.delay_samples < 1) {
     throw InputError(design.scene.controller->place + ": delay_samples: found " +
                      report::cell("%g", design.gains.delay_samples) +
                      ", allowed is 1 or more in wall-clock mode: the command of a sample is known "
                      "at the next");
   }
+  controller::force_limit(design.gains, policy);
+  if (options.loop != "passive") controller::require_stable_ramp(design.gains);
+}
+
+/// Everything that a person may have got wrong is found before anything is started or written.
+Checked check_input(const Options& options) {
+  LoopDesign design = make_loop_design(options.scene, options.controller, options.design_scene);
+  const controller::Policy policy =
+      options.policy ? controller::read_policy(*options.policy) : controller::Policy{};
+  controller::require_stable(design.gains);
+  if (options.mode == "wall_clock") require_clocked(options, design, policy);
   const auto block = read_floor(design.scene, options.floor);
   if (!block) {
     throw InputError(design.scene.file + ": the key 'floor' is missing, and no --floor is given");
@@ -102,15 +111,15 @@ Checked check_input(const Options& options) {
   const Plant plant(design.scene, floor::make_floor_source(spec));
   run_length(design.scene, spec, plant.floor_samples(), options.duration_s);
   auto controller = controller_text(options, design.scene);
-  std::optional<std::string> policy;
-  if (options.policy) policy = text_again(*options.policy, options.mode);
+  std::optional<std::string> policy_text;
+  if (options.policy) policy_text = text_again(*options.policy, options.mode);
   if (options.mode != "single_process") open_lcm(lcm_url(options.lcm_url));
   return {.design = std::move(design),
           .spec = std::move(spec),
           .floor_text = block->text,
           .floor_folder = block->reader.folder(),
           .controller_text = std::move(controller),
-          .policy_text = std::move(policy),
+          .policy_text = std::move(policy_text),
           .files = std::move(files)};
 }
 

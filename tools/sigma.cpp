@@ -74,24 +74,9 @@ OpenSystem open_system(const Scene& scene) {
   return {std::move(model), std::move(linear), std::move(system)};
 }
 
-Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequencies_hz,
-                          Patience& patience) {
-  FrequencySweep sweep(system);
-  SingularValues decomposition(sweep.n_outputs(), sweep.n_inputs());
-  constexpr Index batch = 64;  // the decomposition takes several at once
-  std::vector<Eigen::MatrixXcd> G(batch, Eigen::MatrixXcd(sweep.n_outputs(), sweep.n_inputs()));
-  const Index n = frequencies_hz.size();
-  Eigen::MatrixXd values(std::min(sweep.n_outputs(), sweep.n_inputs()), n);
-  for (Index begin = 0; begin < n; begin += batch) {
-    patience.now("singular values", 100.0 * static_cast<double>(begin) / static_cast<double>(n));
-    const Index count = std::min(batch, n - begin);
-    for (Index i = 0; i < count; ++i) {
-      const double omega = 2 * std::numbers::pi * frequencies_hz(begin + i);
-      sweep.evaluate({0.0, omega}, G[static_cast<size_t>(i)]);
-    }
-    decomposition.compute(G.data(), count, values.middleCols(begin, count));
-  }
-  return {frequencies_hz, values.transpose(), {}, {}};
+Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequencies_hz) {
+  const Eigen::VectorXd omega = 2 * std::numbers::pi * frequencies_hz;
+  return {frequencies_hz, singular_values_over(system, omega).transpose(), {}, {}};
 }
 
 Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
@@ -241,7 +226,7 @@ int run(const Options& options) {
   const auto curves_of = [&](const Eigen::VectorXd& frequencies) {
     patience.now("singular values");
     return design ? with_controller(*design, frequencies)
-                  : without_controller(open->system, frequencies, patience);
+                  : without_controller(open->system, frequencies);
   };
   if (design) {
     const std::string left_out = left_out_of_analysis(design->scene.instruments);

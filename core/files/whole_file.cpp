@@ -27,7 +27,8 @@ WholeFile::WholeFile(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code error;
   if (std::filesystem::is_symlink(path_, error)) {
     const auto target = std::filesystem::canonical(path_, error);
-    if (!error) path_ = target;
+    // One that points to a file that is not there yet.
+    path_ = error ? path_.parent_path() / std::filesystem::read_symlink(path_) : target;
   }
   beside_ =
       !std::filesystem::exists(path_, error) || std::filesystem::is_regular_file(path_, error);

@@ -167,6 +167,7 @@ void DelayCentre::changes(double half, int n, Changes& before, Changes& after) c
 }
 
 DelayCentre::Reach DelayCentre::reach(double half, int n_steps) const {
+  n_steps = std::max(n_steps, 2);  // the second tells how a pole's path bends in the first
   Changes before, after;
   changes(half, n_steps, before, after);
   int n_before = n_steps, n_after = n_steps;

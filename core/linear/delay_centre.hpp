@@ -29,7 +29,7 @@ class DelayCentre {
   bool stable() const { return stable_; }
 
   /// Samples before and after c within which it is stable, looked at up to `half` on either side in
-  /// `n_steps`, in each of which no mode of the plant that matters may turn by much.
+  /// `n_steps` (two at least), in each of which no mode of the plant that matters may turn by much.
   struct Reach {
     double before = 0, after = 0;
   };

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/linear/eigenvalues.hpp"
+#include "core/linear/golden_section.hpp"
 #include "core/linear/singular_values.hpp"
 
 namespace stillframe {
@@ -26,17 +27,9 @@ constexpr double pi = std::numbers::pi;
 /// To which a peak is proven to be the highest one.
 constexpr double proof = 1e-6;
 
-StateSpace direct(const LinearSystem& system) {
-  StateSpace out;
-  out.A = system.A;
-  out.B = system.B;
-  out.C = system.C;
-  out.D = system.D;
-  for (Index i = 0; i < system.B.cols(); ++i) {
-    out.columns.push_back({InputColumns::Kind::direct, i});
-  }
-  return out;
-}
+/// Golden sections of a peak, to part of its angle, which is nearer than its second order shows.
+constexpr int sections = 40;
+constexpr double part = 1e-10;
 
 /// Angles at which S - I/2 may have a peak, ascending, with 0 and pi.
 std::vector<double> angles_to_search(const Eigen::VectorXcd& poles) {
@@ -68,30 +61,6 @@ std::vector<double> angles_to_search(const Eigen::VectorXcd& poles) {
   const auto same = [](double a, double b) { return b - a < 1e-9 * b; };
   angles.erase(std::unique(angles.begin(), angles.end(), same), angles.end());
   return angles;
-}
-
-/// The largest value of f between low and high by golden sections, and where.
-template <class F>
-std::pair<double, double> golden_section(F f, double low, double high) {
-  constexpr double golden = 0.6180339887498949;
-  double a = high - golden * (high - low), b = low + golden * (high - low);
-  double f_a = f(a), f_b = f(b);
-  for (int i = 0; i < 40 && high - low > 1e-10 * high; ++i) {
-    if (f_a > f_b) {
-      high = b;
-      b = a;
-      f_b = f_a;
-      a = high - golden * (high - low);
-      f_a = f(a);
-    } else {
-      low = a;
-      a = b;
-      f_a = f_b;
-      b = low + golden * (high - low);
-      f_b = f(b);
-    }
-  }
-  return f_a > f_b ? std::pair(f_a, a) : std::pair(f_b, b);
 }
 
 /// Angles of all z for which level^2 = h(z) h(1/z), h = c (z I - A)^-1 b + d: on the circle those
@@ -195,7 +164,7 @@ LinearSystem half_sensitivity(const LoopSettings& settings) {
 
 DiskSearch::DiskSearch(const LoopSettings& settings)
     : system_(half_sensitivity(settings)),
-      sweep_(direct(system_)),
+      sweep_(proper_system(system_)),
       m_(system_.D.rows()),
       sample_time_(settings.sampling.sample_time),
       angles_(angles_to_search(sweep_.poles())),
@@ -226,8 +195,8 @@ DiskSearch::Peak DiskSearch::highest(Index leg) {
   for (size_t i = 1; i + 1 < n; ++i) {
     const auto value = [&](size_t j) { return std::abs(values_[j](leg, leg)); };
     if (value(i) < 0.8 * first || value(i) < value(i - 1) || value(i) < value(i + 1)) continue;
-    const auto [found, angle] =
-        golden_section([&](double x) { return of(leg, x); }, angles_[i - 1], angles_[i + 1]);
+    const auto [angle, found] = golden_section([&](double x) { return of(leg, x); }, angles_[i - 1],
+                                               angles_[i + 1], sections, part);
     if (!std::isfinite(found)) return {nan, angle};
     if (found > best.value) best = {found, angle};
   }
@@ -283,8 +252,8 @@ DiskMargin DiskSearch::of_all(double at_least) {
     if (bounds[i] < 0.8 * best.value) break;
     const size_t before = i > 0 ? i - 1 : i, after = std::min(i + 1, order.size() - 1);
     if (bounds[i] < bounds[before] || bounds[i] < bounds[after]) continue;
-    const auto [value, angle] = golden_section([&](double x) { return diagonal_mu(at(x)); },
-                                               angles_[before], angles_[after]);
+    const auto [angle, value] = golden_section([&](double x) { return diagonal_mu(at(x)); },
+                                               angles_[before], angles_[after], sections, part);
     if (!std::isfinite(value)) return {nan, nan};
     consider(value, angle);
     if (best.value > enough) break;

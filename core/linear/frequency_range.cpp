@@ -31,12 +31,12 @@ int round_number_below(double x) {
   return i;
 }
 
+}  // namespace
+
 double rounded_up(double x) {
   const int below = round_number_below(x);
   return round_number(below) >= x * (1 - 1e-9) ? round_number(below) : round_number(below + 1);
 }
-
-}  // namespace
 
 FrequencyRange frequency_range(const Eigen::VectorXd& own_hz, const std::vector<double>& targets_hz,
                                double sample_rate_hz) {

@@ -5,6 +5,9 @@
 
 namespace stillframe {
 
+/// The next of ..., 1, 2, 5, 10, ... from x > 0 up; one that rounding moved counts as itself.
+double rounded_up(double x);
+
 /// Both ends of an axis of frequency, Hz, lowest_hz < highest_hz.
 struct FrequencyRange {
   double lowest_hz = 0, highest_hz = 0;

@@ -79,10 +79,11 @@ class Perturbed {
     return {down == infinity ? 0.0 : std::pow(10, down),
             up == infinity ? infinity : std::pow(10, up)};
   }
-  /// Seconds by which the legs of `mask` (one, or all) may be late.
-  double delay_limit(const VectorXd& mask) const {
-    return stillframe::delay_limit(plant_, sampling_, law_, mask, longest_delay).samples *
-           sampling_.sample_time;
+  /// Seconds by which the legs of `mask` (one, or all) may be late; clears `proven` if that is not.
+  double delay_limit(const VectorXd& mask, bool& proven) const {
+    const DelayLimit limit = stillframe::delay_limit(plant_, sampling_, law_, mask, longest_delay);
+    proven = proven && limit.proven;
+    return limit.samples * sampling_.sample_time;
   }
   Index n_legs() const { return m_; }
 
@@ -116,10 +117,10 @@ Margins margins(const LoopSettings& settings) {
   out.leg_delay.resize(m);
   for (Index i = 0; i < m; ++i) {
     out.leg_gain.push_back(loop.gain_range(VectorXd::Unit(m, i)));
-    out.leg_delay(i) = loop.delay_limit(VectorXd::Unit(m, i));
+    out.leg_delay(i) = loop.delay_limit(VectorXd::Unit(m, i), out.delays_proven);
   }
   out.all_gain = loop.gain_range(VectorXd::Ones(m));
-  out.all_delay = loop.delay_limit(VectorXd::Ones(m));
+  out.all_delay = loop.delay_limit(VectorXd::Ones(m), out.delays_proven);
   DiskSearch search(settings);
   DiskMargin least = search.of_all();
   out.leg_disk.resize(m);

@@ -23,6 +23,7 @@ struct Margins {
   GainRange all_gain;               ///< all legs by the same factor
   Eigen::VectorXd leg_delay;        ///< m, s, that one leg's command may come later
   double all_delay = 0;             ///< s, that all may; infinite: more than longest_delay
+  bool delays_proven = true;        ///< all of them (DelayLimit::proven)
   /// Balanced disk margin alpha: any factors (2 + alpha d) / (2 - alpha d), |d| < 1 complex, on the
   /// forces leave the loop stable: real ones between (2 - alpha) / (2 + alpha) and its inverse,
   /// lags up to 2 atan(alpha / 2). One leg at a time, and all at once with a d of their own each (a
@@ -33,9 +34,10 @@ struct Margins {
 };
 
 /// Margins of a stable loop: gains by bisection on the spectral radius, to 1e-6 of the distance to
-/// the limit, delays by delay_limit, which steps over none, disk margins by 1 / max over omega of |S_ii - 1/2| and of the structured
-/// singular value of S - I/2, S = (I + L)^-1, L the return ratio at the actuators, the maximum
-/// found and, for one leg, proven by DiskSearch. A disk margin that could not be computed is NaN.
+/// the limit, delays by delay_limit, disk margins by 1 / max over omega of |S_ii - 1/2| and of the
+/// structured singular value of S - I/2, S = (I + L)^-1, L the return ratio at the actuators, the
+/// maximum found and, for one leg, proven by DiskSearch. A disk margin that could not be computed
+/// is NaN.
 /// The delay is added to the command, and what is reported as applied follows it. Source: Seiler,
 /// Packard and Gahinet, IEEE Control Systems Magazine 40 (2020) 78-95. Errors: Refusal if the loop
 /// is not stable to begin with.

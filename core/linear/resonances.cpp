@@ -5,7 +5,8 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <utility>
+
+#include "core/linear/golden_section.hpp"
 
 namespace stillframe {
 
@@ -20,40 +21,6 @@ constexpr double narrow_damping = 0.3;
 /// Half-width over frequency that an undamped resonance is drawn with: its peak is as high as
 /// anybody likes.
 constexpr double drawn_width = 1e-3;
-
-StateSpace direct(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::MatrixXd& C,
-                  const Eigen::MatrixXd& D) {
-  StateSpace system;
-  system.A = A;
-  system.B = B;
-  system.C = C;
-  system.D = D;
-  for (Index j = 0; j < B.cols(); ++j) {
-    system.columns.push_back({InputColumns::Kind::direct, j});
-  }
-  return system;
-}
-
-/// The highest point of f between low and high, where it has one.
-template <class F>
-Peak golden_section(F& f, double low, double high) {
-  constexpr double golden = 0.6180339887498949;
-  double a = high - golden * (high - low), b = low + golden * (high - low);
-  double f_a = f(a), f_b = f(b);
-  // 0.618^24 of a bracket of half a half-width: to 1e-5 of that, and of second order in it.
-  for (int i = 0; i < 24; ++i) {
-    if (f_a > f_b) {
-      high = b, b = a, f_b = f_a;
-      a = high - golden * (high - low);
-      f_a = f(a);
-    } else {
-      low = a, a = b, f_a = f_b;
-      b = low + golden * (high - low);
-      f_b = f(b);
-    }
-  }
-  return f_a > f_b ? Peak{a, f_a} : Peak{b, f_b};
-}
 
 /// Whether a response grows without bound towards the frequency of an undamped pole.
 bool has(LargestGain& gain, const Resonance& resonance) {
@@ -71,8 +38,9 @@ Peak highest_inside(const VectorXd& grid_hz, LargestGain& gain) {
     at = i;
   }
   if (at == 0) return highest;
-  const Peak refined = golden_section(gain, grid_hz(at - 1), grid_hz(at + 1));
-  return refined.value > highest.value ? refined : highest;
+  // 0.618^24 of a bracket of half a half-width: to 1e-5 of that, and of second order in it.
+  const auto [hz, value] = golden_section(gain, grid_hz(at - 1), grid_hz(at + 1), 24);
+  return value > highest.value ? Peak{hz, value} : highest;
 }
 
 }  // namespace
@@ -134,11 +102,11 @@ LargestGain::LargestGain(const StateSpace& system, double sample_time)
 LargestGain::LargestGain(const StateSpace& system) : LargestGain(system, 0) {}
 
 LargestGain::LargestGain(const LinearSystem& system, Index n_inputs)
-    : LargestGain(
-          direct(system.A, system.B.leftCols(n_inputs), system.C, system.D.leftCols(n_inputs))) {}
+    : LargestGain(proper_system(
+          {system.A, system.B.leftCols(n_inputs), system.C, system.D.leftCols(n_inputs)})) {}
 
 LargestGain::LargestGain(const SampledLoop& loop)
-    : LargestGain(direct(loop.A, loop.B, loop.C, loop.D), loop.sample_time) {}
+    : LargestGain(proper_system({loop.A, loop.B, loop.C, loop.D}), loop.sample_time) {}
 
 double LargestGain::operator()(double hz) {
   const double omega = two_pi * hz;

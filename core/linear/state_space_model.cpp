@@ -25,6 +25,18 @@ void require_point(const Eigen::VectorXd& point, const std::string& what, Index 
 
 }  // namespace
 
+StateSpace proper_system(const LinearSystem& system) {
+  StateSpace out;
+  out.A = system.A;
+  out.B = system.B;
+  out.C = system.C;
+  out.D = system.D;
+  for (Index j = 0; j < system.B.cols(); ++j) {
+    out.columns.push_back({InputColumns::Kind::direct, j});
+  }
+  return out;
+}
+
 void check_shapes(const StateSpace& system) {
   const Index n = system.A.rows(), n_columns = system.B.cols(), p = system.C.rows();
   require(system.A.cols() == n, "columns of A", n, system.A.cols());

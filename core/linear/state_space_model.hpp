@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/linear/linear_system.hpp"
+
 namespace stillframe {
 
 struct SignalName {
@@ -32,6 +34,9 @@ struct StateSpace {
   std::vector<SignalName> outputs, states;  ///< p and n
   Eigen::VectorXd x0, u0, y0;               ///< operating point; may be empty
 };
+
+/// Plain matrices as a model without names whose inputs are all direct.
+StateSpace proper_system(const LinearSystem& system);
 
 /// Throws std::invalid_argument if the shapes do not match or an input's columns do not exist.
 /// Empty lists of names, and an empty operating point, are allowed.

@@ -5,8 +5,8 @@
 
 namespace stillframe {
 
-/// Phi = 12 EI / (k G A l_0^2) of bending along n_y (about n_z) and along n_z (about n_y), 0 where it
-/// is not flexible in shear.
+/// Phi = 12 EI / (k G A l_0^2) of bending along n_y (about n_z) and along n_z (about n_y), 0 where
+/// it is not flexible in shear.
 double shear_ratio_y(const SceneBeam& section, double l_0);
 double shear_ratio_z(const SceneBeam& section, double l_0);
 

@@ -11,6 +11,7 @@
 #include "core/control_loop.hpp"
 #include "core/linear/eigenvalues.hpp"
 #include "core/linear/frequency_sweep.hpp"
+#include "core/linear/golden_section.hpp"
 #include "core/linear/resonances.hpp"
 #include "core/linear/singular_values.hpp"
 #include "core/model/model.hpp"
@@ -65,19 +66,6 @@ VectorXd largest_gains(FrequencySweep& sweep, const std::vector<double>& angles)
   return values.row(0);
 }
 
-/// y from w as a sweep over z.
-FrequencySweep sweep_of(const SampledLoop& loop) {
-  StateSpace system;
-  system.A = loop.A;
-  system.B = loop.B;
-  system.C = loop.C;
-  system.D = loop.D;
-  for (Index j = 0; j < loop.B.cols(); ++j) {
-    system.columns.push_back({InputColumns::Kind::direct, j});
-  }
-  return FrequencySweep(system);
-}
-
 /// The index of the frequency (ascending, Hz) that is nearest to another by their ratio.
 Index nearest(const VectorXd& frequencies_hz, double hz) {
   const auto above = std::lower_bound(frequencies_hz.begin(), frequencies_hz.end(), hz);
@@ -90,26 +78,15 @@ Index nearest(const VectorXd& frequencies_hz, double hz) {
 /// The peak of T about a resonance at an angle of a pole z: among poles that are near, it is beside
 /// all of them. By golden sections within the half-width.
 double refined_peak(FrequencySweep& sweep, Complex pole, double at_pole) {
-  constexpr double golden = 0.6180339887498949;
-  const double width = std::abs(std::log(std::abs(pole)));
-  double low = std::arg(pole) - width, high = std::arg(pole) + width, highest = at_pole;
+  const double middle = std::arg(pole), width = std::abs(std::log(std::abs(pole)));
+  double highest = at_pole;
   const auto value = [&](double angle) {
     const double found = largest_gains(sweep, {angle})(0);
     highest = std::max(highest, found);
     return found;
   };
-  double a = high - golden * (high - low), b = low + golden * (high - low);
-  double f_a = value(a), f_b = value(b);
   // 0.618^10 of two half-widths: to 0.02 of one, and T to its square.
-  for (int i = 0; i < 10; ++i) {
-    if (f_a > f_b) {
-      high = b, b = a, f_b = f_a;
-      f_a = value(a = high - golden * (high - low));
-    } else {
-      low = a, a = b, f_a = f_b;
-      f_b = value(b = low + golden * (high - low));
-    }
-  }
+  golden_section(value, middle - width, middle + width, 10);
   return highest;
 }
 
@@ -160,8 +137,8 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
   outcome.radius = poles.cwiseAbs().maxCoeff();
   outcome.decay = -std::log(outcome.radius) / T_s;
   outcome.damping = least_damping(poles);
-  outcome.verdict = outcome.radius < settings_.largest_stable_radius ? Outcome::Verdict::stable
-                                                                     : Outcome::Verdict::unstable;
+  outcome.verdict = outcome.radius < largest_stable_radius ? Outcome::Verdict::stable
+                                                           : Outcome::Verdict::unstable;
   if (want == Want::poles || outcome.verdict == Outcome::Verdict::unstable) return outcome;
 
   const VectorXd& f = settings_.frequencies_hz;
@@ -174,7 +151,7 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
     if (z.imag() > 0 && std::arg(z) >= angles.front()) at_poles.push_back(z);
   }
   for (const Complex& z : at_poles) angles.push_back(std::arg(z));
-  FrequencySweep sweep = sweep_of(loop);
+  FrequencySweep sweep(proper_system({loop.A, loop.B, loop.C, loop.D}));
   const VectorXd gains = largest_gains(sweep, angles);
   outcome.gain = gains.head(f.size());
   outcome.highest = outcome.gain;

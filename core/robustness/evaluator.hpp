@@ -46,7 +46,6 @@ class Evaluator {
     DiscreteLaw law;
     std::vector<Parameter> parameters;  ///< p
     Eigen::VectorXd frequencies_hz;     ///< n_f, below half the sample rate
-    double largest_stable_radius = 1;   ///< a loop is stable below it
   };
   enum class Want { poles, poles_and_gain };
 

@@ -24,7 +24,8 @@ int read_mode(const YamlReader& map, const SceneElement& element, int otherwise)
 Eigen::Vector3d read_vector(const YamlReader& value, const Scene& scene);
 
 /// How far a coordinate is moved from the scene as written (m, rad): up to 1e4 either way. The way
-/// there is followed in steps of a third of a radian, so that what turns beside it counts its turns.
+/// there is followed in steps of a third of a radian, so that what turns beside it counts its
+/// turns.
 double read_displacement(const YamlReader& value);
 
 /// A direction: x, y, z or a vector of any length but zero, in a planar scene without z; answers

@@ -80,12 +80,12 @@ class ExponentialMotion final : public NonlinearMotion {
   Eigen::MatrixXd g_, g_new_;  ///< n_g x 3, g of the last sweep and of the present one
   /// Of the part that is being advanced: what sweeps that settled saw, and with the present one.
   Scale known_, seen_;
-  double whole_ = 0;           ///< s, duration of the part that is being advanced
-  double last_duration_ = 0;   ///< s, of the part whose g is there; 0: there is none
-  double rate_ago_ = 1;        ///< of the convergence of the sweeps, as last seen, aged since
-  double size_ago_ = 0;        ///< of the first sweep when it was seen
-  bool easy_ = false;          ///< the last part would have met the tolerance at twice its length
-  bool settled_ = false;       ///< the sweeps of the last attempt came to an end
+  double whole_ = 0;          ///< s, duration of the part that is being advanced
+  double last_duration_ = 0;  ///< s, of the part whose g is there; 0: there is none
+  double rate_ago_ = 1;       ///< of the convergence of the sweeps, as last seen, aged since
+  double size_ago_ = 0;       ///< of the first sweep when it was seen
+  bool easy_ = false;         ///< the last part would have met the tolerance at twice its length
+  bool settled_ = false;      ///< the sweeps of the last attempt came to an end
   int halvings_ = 0;
 };
 

@@ -97,21 +97,14 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   const auto equations = [&] {
     return MinimalEquations(model, nominal, drive.legs(), filter_rate);
   };
-  const auto explicit_motion = [&] {
-    return std::make_unique<OdeMotion>(equations(), points, explicit_share * tolerance);
+  const auto explicit_motion = [&](double fastest) {
+    return std::make_unique<OdeMotion>(equations(), points, explicit_share * tolerance, fastest);
   };
   const auto nodal_motion = [&] {
     return std::make_unique<NodalPlantMotion>(model, nominal, points, drive.legs(), filter_rate,
                                               tolerance);
   };
-  switch (choice.method) {
-    case PlantMethod::nodal:
-      return nodal_motion();
-    case PlantMethod::dormand_prince:
-      return explicit_motion();
-    default:
-      break;
-  }
+  if (choice.method == PlantMethod::nodal) return nodal_motion();
   MinimalEquations minimal = equations();
   const Index size = minimal.size();
   LinearEquations linear(minimal, nominal, points);
@@ -119,7 +112,8 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
     return std::make_unique<LinearMotion>(std::move(linear), minimal.stress_scale(),
                                           minimal.n_filtered(), drive, durations);
   }
-  const double fastest = spectral_radius(linear.A) * durations.front();
+  const double rate = spectral_radius(linear.A), fastest = rate * durations.front();
+  if (choice.method == PlantMethod::dormand_prince) return explicit_motion(rate);
   if (automatic && fastest > most_exact && !beside_rotor) {
     choice = {PlantMethod::nodal, "modes turn by more than a hundred radians in a sample"};
     return nodal_motion();
@@ -128,7 +122,7 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
                                                    exponential_share * tolerance, drive, durations);
   if (!automatic || (beside_rotor && fastest > most_affordable)) return small;
   if (fastest <= most_explicit || beside_rotor) {
-    return std::make_unique<AdaptiveMotion>(std::move(small), explicit_motion(), 1.0, size);
+    return std::make_unique<AdaptiveMotion>(std::move(small), explicit_motion(rate), 1.0, size);
   }
   return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), implicit_weight, size);
 }

@@ -12,8 +12,8 @@ namespace stillframe {
 /// The nonlinear equations of motion of a model in minimal coordinates as dy/dt = f(t, y), with the
 /// elastic part of the filtered leg stresses,
 ///   y = (q^d - q_0, q'^d, s_e / k),   s_e' = omega_s (sigma_e - s_e),
-/// counted from the operating point q_0; k makes stresses as large as positions. Set-up: construction.
-/// The rest is hot: noexcept, no allocation.
+/// counted from the operating point q_0; k makes stresses as large as positions. Set-up:
+/// construction. The rest is hot: noexcept, no allocation.
 class MinimalEquations {
  public:
   /// legs: rows of e whose stress is measured; filter_rate: omega_s (1/s), 0 if there is no filter.
@@ -52,15 +52,15 @@ class MinimalEquations {
   std::vector<SceneSignal> leg_outputs() const;
 
   const Data& data() const noexcept { return data_; }
-  /// sigma of a leg at the last evaluation, its value at the operating point removed (N), and what is elastic
-  /// of it.
+  /// sigma of a leg at the last evaluation, its value at the operating point removed (N), and what
+  /// is elastic of it.
   double stress(Index leg) const noexcept;
   double elastic_stress(Index leg) const noexcept;
   /// k (N/m) and omega_s (1/s).
   double stress_scale() const noexcept { return stress_scale_; }
   double filter_rate() const noexcept { return filter_rate_; }
-  /// Largest acceleration that rounding leaves in the operating point (m/s^2, rad/s^2): no error below
-  /// it means anything.
+  /// Largest acceleration that rounding leaves in the operating point (m/s^2, rad/s^2): no error
+  /// below it means anything.
   double rest_acceleration() const noexcept { return rest_acceleration_; }
   /// What rounding of the displacements and stresses there makes of each q''^d (n_d), beside what
   /// its forces make: that of a stiff and light element may be much, but is over as soon.

@@ -7,7 +7,16 @@ namespace stillframe {
 
 using Eigen::VectorXd;
 
-OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, double relative_tolerance)
+namespace {
+
+/// Radians of a mode, beyond which its acceleration has turned round. An explicit step is no longer
+/// anyhow.
+constexpr double one_way = 3;
+
+}  // namespace
+
+OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, double relative_tolerance,
+                     double fastest)
     : equations_(std::move(equations)),
       points_(std::move(points)),
       // In the mean square of N entries, which is what a step is judged by, one may be sqrt(N) out.
@@ -15,6 +24,7 @@ OdeMotion::OdeMotion(MinimalEquations equations, FramePoints points, double rela
       // Preloads balance up to rounding only. Errors of that size can be met by no step, so they
       // set the least acceleration that counts.
       least_scale_(10 * equations_.rest_acceleration() / relative_tolerance_),
+      longest_(one_way / fastest),
       integrator_(
           equations_.n_d(),
           [this](double t, const Eigen::Ref<const VectorXd>& y, Eigen::Ref<VectorXd> dy_dt) {
@@ -41,7 +51,7 @@ Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept 
   const double finest = 1e-29 / (duration * duration * relative_tolerance_);
   const double acceleration =
       std::max({before, equations_.q_d_ddot().lpNorm<Eigen::Infinity>(), least_scale_, finest});
-  switch (integrator_.advance(y_, duration, acceleration)) {
+  switch (integrator_.advance(y_, duration, acceleration, std::min(duration, longest_))) {
     case Integrator::Status::right_hand_side_failed:
       return Status::equations_failed;
     case Integrator::Status::too_many_steps:

@@ -10,8 +10,10 @@ namespace stillframe {
 /// The nonlinear plant in minimal coordinates, integrated by explicit steps (Integrator).
 class OdeMotion final : public NonlinearMotion {
  public:
-  /// relative_tolerance: of a step (see Integrator).
-  OdeMotion(MinimalEquations equations, FramePoints points, double relative_tolerance);
+  /// relative_tolerance: of a step (see Integrator); fastest: rad/s, of the modes about the
+  /// operating point.
+  OdeMotion(MinimalEquations equations, FramePoints points, double relative_tolerance,
+            double fastest);
 
   Status advance(const Drive& drive, double duration) noexcept override;
   void velocities(Eigen::VectorXd& v) const noexcept override;
@@ -29,6 +31,7 @@ class OdeMotion final : public NonlinearMotion {
   FramePoints points_;
   const Drive* drive_ = nullptr;  ///< of the present part
   double relative_tolerance_, least_scale_;
+  double longest_;     ///< s, for which the fastest mode may accelerate one way
   double last_t_ = 0;  ///< s, of the last evaluation in the part
   Integrator integrator_;
   Eigen::VectorXd y_, rate_;

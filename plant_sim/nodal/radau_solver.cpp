@@ -57,7 +57,6 @@ bool RadauSolver::renew(const NodalState& state, double h, bool derivatives) noe
   fresh_ = derivatives;
   has_derivatives_ = true;
   factored_h_ = 0;
-  ++factorisations_;
   if (!equations_.factorise(real_, h * method_.gamma)) return false;
   for (size_t k = 0; k < pairs_.size(); ++k) {
     if (!equations_.factorise(pairs_[k], h * method_.mu[k])) return false;

@@ -27,8 +27,7 @@ class RadauSolver {
   /// is kept below its share of the relative tolerance times what an acceleration does in the
   /// duration: the largest of the part, as far as rates follow it, at least the one given (m/s^2,
   /// rad/s^2). The accelerations and multipliers of the result are those of the last stage.
-  Status advance(NodalState& state, const Inputs& inputs, double duration,
-                 double least) noexcept;
+  Status advance(NodalState& state, const Inputs& inputs, double duration, double least) noexcept;
   /// Goes on elsewhere: nothing is taken from the last step.
   void forget() noexcept { previous_h_ = 0; }
 
@@ -41,7 +40,6 @@ class RadauSolver {
 
   long evaluations() const noexcept { return evaluations_; }
   long steps() const noexcept { return steps_; }
-  long factorisations() const noexcept { return factorisations_; }
 
  private:
   enum class Outcome { accepted, too_large, no_convergence, singular };
@@ -70,14 +68,14 @@ class RadauSolver {
   NodalState stage_;
   std::optional<LowPass> low_pass_;
   double duration_ = 0, acceleration_ = 0;  ///< s, m/s^2: of the present part, the largest in it
-  double least_ = 0;   ///< m/s^2, acceleration that counts in any case
+  double least_ = 0;                        ///< m/s^2, acceleration that counts in any case
   double change_ = 0;  ///< m/s, how far the rates of the part went from where it began
   double share_ = 1;   ///< of the tolerance, for the present step
   double error_ = 0;
   double factored_h_ = 0, previous_h_ = 0, suggested_h_ = 0;  ///< s, 0: none yet
   double contraction_ = 0;  ///< of Newton's method in the last step that needed two iterations
   bool has_derivatives_ = false, fresh_ = false;
-  long evaluations_ = 0, steps_ = 0, factorisations_ = 0;
+  long evaluations_ = 0, steps_ = 0;
 };
 
 }  // namespace stillframe::nodal

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/yaml/input_error.hpp"
+#include "report/table.hpp"
 
 namespace stillframe::report {
 
@@ -28,38 +29,35 @@ struct Axis {
   std::string name;
   Index floor_column, frame_column;
   SignalAnalyser floor, frame;
-  RunningPower unexplained;
+  RunningPower unexplained, by_forces, undisturbed;
+};
+
+/// An acceleration by itself while the log is read.
+struct Frame {
+  Index column;
+  SignalAnalyser motion;
 };
 
 /// What the model makes of the floor, sample by sample, and since when its state is that of the
 /// run: from the beginning of a run, which is at rest, or when what it did not know has died away.
 class FloorResponse {
  public:
-  explicit FloorResponse(const SampledLoop& loop) : loop_(loop) {
-    state_.setZero(loop_.A.rows());
+  explicit FloorResponse(const SampledLoop& loop) : response_(loop) {
     constexpr double forgotten = 1e-4;  // of the state
-    const double radius = loop_.n_exogenous > 0 ? 1 : spectral_radius(loop_);
+    const double radius = loop.n_exogenous > 0 ? 1 : spectral_radius(loop);
     if (radius < 1) settling_ = std::log(forgotten) / std::log(radius);
   }
 
   /// The next rows of floor inputs: what the outputs are.
   MatrixXd follow(const MatrixXd& inputs) {
-    MatrixXd outputs(inputs.rows(), loop_.C.rows());
-    for (Index k = 0; k < inputs.rows(); ++k) {
-      input_ = inputs.row(k).transpose();
-      outputs.row(k).noalias() = (loop_.C * state_ + loop_.D * input_).transpose();
-      next_.noalias() = loop_.A * state_;
-      next_.noalias() += loop_.B * input_;
-      state_.swap(next_);
-    }
     if (inputs.rows() > 0) last_ = inputs.bottomRows(1);
-    return outputs;
+    return response_.follow(inputs);
   }
 
   /// n samples are missing before a row of inputs: a few are put in as LocalPolynomial does.
   void skip(std::int64_t n, const Eigen::RowVectorXd& behind) {
     if (n > largest_filled_gap || last_.size() == 0) {
-      state_.setZero();
+      response_.rest();
       unknown_ = settling_;
       return;
     }
@@ -79,8 +77,7 @@ class FloorResponse {
   }
 
  private:
-  SampledLoop loop_;
-  VectorXd state_, next_, input_;
+  LoopResponse response_;
   Eigen::RowVectorXd last_;
   double settling_ = std::numeric_limits<double>::infinity();  ///< samples
   double unknown_ = 0;                                         ///< samples still to come
@@ -99,6 +96,7 @@ class Analyser : public LogVisitor {
       column_of(info.frame_names, axis.floor);  // an error now and not behind the first block
       column_of(info.frame_names, axis.frame);
     }
+    for (const std::string& name : plan_.frames) column_of(info.frame_names, name);
     if (plan_.axis_signals.output.empty()) plan_.axis_signals = signals_by_name(plan_.axes);
     for (const std::string& name : axis_signals().inputs) {
       floor_columns_.push_back(column_of(info.frame_names, name));
@@ -110,6 +108,7 @@ class Analyser : public LogVisitor {
       frame_columns_.push_back(column_of(info.frame_names, name));
     }
     if (plan_.model && !plan_.multisine) model_.emplace(plan_.model->loop);
+    if (plan_.forces) forces_.emplace(*plan_.forces);
     plan_responses(info);
   }
 
@@ -121,10 +120,12 @@ class Analyser : public LogVisitor {
     next_seq_ = block.first_seq + block.n_samples();
     floor_.add(block);
     if (model_) add_unexplained(block, predicted);
+    if (forces_) add_forces(block);
     for (Axis& axis : axes_) {
       axis.floor.add(block.frame_acceleration.col(axis.floor_column));
       axis.frame.add(block.frame_acceleration.col(axis.frame_column));
     }
+    for (Frame& frame : frames_) frame.motion.add(block.frame_acceleration.col(frame.column));
     for (std::size_t leg = 0; leg < legs_.size(); ++leg) {
       const auto column = static_cast<Index>(leg);
       legs_[leg].add(block.applied_force.col(column), block.sigma.col(column),
@@ -152,20 +153,26 @@ class Analyser : public LogVisitor {
     result.scan = std::move(scan);
     result.floor = std::move(floor_);
     result.axis_signals = plan_.axis_signals;
-    for (const Axis& axis : axes_) {
-      AxisAnalysis done{axis.name, axis.floor.finish(), axis.frame.finish(), {}, {}};
-      if (has_unexplained()) done.unexplained = axis.unexplained.finish();
+    result.forces_unknown = plan_.forces_unknown;
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      const Axis& axis = axes_[a];
+      AxisAnalysis done{.name = axis.name,
+                        .floor = axis.floor.finish(),
+                        .frame = axis.frame.finish(),
+                        .unexplained = {},
+                        .unexplained_missing = unexplained_missing(a),
+                        .forces = {},
+                        .shocks = {}};
+      if (done.unexplained_missing.empty()) done.unexplained = axis.unexplained.finish();
+      if (forces_) done.forces = ForcesPart{axis.by_forces.finish(), axis.undisturbed.finish()};
       if (!plan_.multisine)
         done.shocks = find_shocks(done.floor.levels, done.frame.levels, first_time_s_);
       result.axes.push_back(std::move(done));
     }
-    for (const LegAnalyser& leg : legs_) result.legs.push_back(leg.finish());
-    if (!has_unexplained()) {
-      result.unexplained_missing =
-          model_ ? "the log has no beginning or has gaps, and what the loop did there it has not "
-                   "forgotten in over half of what is left"
-                 : plan_.unmodelled;
+    for (std::size_t f = 0; f < frames_.size(); ++f) {
+      result.frames.push_back({plan_.frames[f], frames_[f].motion.finish()});
     }
+    for (const LegAnalyser& leg : legs_) result.legs.push_back(leg.finish());
     if (matrix_) result.matrix = matrix_->finish();
     if (axis_matrix_) result.axis_matrix = axis_matrix_->finish();
     result.wake_up = std::move(wake_up_);
@@ -187,7 +194,13 @@ class Analyser : public LogVisitor {
                        column_of(info_.frame_names, axis.frame),
                        SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n),
                        SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n),
+                       RunningPower(rate, plan_.lowest_hz, n),
+                       RunningPower(rate, plan_.lowest_hz, n),
                        RunningPower(rate, plan_.lowest_hz, n)});
+    }
+    for (const std::string& name : plan_.frames) {
+      frames_.push_back({column_of(info_.frame_names, name),
+                         SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n)});
     }
     for (const std::string& leg : info_.leg_names) legs_.emplace_back(leg, rate, first_time_s);
   }
@@ -231,7 +244,10 @@ class Analyser : public LogVisitor {
       axis.floor.skip(n);
       axis.frame.skip(n);
       axis.unexplained.skip(n);
+      axis.by_forces.skip(n);
+      axis.undisturbed.skip(n);
     }
+    for (Frame& frame : frames_) frame.motion.skip(n);
     for (LegAnalyser& leg : legs_) leg.skip(n);
   }
 
@@ -247,6 +263,7 @@ class Analyser : public LogVisitor {
     const Index doubtful = model_->doubtful(block.n_samples()), n = block.n_samples() - doubtful;
     n_explained_ += n;
     n_samples_ += block.n_samples();
+    look_for_turns(block);
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       axes_[a].unexplained.skip(doubtful);
       const auto column = plan_.n_outputs + plan_.axis_signals.output[a];
@@ -255,7 +272,50 @@ class Analyser : public LogVisitor {
     }
   }
 
-  bool has_unexplained() const { return model_ && 2 * n_explained_ > n_samples_; }
+  void add_forces(const SampleBlock& block) {
+    const MatrixXd done = forces_->at(block.first_seq, block.n_samples());
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      const VectorXd part = done.col(static_cast<Index>(a));
+      axes_[a].by_forces.add(part);
+      axes_[a].undisturbed.add(block.frame_acceleration.col(axes_[a].frame_column) - part);
+    }
+  }
+
+  std::string unexplained_missing(std::size_t axis) const {
+    if (!model_) {
+      return plan_.unmodelled.empty() ? "there is no model of a multisine run" : plan_.unmodelled;
+    }
+    if (2 * n_explained_ <= n_samples_) {
+      return "the log has no beginning or has gaps, and what the loop did there it has not "
+             "forgotten in over half of what is left";
+    }
+    const auto& leans = plan_.model->leans_on_rigid;
+    if (axis >= leans.size() || !leans[axis]) return "";
+    const double allowed = std::pow(10, largest_input_difference_db / 20) - 1;
+    const double strayed = std::sqrt(strayed_power_ / floor_power_);
+    if (!(strayed > allowed)) return "";
+    return cell(
+               "the floor turns, or its feet move each on their own: its signals differ by "
+               "%.3g %% from a motion without that, and how it moves where no input measures it ",
+               100 * strayed) +
+           "is not known";
+  }
+
+  /// How far the floor is from one that does not turn, by what is left of its largest signal.
+  void look_for_turns(const SampleBlock& block) {
+    if (plan_.model->leans_on_rigid.empty()) return;
+    const MatrixXd& w = block.floor_acceleration;
+    const auto add = [&](const MatrixXd& signals, const MatrixXd& rigid) {
+      if (signals.cols() == 0) return;
+      strayed_power_ += (signals - rigid).colwise().squaredNorm().maxCoeff();
+      floor_power_ += signals.colwise().squaredNorm().maxCoeff();
+    };
+    add(w, w * plan_.model->rigid.transpose());
+    if (plan_.model->floors.size() > 0) {
+      add(block.frame_acceleration(Eigen::all, floor_columns_),
+          w * plan_.model->floors.transpose());
+    }
+  }
 
   void add_axes(const SampleBlock& block, const MatrixXd& predicted) {
     const MatrixXd floors = block.frame_acceleration(Eigen::all, floor_columns_);
@@ -276,11 +336,14 @@ class Analyser : public LogVisitor {
   double first_time_s_ = 0;  ///< plant time
   FloorSamples floor_;
   std::vector<Axis> axes_;
+  std::vector<Frame> frames_;
   std::vector<LegAnalyser> legs_;
   std::unique_ptr<ResponseAnalyser> matrix_, axis_matrix_;
   DurationHistogram wake_up_, compute_;
   std::optional<FloorResponse> model_;
+  std::optional<ForceResponse> forces_;
   std::int64_t n_explained_ = 0, n_samples_ = 0;
+  double strayed_power_ = 0, floor_power_ = 0;  ///< (m/s^2)^2 times samples
   std::int64_t next_seq_ = 0, n_periods_ = 0, n_discarded_ = 0, n_commanded_ = 0;
   bool started_ = false;
 };

@@ -14,6 +14,7 @@
 #include "report/analysis/duration_histogram.hpp"
 #include "report/analysis/floor_samples.hpp"
 #include "report/analysis/level_track.hpp"
+#include "report/analysis/loop_response.hpp"
 #include "report/analysis/response_analyser.hpp"
 #include "report/analysis/signal_analyser.hpp"
 #include "report/log/log_scan.hpp"
@@ -31,12 +32,18 @@ struct RunModel {
   /// The inputs of the axes' signals and then their dependent floors, as the floor inputs move
   /// them, so many x floor inputs, if axes are there.
   Eigen::MatrixXd floors = {};
+  /// What the floor inputs would be on a floor that does not turn and moves as they say at best;
+  /// and of each axis, whether its frame is moved by parts of the floor that no input measures, so
+  /// that the loop has them move as such a floor. Empty: no axis is.
+  Eigen::MatrixXd rigid = {};
+  std::vector<bool> leans_on_rigid = {};
 };
 
 /// What is looked for in a log.
 struct AnalysisPlan {
   std::vector<AxisPlan> axes;
-  AxisSignals axis_signals = {};  ///< of the axes; none: those by name
+  std::vector<std::string> frames = {};  ///< accelerations that are sought beside those of axes
+  AxisSignals axis_signals = {};         ///< of the axes; none: those by name
   /// From the floor inputs to the first n_outputs frame accelerations; none: no matrix is sought.
   Eigen::Index n_outputs = 0;
   std::optional<MultisinePlan> multisine;  ///< that moved the floor, if one did
@@ -47,6 +54,16 @@ struct AnalysisPlan {
   std::optional<double> floor_noise = {};
   std::optional<RunModel> model = {};
   std::string unmodelled = {};  ///< why there is none
+  /// Of the forces that act besides the floor, to the frame of each axis; none: there are none, or
+  /// they are not known.
+  std::optional<ForceModel> forces = {};
+  std::string forces_unknown = {};  ///< why they are not, if there are any
+};
+
+/// What forces besides the floor do to a frame, (m/s^2)^2 / Hz.
+struct ForcesPart {
+  Psd by_forces;    ///< what the model makes of them
+  Psd undisturbed;  ///< the frame's acceleration less that
 };
 
 /// One direction over a run.
@@ -55,7 +72,15 @@ struct AxisAnalysis {
   SignalAnalysis floor, frame;
   /// Of the frame's acceleration less what the model makes of the floor, (m/s^2)^2 / Hz.
   std::optional<Psd> unexplained;
-  std::vector<Shock> shocks;  ///< none are sought on a multisine floor
+  std::string unexplained_missing;   ///< why it is not there; empty: it is
+  std::optional<ForcesPart> forces;  ///< if there are any and they are known
+  std::vector<Shock> shocks;         ///< none are sought on a multisine floor
+};
+
+/// An acceleration by itself.
+struct FrameAnalysis {
+  std::string name;
+  SignalAnalysis motion;
 };
 
 /// Everything that one log tells.
@@ -63,9 +88,10 @@ struct LogAnalysis {
   LogScan scan;
   FloorSamples floor;
   std::vector<AxisAnalysis> axes;
-  AxisSignals axis_signals;  ///< of axis_matrix
+  std::vector<FrameAnalysis> frames;
+  AxisSignals axis_signals;    ///< of axis_matrix
+  std::string forces_unknown;  ///< why no axis has its part of forces that act; empty: none do
   std::vector<LegAnalysis> legs;
-  std::string unexplained_missing;                ///< why no axis has it
   std::optional<IdentifiedResponse> matrix;       ///< all floor inputs to the outputs
   std::optional<IdentifiedResponse> axis_matrix;  ///< between axis_signals
   DurationHistogram wake_up, compute;             ///< wall-clock runs, of the controller
@@ -75,7 +101,7 @@ struct LogAnalysis {
 };
 
 /// Reads one run from a log in one pass. plan_of is asked once, when run_info is there. Errors: as
-/// scan_log, and InputError for an axis of a name that the run has not.
+/// scan_log, and InputError for an axis or a frame of a name that the run has not.
 LogAnalysis analyse_log(
     const std::filesystem::path& path, const ScanSettings& settings,
     const std::function<AnalysisPlan(const stillframe_msgs::run_info_t&)>& plan_of);

@@ -63,7 +63,8 @@ InputDifference input_difference(const FrequencyResponse& residual, Index n_y,
     if (size(channel, by) <= largest) continue;
     largest = size(channel, by);
     result.why = channels[static_cast<std::size_t>(channel)] +
-                 " is not the motion of the floor's inputs: " +
+                 " is not what the inputs say of a floor that does not turn (the floor does, or "
+                 "its feet move each on their own, or that channel is of another one): " +
                  cell("at %.4g Hz it differs from it by %.3g %%, ", residual.frequencies_hz[at],
                       100 * largest) +
                  cell("allowed are %.2g %% beyond its band", 100 * allowed);

@@ -42,8 +42,8 @@ class ResponseAnalyser {
                    std::vector<Eigen::MatrixXcd> model = {}, std::vector<std::string> further = {});
 
   /// Rows that follow one another; seq as LocalPolynomial::add. predicted: what the model makes of
-  /// the floor, as outputs, if there is one. strayed: the inputs, and then the further channels, less
-  /// the motion of the floor that the model follows; none: they are that motion.
+  /// the floor, as outputs, if there is one. strayed: the inputs, and then the further channels,
+  /// less the motion of the floor that the model follows; none: they are that motion.
   void add(std::int64_t first_seq, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
            const Eigen::MatrixXd& predicted = {}, const Eigen::MatrixXd& strayed = {});
   IdentifiedResponse finish();

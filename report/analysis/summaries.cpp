@@ -114,7 +114,7 @@ std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, do
 }
 
 void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalAnalysis* passive,
-                 const SignalAnalysis* active, const Psd* unexplained) {
+                 const SignalAnalysis* active, const ForcesPart* forces) {
   const double from_hz = motion.asked.from_hz, to_hz = motion.asked.to_hz;
   const auto fill = [&](const SignalAnalysis* signal, std::optional<double>& level, double& jumps,
                         double& leak) {
@@ -127,8 +127,9 @@ void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalA
   fill(&floor, motion.floor, motion.floor_jumps, motion.floor_leak);
   fill(passive, motion.passive, motion.passive_jumps, motion.passive_leak);
   fill(active, motion.active, motion.active_jumps, motion.active_leak);
-  if (unexplained != nullptr && unexplained->density.size() > 0) {
-    motion.active_unexplained = band_rms(*unexplained, from_hz, to_hz);
+  if (forces != nullptr && forces->undisturbed.density.size() > 0) {
+    motion.active_by_forces = band_rms(forces->by_forces, from_hz, to_hz);
+    motion.active_undisturbed = band_rms(forces->undisturbed, from_hz, to_hz);
   }
 }
 
@@ -185,7 +186,7 @@ std::vector<NoiseSummary> noise_summaries(const LogAnalysis& log) {
                        .loop = log.scan.info.loop,
                        .rms_acceleration = {},
                        .share = {},
-                       .missing = log.unexplained_missing};
+                       .missing = axis.unexplained_missing};
     const double whole = motion_level(axis.frame).rms_acceleration;
     if (axis.unexplained && axis.unexplained->density.size() > 0) {
       noise.rms_acceleration = band_rms(*axis.unexplained, lowest_level_hz, highest_level_hz);

@@ -36,6 +36,7 @@ class ChosenRows : public LogVisitor {
   void read(const std::filesystem::path& log, double begin = 0, double end = 1) {
     ScanSettings scan;
     scan.run_id = settings_.run_id;
+    scan.plant = settings_.plant;
     if (settings_.progress) {
       scan.progress = [&](double share) { settings_.progress(begin + share * (end - begin)); };
     }

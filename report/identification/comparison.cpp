@@ -130,6 +130,14 @@ ReductionCheck check_reduction(const std::vector<double>& frequencies_hz,
   const MatrixXd reduction = decibels(open_predicted) - decibels(closed_predicted);
   ReductionCheck check;
   check.least_reduction_db = std::numeric_limits<double>::infinity();
+  const auto all_reduced = [&](Index l) {
+    for (Index i = 0; i < n_s; ++i) {
+      // Of a value that is zero but for rounding the ratio says nothing.
+      if (open_predicted(l, i) <= ComparisonRule{}.least_rank * open_predicted(l, 0)) continue;
+      if (!(reduction(l, i) > 0)) return false;
+    }
+    return n_s > 0;
+  };
   for (Index l = 0; l < n_f; ++l) {
     const double frequency = frequencies_hz[static_cast<std::size_t>(l)];
     if (!(frequency > above_hz)) continue;
@@ -143,6 +151,7 @@ ReductionCheck check_reduction(const std::vector<double>& frequencies_hz,
       least = std::min(least, reduction(l, i) + error(l, i));
       largest_error = std::max(largest_error, std::abs(error(l, i)));
     }
+    if (n == 0 && all_reduced(l)) ++check.n_unknown;
     if (n == 0 || !predicted) continue;
     ++check.n_frequencies;
     check.n_compared += n;

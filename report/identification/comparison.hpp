@@ -64,12 +64,12 @@ double broadly_beyond_db(const PredictionError& error);
 struct ReductionCheck {
   Eigen::Index n_frequencies = 0;  ///< of them
   Eigen::Index n_below = 0;        ///< of these, where that is so
-  Eigen::Index n_compared = 0;     ///< pairs of values that are both compared
-  double largest_error_db = 0;     ///< |measured reduction - predicted reduction| over those pairs
-  double at_frequency_hz = 0;      ///< where it is
-  double least_reduction_db = 0;   ///< smallest measured reduction of those pairs
-
-  bool closed_below_open() const { return n_frequencies > 0 && n_below == n_frequencies; }
+  /// Further ones of which no pair is compared, and the prediction is that it is so.
+  Eigen::Index n_unknown = 0;
+  Eigen::Index n_compared = 0;    ///< pairs of values that are both compared
+  double largest_error_db = 0;    ///< |measured reduction - predicted reduction| over those pairs
+  double at_frequency_hz = 0;     ///< where it is
+  double least_reduction_db = 0;  ///< smallest measured reduction of those pairs
 };
 
 /// The reduction sigma_i,open / sigma_i,closed, measured and predicted, for f > above_hz (2 omega_d

@@ -181,7 +181,6 @@ void LocalPolynomial::take_segment() {
       take(equations_[l], plan_.frequencies_hz[l], spectra, filling, resolution_hz);
     }
     ++n_segments_;
-    n_used_ += n;
     n_filled_ += n_filled_here_;
     n_left_out_ += n_rows_ - n;
   } else {

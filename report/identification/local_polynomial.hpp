@@ -67,8 +67,7 @@ class LocalPolynomial {
   /// Why estimate() knows no T at any frequency; empty if it does.
   std::string missing() const;
   std::int64_t n_segments() const { return n_segments_; }  ///< used
-  std::int64_t n_used() const { return n_used_; }          ///< samples in them
-  std::int64_t n_filled() const { return n_filled_; }      ///< of these, put in
+  std::int64_t n_filled() const { return n_filled_; }      ///< samples in them that were put in
   std::int64_t n_left_out() const { return n_left_out_; }  ///< samples in no segment
 
  private:
@@ -100,7 +99,7 @@ class LocalPolynomial {
   Eigen::Index n_rows_ = 0;  ///< of the segment, so far
   std::int64_t next_seq_ = 0;
   std::vector<Equations> equations_;  ///< one a frequency
-  std::int64_t n_segments_ = 0, n_used_ = 0, n_filled_ = 0, n_left_out_ = 0;
+  std::int64_t n_segments_ = 0, n_filled_ = 0, n_left_out_ = 0;
   std::int64_t n_longest_ = 0;  ///< rows of the longest stretch
   bool gap_ = false;            ///< a stretch ended before the record did
   struct Gap {

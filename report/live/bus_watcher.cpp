@@ -14,6 +14,8 @@ namespace {
 constexpr std::int64_t quiet_ns = 1'000'000'000;
 // So many measurements of another size in a row are the run's, and the first one was wrong.
 constexpr std::int64_t most_wrong_sizes = 10;
+// So many measurements of another plant in a row are not one that finds the run taken and goes.
+constexpr std::int64_t most_of_another = 20;
 constexpr std::size_t most_channels = 32, most_controllers = 8, most_known_runs = 16;
 
 bool is_end(const run_state_t& state) {
@@ -123,6 +125,35 @@ bool BusWatcher::watches(ChannelTraffic& traffic, std::int64_t run_id, std::int6
   return false;
 }
 
+/// A plant that was killed and came back measures the same run from 0 again, on a floor of its own.
+bool BusWatcher::is_of_another_plant(const measurement_t& message, std::int64_t now_ns) {
+  WatchedRun& run = *run_;
+  if (!run.plant) run.plant = message.plant_instance;
+  if (message.plant_instance == *run.plant) {
+    run.n_of_another = 0;
+    return false;
+  }
+  if (++run.n_of_another < most_of_another) return true;
+  follow(message.plant_instance, now_ns);
+  return false;
+}
+
+void BusWatcher::follow(std::int64_t plant_instance, std::int64_t now_ns) {
+  WatchedRun before = std::move(*run_);
+  begin(before.run_id, now_ns);
+  WatchedRun& run = *run_;
+  run.plant = plant_instance;
+  run.n_before = before.n_before + before.n_measured;
+  run.controllers = std::move(before.controllers);
+  if (before.plant_state && before.plant_state->plant_instance == plant_instance) {
+    run.plant_state = before.plant_state;
+  }
+  if (before.other_info && before.other_info->plant_instance == plant_instance) {
+    run.info = before.other_info;
+    run.names = names_of(*run.info);
+  }
+}
+
 void BusWatcher::make_samples(int n_floor, int n_legs, int n_frame) {
   const auto rate = run_->info ? std::optional(run_->info->sample_rate_hz) : std::nullopt;
   run_->samples.emplace(n_floor, n_legs, n_frame, rate);
@@ -130,6 +161,7 @@ void BusWatcher::make_samples(int n_floor, int n_legs, int n_frame) {
 
 void BusWatcher::take(ChannelTraffic& traffic, const measurement_t& message, std::int64_t now_ns) {
   if (!watches(traffic, message.run_id, now_ns, Speaker::plant)) return;
+  if (is_of_another_plant(message, now_ns)) return;
   WatchedRun& run = *run_;
   run.measured_ns = now_ns;
   if (!run.samples) {
@@ -158,6 +190,9 @@ void BusWatcher::take(ChannelTraffic& traffic, const measurement_t& message, std
       run.wake_ups = {};
       break;
     case RunSamples::Taken::fresh:
+      ++run.n_measured;
+      run.wrong_sizes = 0;
+      return;
     case RunSamples::Taken::old:
       run.wrong_sizes = 0;
       return;
@@ -172,6 +207,7 @@ void BusWatcher::take(ChannelTraffic& traffic, const command_t& message, std::in
     ++traffic.n_other_run;
     return;
   }
+  if (run_->plant && message.plant_instance != *run_->plant) return;
   if (run_->samples && !run_->samples->take(message)) ++traffic.n_wrong_size;
 }
 
@@ -184,7 +220,11 @@ void BusWatcher::take(ChannelTraffic& traffic, const run_info_t& message, std::i
   if (begins) begin(message.run_id, now_ns);
   if (!watches(traffic, message.run_id, now_ns, Speaker::plant)) return;
   WatchedRun& run = *run_;
-  if (run.info) return;
+  if (run.plant && message.plant_instance != *run.plant) {
+    run.other_info = message;
+    return;
+  }
+  if (run.info && run.info->plant_instance == message.plant_instance) return;
   run.info = message;
   run.names = names_of(message);
   const bool fits = run.samples && run.samples->n_floor() == message.n_floor &&
@@ -198,6 +238,9 @@ void BusWatcher::take(ChannelTraffic& traffic, const run_state_t& message, std::
   const bool known = run_ && run_->run_id == message.run_id;
   if (!known && (is_end(message) || !watches(traffic, message.run_id, now_ns, Speaker::other)))
     return;
+  const bool is_other = run_->plant && message.plant_instance != *run_->plant;
+  // One that finds the run taken goes, and the run goes on.
+  if (message.source == "plant" && is_other && is_end(message)) return;
   (message.source == "plant" ? run_->plant_state : run_->controller_state) = message;
 }
 

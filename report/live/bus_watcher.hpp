@@ -43,8 +43,13 @@ struct WatchedRun {
   std::optional<stillframe_msgs::run_info_t> info;
   RunNames names;
   std::optional<RunSamples> samples;  ///< from the first measurement on
-  std::int64_t measured_ns = -1;      ///< when the newest measurement came, -1: none yet
-  std::int64_t wrong_sizes = 0;       ///< measurements of another size in a row
+  std::optional<std::int64_t> plant;  ///< the instance whose measurements these are
+  std::int64_t n_measured = 0;        ///< by it, as far as they were heard
+  std::int64_t n_before = 0;      ///< by plants of the same run before it, which are shown no more
+  std::int64_t n_of_another = 0;  ///< measurements of another plant in a row
+  std::optional<stillframe_msgs::run_info_t> other_info;  ///< the newest of another plant
+  std::int64_t measured_ns = -1;  ///< when the newest measurement came, -1: none yet
+  std::int64_t wrong_sizes = 0;   ///< measurements of another size in a row
   std::map<std::int64_t, ControllerVoice> controllers;  ///< by instance
   std::optional<stillframe_msgs::run_state_t> plant_state, controller_state;
   std::optional<stillframe_msgs::timing_t> plant_timing, controller_timing;
@@ -84,6 +89,8 @@ class BusWatcher {
   bool watches(ChannelTraffic& traffic, std::int64_t run_id, std::int64_t now_ns, Speaker speaker);
   bool is_news(std::int64_t run_id);
   void begin(std::int64_t run_id, std::int64_t now_ns);
+  bool is_of_another_plant(const stillframe_msgs::measurement_t& message, std::int64_t now_ns);
+  void follow(std::int64_t plant_instance, std::int64_t now_ns);
   void make_samples(int n_floor, int n_legs, int n_frame);
   ChannelTraffic& traffic_of(std::string_view channel);
 

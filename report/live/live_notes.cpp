@@ -55,6 +55,13 @@ class Notes {
     } else if (run.quiet_s > quiet_s) {
       say(cell("no measurement for %.0f s: the plant has stopped or is gone", run.quiet_s));
     }
+    const WatchedRun& watched = *watcher_.run();
+    if (watched.n_before > 0) {
+      say(
+          cell("the plant of this run came back: %lld samples were heard of the one before and are "
+               "no longer shown, %lld of this one",
+               count(watched.n_before), count(watched.n_measured)));
+    }
   }
 
   void say_of_controller() {

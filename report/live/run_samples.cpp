@@ -122,7 +122,6 @@ void RunSamples::bridge(std::int64_t n) {
     for (std::size_t i = 0; i < row_.size(); ++i) between[i] = std::lerp(before[i], row_[i], part);
     motion_.push(between);
   }
-  n_bridged_ += static_cast<Index>(n);
 }
 
 bool RunSamples::take(const command_t& message) {

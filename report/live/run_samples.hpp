@@ -49,7 +49,6 @@ class RunSamples {
   }
   std::int64_t n_not_finite() const noexcept { return n_not_finite_; }
   std::int64_t n_saturated() const noexcept { return n_saturated_; }  ///< commands
-  Eigen::Index n_bridged() const noexcept { return n_bridged_; }      ///< samples that were made up
   /// Whether a gap emptied the window, which has not been filled since.
   bool began_anew() const noexcept { return began_anew_ && motion_.size() < motion_.capacity(); }
 
@@ -75,7 +74,6 @@ class RunSamples {
   std::int64_t seq_ = -1, command_seq_ = -1, behind_seq_ = -1, n_behind_ = 0;
   std::int64_t gap_seq_ = -1;  ///< of the first measurement after the newest gap
   std::int64_t n_missed_ = 0, n_not_finite_ = 0, n_saturated_ = 0;
-  Eigen::Index n_bridged_ = 0;
   bool began_anew_ = false;
   RollingWindow motion_, force_;
   std::vector<double> row_;

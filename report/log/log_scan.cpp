@@ -64,16 +64,64 @@ std::string misfit(const command_t& m, const run_info_t& info) {
 const char* channel_of(const measurement_t&) { return channels::measurement; }
 const char* channel_of(const command_t&) { return channels::command; }
 
+/// What is read of a log.
+struct Choice {
+  run_info_t info;
+  std::vector<PlantPart> plants = {};
+  std::size_t plant = 0;
+};
+
+/// Which messages of a run are of the plant that was chosen. Some types do not say whose they are:
+/// they come from its time, told by the measurements and statuses between which they stand.
+class PlantFilter {
+ public:
+  explicit PlantFilter(const Choice& choice)
+      : any_(choice.plants.empty()), alone_(choice.plants.size() < 2) {
+    if (any_) return;
+    chosen_ = choice.plants[choice.plant].instance;
+    for (const PlantPart& plant : choice.plants) known_.push_back(plant.instance);
+    now_ = known_.front();
+  }
+
+  bool takes(const measurement_t& message) {
+    hear(message.plant_instance);
+    return any_ || message.plant_instance == chosen_;
+  }
+  /// Of a controller: one of a single plant may leave out whom it is for.
+  template <typename Message>
+  bool takes(const Message& message) {
+    return any_ || message.plant_instance == chosen_ || (alone_ && message.plant_instance == 0);
+  }
+  bool takes(const controller_status_t& message) {
+    hear(message.plant_instance);
+    return takes<controller_status_t>(message);
+  }
+  bool is_now() const { return alone_ || now_ == chosen_; }
+  bool is_alone() const { return alone_; }
+
+ private:
+  void hear(std::int64_t instance) {
+    if (std::find(known_.begin(), known_.end(), instance) != known_.end()) now_ = instance;
+  }
+
+  bool any_, alone_;
+  std::vector<std::int64_t> known_;
+  std::int64_t chosen_ = 0, now_ = 0;
+};
+
 class Scanner {
  public:
-  Scanner(run_info_t info, const ScanSettings& settings, LogVisitor& visitor,
+  Scanner(Choice choice, const ScanSettings& settings, LogVisitor& visitor,
           SampleWindow::CommandSink commands)
       : visitor_(visitor),
         choose_any_(!settings.run_id),
-        window_(info, settings, visitor, std::move(commands)),
-        measurements_(info.sample_rate_hz),
-        commands_(info.sample_rate_hz) {
-    scan_.info = std::move(info);
+        plant_(choice),
+        window_(choice.info, settings, visitor, std::move(commands)),
+        measurements_(choice.info.sample_rate_hz),
+        commands_(choice.info.sample_rate_hz) {
+    scan_.info = std::move(choice.info);
+    scan_.plants = std::move(choice.plants);
+    scan_.plant = choice.plant;
   }
 
   void take(const LogEvent& event) {
@@ -82,7 +130,7 @@ class Scanner {
       with<measurement_t>(event, [&](measurement_t&& m) { take_measurement(event, std::move(m)); });
     } else if (event.channel == channels::command) {
       with<command_t>(event, [&](command_t&& m) {
-        if (is_ours(m.run_id)) admit(std::move(m), commands_);
+        if (is_ours(m.run_id) && plant_.takes(m)) admit(std::move(m), commands_);
       });
     } else if (event.channel == channels::loop) {
       with<loop_records_t>(event, [&](loop_records_t&& m) { take_records(m); });
@@ -132,6 +180,7 @@ class Scanner {
       if (other_measured_.size() < most_runs) other_measured_.insert(m.run_id);
       return;
     }
+    if (!plant_.takes(m)) return;
     if (!run_has_begun_) clock_.add(event.timestamp_us);
     run_has_begun_ = true;
     scan_.log_duration_s = clock_.passed_s();
@@ -167,7 +216,7 @@ class Scanner {
   }
 
   void take_records(const loop_records_t& message) {
-    if (!is_ours(message.run_id)) return;
+    if (!is_ours(message.run_id) || !plant_.is_now()) return;
     for (const loop_record_t& record : message.records) visitor_.period(record);
   }
 
@@ -192,13 +241,14 @@ class Scanner {
   }
 
   void take_timing(timing_t&& m) {
-    if (!is_ours(m.run_id)) return;
+    if (!is_ours(m.run_id) || !plant_.is_now()) return;
     if (m.source == "plant") scan_.plant_timing = m;
-    if (m.source == "controller") scan_.controller_timing = m;
+    // A controller goes on from plant to plant, and counts over all of them.
+    if (m.source == "controller" && plant_.is_alone()) scan_.controller_timing = m;
   }
 
   void take_status(controller_status_t&& m) {
-    if (!is_ours(m.run_id)) return;
+    if (!is_ours(m.run_id) || !plant_.takes(m)) return;
     m.text = as_utf8(m.text);
     m.answer = as_utf8(m.answer);
     scan_.last_status = std::move(m);
@@ -230,6 +280,7 @@ class Scanner {
 
   LogVisitor& visitor_;
   bool choose_any_, run_has_begun_ = false;
+  PlantFilter plant_;
   LogScan scan_;
   SampleWindow window_;
   Admission<measurement_t> measurements_;
@@ -240,10 +291,21 @@ class Scanner {
   std::int64_t n_bad_names_ = 0;
 };
 
+/// Of the whole work: looking for the run, and for its plants.
+constexpr double run_share = 0.1, plants_share = 0.2;
+
+/// A part of the work, told as a share of the whole.
+std::function<void(double)> part_of(const std::function<void(double)>& tell, double begin,
+                                    double end) {
+  if (!tell) return {};
+  return [&tell, begin, end](double share) { tell(begin + share * (end - begin)); };
+}
+
 /// Tells the share that was read, not more often than it can be seen.
 class Progress {
  public:
-  Progress(const std::function<void(double)>& tell, std::int64_t size) : tell_(tell), size_(size) {}
+  Progress(std::function<void(double)> tell, std::int64_t size)
+      : tell_(std::move(tell)), size_(size) {}
   void now(std::int64_t position) {
     if (!tell_ || position - told_ < step) return;
     told_ = position;
@@ -255,19 +317,34 @@ class Progress {
 
  private:
   static constexpr std::int64_t step = std::int64_t{4} << 20;
-  const std::function<void(double)>& tell_;
+  std::function<void(double)> tell_;
   std::int64_t size_, told_ = 0;
 };
+
+Choice choose(const std::filesystem::path& path, const ScanSettings& settings) {
+  const auto& tell = settings.progress;
+  Choice choice{.info = find_run_info(path, settings.run_id, {}, part_of(tell, 0, run_share))};
+  const std::int64_t run_id = choice.info.run_id;
+  // A run in one process has no plant that could come back.
+  if (choice.info.mode != "single_process") {
+    choice.plants = plants_of_run(path, run_id, part_of(tell, run_share, plants_share));
+  }
+  choice.plant = choose_plant(choice.plants, settings.plant, run_id, path.string());
+  if (choice.plants.empty() || !choice.plants[choice.plant].described) return choice;
+  // What was found first may be what another plant said.
+  choice.info = find_run_info(path, run_id, choice.plants[choice.plant].instance, {});
+  return choice;
+}
 
 }  // namespace
 
 LogScan scan_log_with_commands(const std::filesystem::path& path, const ScanSettings& settings,
                                LogVisitor& visitor, SampleWindow::CommandSink commands) {
-  run_info_t info = find_run_info(path, settings.run_id, settings.progress);
+  Choice choice = choose(path, settings);
   EventFile file(path);
-  visitor.begin(info);
-  Scanner scanner(std::move(info), settings, visitor, std::move(commands));
-  Progress progress(settings.progress, file.size());
+  visitor.begin(choice.info);
+  Scanner scanner(std::move(choice), settings, visitor, std::move(commands));
+  Progress progress(part_of(settings.progress, plants_share, 1), file.size());
   LogEvent event;
   while (file.next(event)) {
     scanner.take(event);

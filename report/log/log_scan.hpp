@@ -9,6 +9,7 @@
 #include <string>
 
 #include "report/log/channel_count.hpp"
+#include "report/log/plant_parts.hpp"
 #include "report/log/sample_check.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/loop_record_t.hpp"
@@ -46,6 +47,7 @@ class LogVisitor {
 /// How a log is read.
 struct ScanSettings {
   std::optional<std::int64_t> run_id;  ///< without it the log must hold exactly one run
+  std::optional<int> plant;            ///< of LogScan::plants, from 1; without it choose_plant's
   Eigen::Index block_samples = 4096;   ///< the most rows of a block
   /// A message this much older than the newest one is no longer put in its place but counted in
   /// n_too_late; memory grows with it.
@@ -56,11 +58,14 @@ struct ScanSettings {
 /// What a log holds beside the samples.
 struct LogScan {
   stillframe_msgs::run_info_t info;
+  std::vector<PlantPart> plants;  ///< of the run, in the order in which they ended
+  std::size_t plant = 0;          ///< the one of them that all here is of
   ChannelCount measurements, commands;
   std::int64_t n_too_late = 0;   ///< messages that came too late to be put in their place
   std::int64_t n_saturated = 0;  ///< commands in which a force was limited
   SampleFaults faults;
-  std::optional<stillframe_msgs::timing_t> plant_timing, controller_timing;
+  std::optional<stillframe_msgs::timing_t> plant_timing;
+  std::optional<stillframe_msgs::timing_t> controller_timing;  ///< none if there are several plants
   std::optional<stillframe_msgs::controller_status_t> last_status;
   std::int64_t first_us = 0;  ///< since the UNIX epoch, by the logger's clock, when the run began
   double log_duration_s = 0;  ///< by the logger's clock, its steps taken out
@@ -75,11 +80,18 @@ struct LogScan {
                                                 ///< 100 names, the rest under ""
 };
 
-/// Reads one run of an LCM log from front to back in bounded memory and hands it to a visitor.
+/// Reads one run of an LCM log, as one plant measured it, from front to back in bounded memory and
+/// hands it to a visitor.
 /// A truncated or damaged log gives what was readable. Errors: InputError for a missing file, no
 /// run_info, several runs and no choice, a run without measurements, sizes that do not fit
-/// run_info, another format_version, two different messages with one seq.
+/// run_info, another format_version, two different messages with one seq, a plant that is not
+/// there.
 LogScan scan_log(const std::filesystem::path& path, const ScanSettings& settings,
                  LogVisitor& visitor);
+
+/// What a reader has to know of a run that several plants measured, or nothing (plant_parts.hpp).
+inline std::string plants_in_words(const LogScan& scan) {
+  return plants_in_words(scan.plants, scan.plant, scan.info.run_id);
+}
 
 }  // namespace stillframe::report

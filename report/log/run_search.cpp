@@ -127,7 +127,8 @@ class Copies {
 
 class Search {
  public:
-  explicit Search(std::optional<std::int64_t> run_id) : wanted_(run_id) {}
+  Search(std::optional<std::int64_t> run_id, std::optional<std::int64_t> plant_instance)
+      : wanted_(run_id), plant_(plant_instance) {}
 
   bool has_found() const { return chosen_.has_value(); }
 
@@ -142,7 +143,7 @@ class Search {
     if (event.channel != channels::measurement) return false;
     note<measurement_t>(event);
     measurement_t message;
-    if (!decode(event.payload, message)) return false;
+    if (!decode(event.payload, message) || !is_of_plant(message)) return false;
     if (runs_.contains(message.run_id)) {
       if (is_chosen(message.run_id)) period_.add(message);
       return chosen_.has_value();
@@ -156,7 +157,7 @@ class Search {
     if (event.channel == channels::run_info) take_info(event);
     measurement_t message;
     if (event.channel == channels::measurement && decode(event.payload, message) &&
-        message.run_id == *chosen_) {
+        message.run_id == *chosen_ && is_of_plant(message)) {
       period_.add(message);
     }
     return period_.is_enough();
@@ -172,13 +173,18 @@ class Search {
  private:
   bool take_info(const LogEvent& event) {
     run_info_t info;
-    if (!decode(event.payload, info)) return false;
+    if (!decode(event.payload, info) || !is_of_plant(info)) return false;
     if (runs_.size() < most_runs || runs_.contains(info.run_id)) {
       runs_[info.run_id].add(event.payload);
       // A log that was begun after the run: its measurements came first.
       if (measured_.contains(info.run_id)) return is_chosen(info.run_id);
     }
     return false;
+  }
+
+  template <typename Message>
+  bool is_of_plant(const Message& message) const {
+    return !plant_ || message.plant_instance == *plant_;
   }
 
   bool is_chosen(std::int64_t run_id) {
@@ -224,7 +230,7 @@ class Search {
     throw InputError(text);
   }
 
-  std::optional<std::int64_t> wanted_, chosen_;
+  std::optional<std::int64_t> wanted_, plant_, chosen_;
   SamplePeriod period_;
   std::map<std::int64_t, Copies> runs_;
   std::set<std::int64_t> measured_;
@@ -235,9 +241,10 @@ class Search {
 }  // namespace
 
 run_info_t find_run_info(const std::filesystem::path& path, std::optional<std::int64_t> run_id,
+                         std::optional<std::int64_t> plant_instance,
                          const std::function<void(double)>& progress) {
   EventFile file(path);
-  Search search(run_id);
+  Search search(run_id, plant_instance);
   LogEvent event;
   std::int64_t told = 0;
   constexpr std::int64_t tell_every = std::int64_t{16} << 20;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/linear/frequency_range.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_style.hpp"
 
@@ -57,15 +58,6 @@ std::string envelope_panel(const RobustnessPlot& plot) {
   return script + "plot " + joined(parts) + "\n";
 }
 
-/// The next of 1, 2, 5, 10, 20, ... (and their decimal parts) from a value up.
-double round_step(double value) {
-  const double decade = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0}) {
-    if (value <= step * decade) return step * decade;
-  }
-  return 10 * decade;
-}
-
 std::string damping_panel(const RobustnessPlot& plot) {
   const auto n = static_cast<Index>(plot.damping.size());
   MatrixXd bars(n, 2);
@@ -77,7 +69,7 @@ std::string damping_panel(const RobustnessPlot& plot) {
   const double most = std::max(bars(n - 1, 0), plot.nominal_damping) + 2 * plot.damping_width;
   const std::string nominal = plot_number(plot.nominal_damping);
   return margins(0.09, 0.965, 0.17, 0.385) + "unset logscale\nset xtics autofreq\nset ytics 0," +
-         plot_number(round_step(bars.col(1).maxCoeff() / 3)) +
+         plot_number(rounded_up(bars.col(1).maxCoeff() / 3)) +
          "\nset mytics 1\nset yrange [0:*]\n"
          "set xrange [" +
          plot_number(least) + ":" + plot_number(most) + "]\n" +

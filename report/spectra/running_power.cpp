@@ -175,7 +175,8 @@ Psd RunningPower::finish() const {
   if (windows_) return windows_->finish(sample_rate_hz_);
   const auto n = static_cast<Index>(first_.size());
   if (n < 2) return {.sample_rate_hz = sample_rate_hz_, .resolution_hz = 0, .density = {}};
-  return Windows(std::min(n_, window_for(std::max(shortest_, n))), beside_, first_).finish(sample_rate_hz_);
+  return Windows(std::min(n_, window_for(std::max(shortest_, n))), beside_, first_)
+      .finish(sample_rate_hz_);
 }
 
 Psd power_of(const VectorXd& x, double sample_rate_hz, double lowest_hz) {

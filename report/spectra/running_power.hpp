@@ -21,7 +21,8 @@ namespace stillframe::report {
 /// A window is as long as the record, and no longer than resolves the lowest frequency that is
 /// asked of, 200 periods of it: an edge there is known to three bins, 1.5 %. Of a shorter record
 /// than 24 periods it holds zeros beside, so that edges are known to an eighth of that frequency
-/// then, too, and what the ends do is told by jumps. Nor is it longer than 2^20 samples, which bounds the memory: 12 MB beside 50 MB while a transform is taken. Set-up.
+/// then, too, and what the ends do is told by jumps. Nor is it longer than 2^20 samples, which
+/// bounds the memory: 12 MB beside 50 MB while a transform is taken. Set-up.
 class RunningPower {
  public:
   /// lowest_hz: of the edges of bands; expected: samples, 0: not known. Errors:
@@ -42,7 +43,7 @@ class RunningPower {
   class Windows;
   double sample_rate_hz_;
   Eigen::Index shortest_, n_;  ///< samples in a window, n_ a multiple of 10
-  Eigen::Index beside_;  ///< samples beside an end, two periods of the lowest frequency
+  Eigen::Index beside_;        ///< samples beside an end, two periods of the lowest frequency
   std::vector<double> first_;
   std::unique_ptr<Windows> windows_;  ///< none while the first samples are waited for
 };

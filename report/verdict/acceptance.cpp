@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <limits>
 
 #include "report/log/sample_check.hpp"
 #include "report/spectra/spectra.hpp"
@@ -103,6 +102,7 @@ class Judge {
                      cell("%g", largest_value) + " (N, m/s^2): " + many + ", the first at " +
                      run.first_not_finite + "."});
     }
+    resting_of(run);
     if (run.n_repeats > 0) {
       add_share({.what = "measurements of " + of + " that repeat the one before in every channel",
                  .n = run.n_repeats,
@@ -110,6 +110,39 @@ class Judge {
                  .of_what = "measurements",
                  .subject = Subject::record},
                 accept_.lost_share, default_log_loss_share);
+    }
+  }
+
+  /// A sensor without a cable reads what a perfect frame does.
+  void resting_of(const RunSummary& run) {
+    const auto joined = [](const std::vector<std::string>& names) {
+      std::string text;
+      for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+      return text;
+    };
+    if (!run.resting_channels.empty()) {
+      const std::string names = joined(run.resting_channels);
+      add({.subject = Subject::record,
+           .what = "accelerations in the log of the " + run.loop + " run that never change",
+           .asked = "none",
+           .found = names,
+           .outcome = Outcome::not_judged,
+           .reason = "In the log of the " + run.loop + " run " + names +
+                     (run.resting_channels.size() == 1 ? " never changes" : " never change") +
+                     " by a bit though what moves the frame does, as of a sensor that is dead or "
+                     "coarser than the motion: nothing passes by it.",
+           .is_needed = true});
+    }
+    if (!run.resting_forces.empty()) {
+      const std::string names = joined(run.resting_forces);
+      add({.subject = Subject::record,
+           .what = "forces in the log of the " + run.loop + " run that never act",
+           .asked = "none",
+           .found = names,
+           .outcome = Outcome::failed,
+           .reason = "In the log of the " + run.loop + " run the applied force of " + names +
+                     " never changes by a bit though the commands do: they do not act, or what "
+                     "acts is not measured."});
     }
   }
 
@@ -226,6 +259,12 @@ class Judge {
     }
     for (const AxisLevels& axis : verdict_.axes) {
       if (!axis.active) continue;
+      if (!axis.resting.empty()) {
+        const bool by_scene = std::any_of(axis.asked.begin(), axis.asked.end(),
+                                          [](const AskedMotion& asked) { return asked.by_scene; });
+        open("Axis " + axis.axis + ": " + axis.resting + ".", by_scene);
+        continue;
+      }
       for (const AskedMotion& asked : axis.asked) motion_of(axis, asked);
     }
     for (const AxisAcceptance& asked : accept_.axes) {
@@ -259,26 +298,19 @@ class Judge {
            .reason = "Axis " + axis.axis + ": " + motion.why_not + ".",
            .by_scene = motion.by_scene});
     } else if (a.rms_of_floor) {
-      // What a scene asks for by name it asks of all that acts.
-      const bool disturbed = verdict_.disturbed && !motion.by_scene;
-      // Of what forces on the frame may have done, no more than the model leaves unexplained is
-      // theirs; the whole is, where there is no model.
-      const double forces = !disturbed                  ? 0
-                            : motion.active_unexplained ? *motion.active_unexplained
-                                                        : std::numeric_limits<double>::infinity();
       const Against against{&axis, &motion, "floor", "rms"};
       const auto floor = level_of(motion.floor, motion.floor_jumps, motion.floor_leak);
       const bool resolved = !(a.to_hz - a.from_hz < motion.narrowest_hz);
       if (active && floor && resolved && !floor_moves(axis, motion)) {
         add(open_ratio(against, *a.rms_of_floor, "the floor hardly moves " + hz_range(a)));
       } else {
-        rms(against, active, forces, floor, *a.rms_of_floor);
+        rms(against, active, floor, *a.rms_of_floor, without_forces(motion));
       }
     }
     if (a.rms_of_passive) {
       const Against against{&axis, &motion, "passive frame", "rms"};
       if (!rests(against, active, passive, *a.rms_of_passive)) {
-        rms(against, active, 0, passive, *a.rms_of_passive);
+        rms(against, active, passive, *a.rms_of_passive);
       }
     }
     if (a.band_of_floor && motion.why_not.empty()) {
@@ -290,6 +322,16 @@ class Judge {
         bands(against, axis.passive_spectra, *a.band_of_passive);
       }
     }
+  }
+
+  /// Of the active frame, m/s^2, what at least is not the doing of forces besides the floor: what
+  /// they may have done is no more than the model makes of them, and the doubt of that. None if
+  /// there are none; a scene that asks by name asks of all that acts.
+  std::optional<double> without_forces(const AskedMotion& motion) const {
+    if (!verdict_.disturbed || motion.by_scene) return std::nullopt;
+    const auto rest = level_of(motion.active_undisturbed, motion.active_jumps, motion.active_leak);
+    if (!rest || !motion.active_by_forces) return 0;
+    return rest->least() - doubt_of_forces * *motion.active_by_forces;
   }
 
   /// What is no number is not said to rest.
@@ -339,18 +381,16 @@ class Judge {
   /// What a ratio may be.
   struct Span {
     double found = 0, least = 0, most = 0;
-    std::string doubt = {};  ///< what the difference comes of
-    bool forces = false;     ///< it is that forces act on the frame
+    std::string doubt = {};                  ///< what the difference comes of
+    std::optional<double> undisturbed = {};  ///< at least, without forces on the frame
   };
-  static Span span_of(const Level& active, double forces, const Level& reference) {
-    const double sure = active.least();
+  static Span span_of(const Level& active, const Level& reference) {
     return {.found = active.value / reference.value,
-            .least = std::sqrt(std::max(0.0, sure * sure - forces * forces)) / reference.most(),
+            .least = active.least() / reference.most(),
             .most = active.most() / reference.least(),
             .doubt = (active.most() * reference.value > reference.most() * active.value ? active
                                                                                         : reference)
-                         .doubt(),
-            .forces = forces > 0};
+                         .doubt()};
   }
 
   Check open_ratio(const Against& against, double allowed, const std::string& why) const {
@@ -364,8 +404,10 @@ class Judge {
             .by_scene = against.motion->by_scene};
   }
 
-  void rms(const Against& against, const std::optional<Level>& active, double forces,
-           const std::optional<Level>& reference, double allowed) {
+  /// without_forces: m/s^2, of the active frame, at least.
+  void rms(const Against& against, const std::optional<Level>& active,
+           const std::optional<Level>& reference, double allowed,
+           std::optional<double> without_forces = {}) {
     const AxisAcceptance& a = against.motion->asked;
     const std::string of = against.reference, range = hz_range(a);
     const auto open = [&](const std::string& why) { add(open_ratio(against, allowed, why)); };
@@ -375,7 +417,9 @@ class Judge {
       open("the range " + range + " is narrower than what the record resolves, " +
            cell("%.3g Hz", against.motion->narrowest_hz));
     } else {
-      ratio(against, span_of(*active, forces, *reference), *reference, allowed);
+      Span span = span_of(*active, *reference);
+      if (without_forces) span.undisturbed = *without_forces / reference->most();
+      ratio(against, span, *reference, allowed);
     }
   }
 
@@ -394,10 +438,13 @@ class Judge {
              cell(" may be so much of the range that the ratio, %.4g, is known up to %.4g only",
                   span.found, span.most);
     } else if (span.found > allowed && span.least <= allowed) {
-      open =
-          is + " times as much as the " + of +
-          (span.forces ? ", but forces act on the frame besides the floor and may be the difference"
-                       : ", but " + span.doubt + " may be the difference");
+      open = is + " times as much as the " + of + ", but " + span.doubt + " may be the difference";
+    } else if (span.found > allowed && span.undisturbed && *span.undisturbed <= allowed) {
+      open = is + " times as much as the " + of +
+             ", but forces act on the frame besides the floor and may be the difference";
+      if (!verdict_.forces_unknown.empty()) {
+        open += " (what they do is not known: " + verdict_.forces_unknown + ")";
+      }
     }
     Check check = open_ratio(against, allowed, open);
     check.found = is;
@@ -465,7 +512,7 @@ class Judge {
         }
         continue;
       }
-      const Span span = span_of(level_in(*active, i), 0, level_in(*reference, i));
+      const Span span = span_of(level_in(*active, i), level_in(*reference, i));
       if (!worst) worst = span;
       if (!(span.found <= worst->found)) worst->found = span.found;
       if (span.most > worst->most) {

@@ -23,6 +23,10 @@ inline constexpr double default_limited_share = 0.01, default_unanswered_share =
 /// it moves along and no input measures, forces and distortion are in the log too (decision 21).
 inline constexpr double default_broad_prediction_db = 3;
 
+/// A share of what the model makes of forces on the frame: so much more or less they may have done,
+/// 10^(3/20) - 1, where a loop passes that is broadly the predicted one.
+inline constexpr double doubt_of_forces = 0.413;
+
 /// Averages are of at least so many periods of the lowest frequency that they hold, 1 Hz where what
 /// is asked begins higher, ...
 inline constexpr double least_periods = 10;

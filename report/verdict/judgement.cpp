@@ -30,7 +30,7 @@ Judgement conclude(std::vector<Check> checks) {
     judgement.reason = with_others(check->reason, count(failed) - 1, "failed");
     return judgement;
   }
-  const auto missed = first([&](const Check& c) { return open(c) && c.by_scene; });
+  const auto missed = first([&](const Check& c) { return open(c) && (c.by_scene || c.is_needed); });
   if (missed != all.end()) {
     judgement.reason = missed->reason;
     return judgement;

@@ -35,6 +35,7 @@ struct Check {
   bool by_scene = false;  ///< the scene asks for it by name
   /// That it passed shows that the loop is sound; else it can only fail.
   bool is_proof = true;
+  bool is_needed = false;  ///< where it could not be judged nothing else passes the run
 };
 
 /// What comes of all that was asked. Text, JSON, page and exit code take it from here.
@@ -49,9 +50,9 @@ constexpr Outcome at_most(double found, double allowed) {
   return found <= allowed ? Outcome::passed : Outcome::failed;
 }
 
-/// Failed if any check failed. Passed if none did, all that the scene asks for by name could be
-/// judged, and at least one check of motion or prediction that is a proof passed: a whole log of a
-/// loop that nobody looked at is not judged.
+/// Failed if any check failed. Passed if none did, all that is needed or that the scene asks for by
+/// name could be judged, and at least one check of motion or prediction that is a proof passed: a
+/// whole log of a loop that nobody looked at is not judged.
 Judgement conclude(std::vector<Check> checks);
 
 }  // namespace stillframe::report

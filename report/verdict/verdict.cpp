@@ -12,9 +12,14 @@ namespace stillframe::report {
 
 using nlohmann::ordered_json;
 
-bool IdentificationSummary::pass() const {
-  return n_frequencies > 0 && n_compared > 0 && beyond_db <= allowed_db &&
-         n_closed_below_open == n_reduction_frequencies;
+Outcome IdentificationSummary::outcome() const {
+  if (n_frequencies == 0 || n_compared() == 0) return Outcome::not_judged;
+  if (!(beyond_db <= allowed_db) || n_closed_below_open != n_reduction_frequencies) {
+    return Outcome::failed;
+  }
+  const bool unknown = n_reduction_frequencies == 0 && n_reduction_unknown > 0;
+  return n_open_compared > 0 && n_closed_compared > 0 && !unknown ? Outcome::passed
+                                                                  : Outcome::not_judged;
 }
 
 IdentificationSummary summarise(const PredictionError& open, const PredictionError& closed,
@@ -26,7 +31,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
   return {.n_frequencies = static_cast<int>(frequencies_hz.size()),
           .lowest_hz = any ? *lowest : 0,
           .highest_hz = any ? *highest : 0,
-          .n_compared = static_cast<int>(open.n_compared + closed.n_compared),
+          .n_open_compared = static_cast<int>(open.n_compared),
+          .n_closed_compared = static_cast<int>(closed.n_compared),
           .allowed_db = open.tolerance_db,
           .open_largest_db = open.largest_db,
           .open_at_hz = open.at_frequency_hz,
@@ -36,6 +42,7 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
           .reduction_above_hz = reduction_above_hz,
           .n_reduction_frequencies = static_cast<int>(reduction.n_frequencies),
           .n_closed_below_open = static_cast<int>(reduction.n_below),
+          .n_reduction_unknown = static_cast<int>(reduction.n_unknown),
           .reduction_largest_error_db = reduction.largest_error_db};
 }
 
@@ -83,7 +90,8 @@ ordered_json json_of(const AskedMotion& motion) {
           {"passive_leak", motion.passive_leak},
           {"active_leak", motion.active_leak},
           {"narrowest_hz", motion.narrowest_hz},
-          {"active_unexplained", json_of(motion.active_unexplained)}};
+          {"active_by_forces", json_of(motion.active_by_forces)},
+          {"active_undisturbed", json_of(motion.active_undisturbed)}};
 }
 
 ordered_json json_of(const RunSummary& run) {
@@ -112,7 +120,9 @@ ordered_json json_of(const RunSummary& run) {
            run.real_time_factor > 0 ? ordered_json(run.real_time_factor) : ordered_json(nullptr)},
           {"n_periods", run.n_periods},
           {"n_discarded", run.n_discarded},
-          {"unreadable", run.unreadable}};
+          {"unreadable", run.unreadable},
+          {"resting_channels", run.resting_channels},
+          {"resting_forces", run.resting_forces}};
 }
 
 ordered_json json_of(const TimingSummary::Quantiles& quantiles) {
@@ -136,11 +146,15 @@ ordered_json json_of(const TimingSummary& timing) {
 }
 
 ordered_json json_of(const IdentificationSummary& id) {
-  return {{"pass", id.pass()},
+  const Outcome outcome = id.outcome();
+  return {{"pass", outcome == Outcome::not_judged ? ordered_json(nullptr)
+                                                  : ordered_json(outcome == Outcome::passed)},
           {"n_frequencies", id.n_frequencies},
           {"lowest_hz", id.lowest_hz},
           {"highest_hz", id.highest_hz},
-          {"n_compared", id.n_compared},
+          {"n_compared", id.n_compared()},
+          {"n_open_compared", id.n_open_compared},
+          {"n_closed_compared", id.n_closed_compared},
           {"allowed_db", id.allowed_db},
           {"open_largest_db", id.open_largest_db},
           {"open_at_hz", id.open_at_hz},
@@ -150,6 +164,7 @@ ordered_json json_of(const IdentificationSummary& id) {
           {"reduction_above_hz", id.reduction_above_hz},
           {"n_reduction_frequencies", id.n_reduction_frequencies},
           {"n_closed_below_open", id.n_closed_below_open},
+          {"n_reduction_unknown", id.n_reduction_unknown},
           {"reduction_largest_error_db", id.reduction_largest_error_db}};
 }
 

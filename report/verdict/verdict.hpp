@@ -43,6 +43,9 @@ struct RunSummary {
   std::int64_t n_repeats =
       0;  ///< measurements that are the one before to the bit on a moving floor
   std::string unreadable = {};  ///< why scene, gains or floor cannot be read; empty: they can
+  /// Accelerations that never change though what moves them does, and forces that do not act though
+  /// they are commanded, by name.
+  std::vector<std::string> resting_channels = {}, resting_forces = {};
 };
 
 /// One process's own account of its deadlines.
@@ -63,18 +66,21 @@ struct TimingSummary {
 struct IdentificationSummary {
   int n_frequencies = 0;
   double lowest_hz = 0, highest_hz = 0;
-  int n_compared = 0;     ///< values of both loops (ComparisonRule)
-  double allowed_db = 0;  ///< beyond the bands
+  int n_open_compared = 0, n_closed_compared = 0;  ///< values of each loop (ComparisonRule)
+  double allowed_db = 0;                           ///< beyond the bands
   double open_largest_db = 0, open_at_hz = 0;
   double closed_largest_db = 0, closed_at_hz = 0;
   double beyond_db = 0;  ///< furthest that a prediction of either lies outside the value's band
   double reduction_above_hz = 0;  ///< the reduction is judged above this
   int n_reduction_frequencies = 0, n_closed_below_open = 0;
+  int n_reduction_unknown = 0;  ///< further ones where it is predicted and not known
   double reduction_largest_error_db = 0;
 
-  /// All predictions within their values' bands and what is allowed beyond, and the closed loop
-  /// below the open one wherever it is judged.
-  bool pass() const;
+  int n_compared() const { return n_open_compared + n_closed_compared; }
+  /// Passed: all predictions within their values' bands and what is allowed beyond, and the closed
+  /// loop below the open one wherever it is judged. Not judged where that says nothing of a loop:
+  /// no value of it is compared, or a reduction is predicted and known nowhere.
+  Outcome outcome() const;
 };
 
 /// One signal's numbers in one direction.
@@ -90,8 +96,8 @@ struct MotionLevel {
 struct MotionSpectra {
   std::vector<double> velocity;        ///< m/s rms in the band
   std::vector<double> cumulative_rms;  ///< m/s^2, from 0 to the band's upper edge
-  /// m/s rms, how much of velocity may come of where the record begins and ends, and the root of how
-  /// far its square may be wrong by what lies beside the band; empty: nothing.
+  /// m/s rms, how much of velocity may come of where the record begins and ends, and the root of
+  /// how far its square may be wrong by what lies beside the band; empty: nothing.
   std::vector<double> jumps = {}, leak = {};
   double narrowest_hz = 0;  ///< of a band that the record resolves
 };
@@ -106,8 +112,9 @@ struct AskedMotion {
   /// m/s^2, the roots of how far their squares may be wrong by what lies beside the range.
   double floor_leak = 0, passive_leak = 0, active_leak = 0;
   double narrowest_hz = 0;  ///< of a range that the records resolve
-  /// m/s^2, of the active frame, what the model does not make of the floor, if that is known.
-  std::optional<double> active_unexplained = {};
+  /// m/s^2, what the model makes of the forces that act on the active frame besides the floor, and
+  /// what is left of its motion without that; none: there are no such forces, or it is not known.
+  std::optional<double> active_by_forces = {}, active_undisturbed = {};
 };
 /// Signals that were recorded on one and the same floor: an axis stands twice where the passive and
 /// the active run had floors of their own.
@@ -116,6 +123,7 @@ struct AxisLevels {
   std::optional<MotionLevel> floor, passive, active;
   std::optional<MotionSpectra> floor_spectra = {}, passive_spectra = {}, active_spectra = {};
   std::vector<AskedMotion> asked = {};
+  std::string resting = {};  ///< why nothing is read from its signals; empty: they are read
 };
 
 /// From floor to frame in one direction, identified.
@@ -139,10 +147,9 @@ struct ResponseSummary {
   double broadly_beyond_db = 0;
   /// Directions in which the floor's nodes may move and no input measures it: the prediction does
   /// not have that motion. If it is as large as that of the inputs, it may shift one value so far,
-  /// dB, and a tenth of them so far or further; why: what makes those directions stiff.
+  /// dB, and a tenth of them so far or further.
   std::int64_t n_unmeasured = 0;
   double unmeasured_largest_db = 0, unmeasured_broadly_db = 0;
-  std::string unmeasured_why = {};
   /// It tells what another response of the run tells: a value of the one is that of the other.
   bool repeats = false;
   double continuous_largest_db = 0, continuous_at_hz = 0;
@@ -188,6 +195,7 @@ struct Verdict {
   std::optional<double> isolates_above_hz;  ///< twice the highest target, if it is known
   FrequencyRange judged = {1, 80};          ///< of the motion, where the scene names none
   bool disturbed = false;                   ///< forces act on the frame besides the floor
+  std::string forces_unknown = {};          ///< why it is not known what they do; empty: it is
   bool floors_apart = false;                ///< each floor input moves on its own
   std::vector<std::string> warnings;        ///< what to know before comparing, a sentence each
   Judgement judgement;                      ///< of all this, by judge()
@@ -210,23 +218,26 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     n_duplicates n_commands n_commands_given (null: unknown) n_not_finite n_repeats n_saturated
 ///     n_damaged unread_bytes n_other_version n_foreign
 ///     n_clock_steps real_time_factor (null if unknown) n_periods n_discarded
-///     unreadable
+///     unreadable resting_channels[] resting_forces[]
 ///   timing[]: loop source n_periods n_late n_lost n_duplicates n_listened worst_wake_up_us
 ///     worst_compute_us, wake_up and compute if known: p50_us p99_us p999_us
-///   identification (if any): pass n_frequencies lowest_hz highest_hz
-///     n_compared allowed_db open_largest_db open_at_hz closed_largest_db closed_at_hz beyond_db
-///     reduction_above_hz n_reduction_frequencies n_closed_below_open reduction_largest_error_db
-///   axes[]: axis, then floor, passive, active (those there are): rms_acceleration (m/s^2, 1-80 Hz)
-///     peak_acceleration (m/s^2) whole_rms (m/s^2, of all samples)
-///     largest_band_velocity (m/s rms) largest_band_hz vibration_class
+///   identification (if any): pass (null: not judged) n_frequencies lowest_hz highest_hz
+///     n_compared n_open_compared n_closed_compared allowed_db open_largest_db open_at_hz
+///     closed_largest_db closed_at_hz beyond_db reduction_above_hz n_reduction_frequencies
+///     n_closed_below_open n_reduction_unknown reduction_largest_error_db
+///   axes[] (on a multisine the comparisons, then the outputs that none of them has, floor only
+///     where there is one input): axis, then floor, passive, active (those there are):
+///     rms_acceleration (m/s^2, 1-80 Hz) peak_acceleration (m/s^2) whole_rms (m/s^2, of all
+///     samples) largest_band_velocity (m/s rms) largest_band_hz vibration_class
 ///     third_octave_velocity (m/s rms) cumulative_rms (m/s^2), a number for each of
 ///     third_octave_bands_hz; ratio_active_to_passive and ratio_active_to_floor, each with
 ///     rms_acceleration and largest_band_velocity; ranges[] that were asked for: from_hz to_hz,
 ///     floor passive active (m/s^2 rms in it; null: none), floor_jumps passive_jumps active_jumps
 ///     (m/s^2, how much of these the ends of the records may be), floor_leak passive_leak
 ///     active_leak (m/s^2, roots of how far their squares may be wrong by what lies beside the
-///     range), narrowest_hz (of a range that the records resolve), active_unexplained (m/s^2;
-///     null: not known)
+///     range), narrowest_hz (of a range that the records resolve), active_by_forces (m/s^2, what
+///     the model makes of forces besides the floor) active_undisturbed (without that; null: there
+///     are none, or it is not known)
 ///   third_octave_bands_hz: nominal centres
 ///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
 ///     sampled_at_hz beyond_db tolerance_db broadly_beyond_db

@@ -46,6 +46,11 @@ std::string runs_text(const std::vector<RunSummary>& runs) {
          first.program_version + "\n" + table.print() + notes;
 }
 
+const char* in_short(Outcome outcome) {
+  if (outcome == Outcome::not_judged) return "not judged";
+  return outcome == Outcome::passed ? "pass" : "FAIL";
+}
+
 std::string identification_text(const IdentificationSummary& id) {
   Table table({"measured against the sampled-data prediction", "largest dB", "at Hz"}, 1);
   table.add(
@@ -58,13 +63,16 @@ std::string identification_text(const IdentificationSummary& id) {
   return cell(
              "Identification: %d frequencies, %g to %g Hz, %d values compared, at most %.4f dB "
              "beyond their bands (allowed: %.4g dB): %s\n",
-             id.n_frequencies, id.lowest_hz, id.highest_hz, id.n_compared, id.beyond_db,
-             id.allowed_db, id.pass() ? "pass" : "FAIL") +
+             id.n_frequencies, id.lowest_hz, id.highest_hz, id.n_compared(), id.beyond_db,
+             id.allowed_db, in_short(id.outcome())) +
          table.print() +
          cell(
              "  closed loop below open loop at %d of the %d frequencies above %.4g Hz where it is "
-             "to be\n",
-             id.n_closed_below_open, id.n_reduction_frequencies, id.reduction_above_hz);
+             "to be",
+             id.n_closed_below_open, id.n_reduction_frequencies, id.reduction_above_hz) +
+         (id.n_reduction_unknown > 0 ? cell(", not known at %d more", id.n_reduction_unknown)
+                                     : "") +
+         "\n";
 }
 
 /// Four significant digits without an exponent where that is readable.

@@ -34,7 +34,7 @@ Gains shipped_gains(const std::string& controller, const std::string& scene) {
 }
 
 Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
-                    std::uint64_t seed, Told told, double floor_size) {
+                    std::uint64_t seed, Told told, double floor_size, int n_lost) {
   const auto samples = [&](double seconds) {
     return static_cast<int>(seconds * gains.sample_rate_hz);
   };
@@ -46,6 +46,7 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
   }
   std::normal_distribution<double> normal;
   bool is_broken = false;
+  std::int64_t since = 0;
   std::vector<Breaker> breakers;
   std::vector<Index> legs;
   for (const Broken& each : broken) {
@@ -64,7 +65,8 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
     for (double& value : m.sigma) value += noise * normal(random);
     damage(Part::sensor, m.sigma);
     damage(Part::read_back, m.applied);
-    return !is_broken || told == Told::by_its_watch;
+    if (!is_broken) return true;
+    return told == Told::by_its_watch && (m.seq - since) % samples(1) >= n_lost;
   };
   Episode episode;
   if (!rig.reaches(State::active, samples(3), wire)) {
@@ -74,7 +76,7 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
   rig.steps(samples(1) + static_cast<int>(random() % static_cast<std::uint64_t>(samples(2))), wire);
   if (rig.state() != State::active) throw std::runtime_error("a sound loop does not stay active");
   is_broken = true;
-  const std::int64_t since = rig.k();
+  since = rig.k();
   alone.steps(static_cast<int>(since));
   for (Rig* each : {&rig, &alone}) each->peak = each->peak_y = 0;
   for (int k = 0; k < samples(4); ++k) {

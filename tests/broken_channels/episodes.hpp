@@ -33,9 +33,10 @@ inline constexpr double usual_floor = 5e-3;
 
 /// Lets a loop become active on a floor of that size (m/s^2) with 1 mN of sensor
 /// noise, breaks what is to break (nothing: how it goes without) and looks on for four seconds.
-/// Legs, moment and noise by seed. Source: docs/safety.md.
+/// Legs, moment and noise by seed. n_lost: from the damage on the first so many measurements of
+/// each second are lost. Source: docs/safety.md.
 Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<Broken>& broken,
                     std::uint64_t seed, Told told = Told::by_its_watch,
-                    double floor_size = usual_floor);
+                    double floor_size = usual_floor, int n_lost = 0);
 
 }  // namespace stillframe::controller

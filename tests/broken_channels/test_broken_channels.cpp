@@ -27,14 +27,19 @@ double worse(const Episode& episode) { return worst_of(episode.peak, episode.acc
 /// No more than is promised of the worse of the two; or than a loop does that is told at once, but
 /// for what the law does until it knows: an actuator that drops, turns or shakes the force that
 /// it holds does so before anything can be known of it.
-void expect_promised(const Gains& gains, const std::vector<Broken>& broken, std::uint64_t seed) {
-  double most = 0;
+void expect_promised(const Gains& gains, const std::vector<Broken>& broken, std::uint64_t seed,
+                     int n_lost = 0) {
+  // In the sample in which a gap begins, ten newtons more on a sensor or a read-back are three
+  // commands of what a sound loop may do to catch up: 2.41 was reached, and 39 by a loop that went
+  // on from what a read-back said.
+  double most = n_lost > 0 ? 2.5 : 0;
   std::string names;
   for (const Broken& each : broken) {
     most = std::max(most, promised(each));
     names += each.name() + " ";
   }
-  const Episode episode = run_episode(gains, {}, broken, seed);
+  const Episode episode =
+      run_episode(gains, {}, broken, seed, Told::by_its_watch, usual_floor, n_lost);
   EXPECT_EQ(episode.latched, episode.found_s >= 0) << names;
   if (worse(episode) < most) return;
   const Episode told = run_episode(gains, {}, broken, seed, Told::at_once);
@@ -56,6 +61,18 @@ TEST_P(BrokenChannels, InPairs) {
   for (int trial = 0; trial < 40; ++trial) {
     const Broken &a = all[random() % all.size()], &b = all[random() % all.size()];
     expect_promised(gains, {a, b}, random());
+  }
+}
+
+// A bad cable breaks more than one thing: beside the damage measurements are lost, some of them
+// for longer than the loop holds its force. What an actuator does meanwhile nobody can know.
+TEST_P(BrokenChannels, WithMeasurementsLost) {
+  const Gains gains = shipped_gains(GetParam());
+  const int hold = static_cast<int>(Policy{}.hold_periods);
+  std::uint64_t seed = 1;
+  for (const Broken& broken : all_broken()) {
+    if (broken.part == Part::actuator) continue;
+    expect_promised(gains, {broken}, seed++, hold + 2);
   }
 }
 

@@ -86,6 +86,14 @@ TEST_F(BadInput, WallClockWithoutDelay) {
                  "delay_samples: found 0");
 }
 
+TEST_F(BadInput, WallClockWithoutForceLimit) {
+  const auto file = changed_controller({{"force_limit_n: 200", ""}});
+  for (const char* loop : {"passive", "both"}) {
+    expect_refused({"run", scene(), "--controller", file, "--mode", "wall_clock", "--loop", loop},
+                   3, "no force limit: a wall-clock run needs one");
+  }
+}
+
 TEST_F(BadInput, UnknownLcmProvider) {
   expect_refused({"run", scene(), "--lcm-url", "nonsense://x"}, 2,
                  "LCM cannot be opened at 'nonsense://x'");

@@ -63,6 +63,19 @@ TEST_F(ControllerProcess, CheckOnlyPrintsTheRadius) {
   ChildProcess controller(command_line(toy::gains(5), {"--check-only"}));
   EXPECT_EQ(controller.wait(), 0) << controller.err();
   EXPECT_TRUE(contains(controller.out(), "spectral radius 0.9999")) << controller.out();
+  EXPECT_FALSE(contains(controller.err(), "has no hash")) << controller.err();
+}
+
+TEST_F(ControllerProcess, APlantThatNobodyVouchesForIsToldOf) {
+  const auto arguments = command_line(toy::gains(5), {"--check-only"});
+  std::string text = to_yaml(toy::gains(5));
+  const std::size_t at = text.find("\n  hash:");
+  ASSERT_NE(at, std::string::npos);
+  text.erase(at, text.find('\n', at + 1) - at);
+  std::ofstream(gains_file) << text;
+  ChildProcess controller(arguments);
+  EXPECT_EQ(controller.wait(), 0);
+  EXPECT_TRUE(contains(controller.err(), "plant: has no hash")) << controller.err();
 }
 
 TEST_F(ControllerProcess, DisagreementIsToldToThePlantAndExits2) {

@@ -248,8 +248,6 @@ const string latched = "fault, latched", passing = "fault, passing";
 const std::vector<string> engaged{"ramp_in", "active", "ramp_out"};
 const Period missing{.defect = Defect::missing}, stop{.request = Request::stop},
     start{.request = Request::start}, still{.sigma = Sigma::still};
-// Beyond any force limit here.
-const Period left_by_another{.left = 1e4};
 const std::vector<std::pair<string, Defect>> defects{{"not_finite", Defect::not_finite},
                                                      {"out_of_range", Defect::out_of_range}};
 // A period as long as hold_periods, and as much of it missing.
@@ -263,8 +261,6 @@ void before_force(std::vector<Scenario>& all) {
   all.push_back({{"begins", "idle", ""}, "", [](Drive&) {}});
   all.push_back({{"begins", latched, ""}, "", [](Drive& d) { d.begin_latched(Fault::restless); }});
   all.push_back({{"idle", "arming", ""}, "", [](Drive& d) { d.change(); }});
-  all.push_back(
-      {{"idle", latched, "out_of_range"}, "", [](Drive& d) { d.change(left_by_another); }});
   const auto from_arming = [&](const string& to, const string& fault, const Period& period) {
     all.push_back({{"arming", to, fault}, "", [period](Drive& d) {
                      d.reach("arming");
@@ -409,13 +405,6 @@ void faults_of_the_loop(std::vector<Scenario>& all) {
                      d.reach(from, still);
                      d.change({.request = asked, .n_elapsed = longest});
                    }});
-    all.push_back({{from, to, "unheard"},
-                   at_rest + "ramp: {in_s: 2, out_s: 2}\n" + policy,
-                   [from, asked](Drive& d) {
-                     d.reach(from, still);
-                     d.steps(100, {.sigma = Sigma::still, .heard = false});
-                     d.change({.request = asked, .heard = false});
-                   }});
   };
   for (const string from : {"ramp_in", "active"}) {
     no_force(from, "arming", "", Request::none);
@@ -439,11 +428,6 @@ void out_of_faults(std::vector<Scenario>& all) {
   after_a_sleep("arming", "", Request::none);
   after_a_sleep("idle", "", Request::stop);
   after_a_sleep(latched, never_again, Request::none);
-  all.push_back({{passing, latched, "out_of_range"}, "", [](Drive& d) {
-                   d.reach("active");
-                   d.change({.n_elapsed = longest + 1});
-                   d.change(left_by_another);
-                 }});
   all.push_back({{latched, "idle", ""}, "", [](Drive& d) {
                    d.begin_latched(Fault::offset);
                    d.change({.request = Request::reset});
@@ -575,7 +559,7 @@ TEST(States, NoRandomHistoryHasAnotherTransition) {
   }
   std::cout << "reached " << seen.size() << " transitions, not these " << n_not_met << ":"
             << not_met.str() << std::endl;
-  // A walk that goes nowhere would agree with any table. Of 71 these seeds reach 66; the others
+  // A walk that goes nowhere would agree with any table. Of 75 these seeds reach 71; the others
   // need a request or a loss in one certain period.
   EXPECT_GE(seen.size(), 60u);
 }

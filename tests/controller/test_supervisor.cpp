@@ -302,7 +302,8 @@ TEST(Supervisor, AfterASleepOfItsOwnItListensFirst) {
   EXPECT_EQ(rig.state(), State::fault);
   EXPECT_EQ(rig.fault(), Fault::suspended);
   EXPECT_EQ(rig.loop().counters().n_late, 40);
-  for (int i = 0; i < 340; ++i) {
+  // Until the amplifiers have let go of what it held.
+  for (int i = 0; i < 1490; ++i) {
     EXPECT_FALSE(rig.sent_any);
     rig.step();
   }
@@ -310,54 +311,43 @@ TEST(Supervisor, AfterASleepOfItsOwnItListensFirst) {
   EXPECT_EQ(rig.loop().counters().n_rejoins, 1);
 }
 
-TEST(Supervisor, TakesOverAForceThatIsThereSmoothly) {
-  Policy policy;
-  policy.start_at_once = false;
-  Rig rig(policy);
-  // Another controller has left 2 N on every leg.
-  const auto left = [](Measurement& m) {
-    m.applied.setConstant(2);
-    return true;
-  };
-  rig.steps(400, left);
-  EXPECT_EQ(rig.state(), State::idle);
-  EXPECT_GT(rig.force().minCoeff<Eigen::PropagateNaN>(), 1.9);
-  EXPECT_LT(rig.largest_jump, 2 + 1e-12);
-  rig.largest_jump = 0;
-  rig.steps(1100);
-  EXPECT_EQ(rig.force(), VectorXd::Zero(4));
-  // The steepest part of 2 s(q) in 1 s: 2 * 15/8 a second.
-  EXPECT_LT(rig.largest_jump, 2 * 15.0 / 8 * 1e-3 * 1.001);
-}
-
-// What acts is led into the limit by the amplifiers, which have begun to let go of it; nothing that
-// is commanded is ever beyond, and there is no step on the way.
-TEST(Supervisor, TakesOverAForceBeyondItsLimitWithoutAStep) {
+// What another controller has left, within the force limit or beyond it, is the amplifiers' to let
+// go of: no force of this loop until they have, and no step on the way.
+TEST(Supervisor, WaitsUntilTheAmplifiersHaveLetGo) {
   Policy policy;
   policy.force_limit_n = 3;
-  for (const double left : {4.0, 50.0, -30.0}) {
+  for (const double left : {0.5, 2.0, 4.0, 50.0, -30.0}) {
     Rig rig(policy);
     rig.leave(left);
     VectorXd before = rig.force();
     double largest_change = 0;
-    for (int k = 0; k < 1400; ++k) {
+    int first_sent = -1;
+    for (int k = 0; k < 1490; ++k) {  // then the ramp may begin
       rig.step();
       largest_change = worst_of(largest_change, worst_of(rig.force() - before));
       before = rig.force();
+      if (rig.sent_any && first_sent < 0) first_sent = k;
     }
-    // The steepest part of the amplifiers' fade in 1 s, as of one that nobody takes over.
-    const double steepest = std::abs(left) * 15.0 / 8 * 1e-3;
-    // Taken over is what was reported: a sample old when it came, and another when it is answered.
-    EXPECT_LT(largest_change, 2 * steepest) << left;
-    EXPECT_LE(rig.largest_force, 3) << left;
-    EXPECT_GT(rig.largest_force, 2) << left;  // there was a takeover
+    EXPECT_GT(first_sent, 980) << left;  // their fade in 1 s, but for what is harmless of it
+    // The steepest part of their fade.
+    EXPECT_LT(largest_change, std::abs(left) * 15.0 / 8 * 1e-3 * 1.001) << left;
+    // A frame that was let go of more swings harder than 3 N can hold.
+    if (std::abs(left) > 10) continue;
     EXPECT_TRUE(rig.reaches(State::active, 2500)) << left;
     EXPECT_EQ(rig.fault(), Fault::none) << left;
   }
 }
 
-// Amplifiers that hold it for ever, or a read-back that lies: a person should look, and nothing is
-// commanded on its word.
+TEST(Supervisor, ListensFromTheFirstMeasurementOn) {
+  Rig rig;
+  rig.steps(2000, toy::nothing);
+  rig.leave(2);
+  const std::int64_t began = rig.k();
+  while (!rig.sent_any && rig.k() < began + 3000) rig.step();
+  EXPECT_GT(rig.k() - began, 980);
+}
+
+// Said by a read-back, and held by nothing: a person should look.
 TEST(Supervisor, AForceBeyondTheLimitThatStaysIsALatchedFault) {
   Policy policy;
   policy.force_limit_n = 3;
@@ -366,9 +356,7 @@ TEST(Supervisor, AForceBeyondTheLimitThatStaysIsALatchedFault) {
     m.applied(1) = 50'000;
     return m.seq % 7 != 0;
   };
-  rig.steps(9900, stuck);
-  EXPECT_EQ(rig.state(), State::idle);
-  ASSERT_TRUE(rig.reaches(State::fault, 200, stuck));
+  ASSERT_TRUE(rig.reaches(State::fault, 2200, stuck));
   EXPECT_EQ(rig.fault(), Fault::out_of_range);
   EXPECT_TRUE(rig.latched());
   rig.steps(500, stuck);
@@ -379,46 +367,84 @@ TEST(Supervisor, AForceBeyondTheLimitThatStaysIsALatchedFault) {
   EXPECT_TRUE(rig.reaches(State::active, to_active));
 }
 
-TEST(Supervisor, WhatIsTakenOverAndLetGoOfPassesTheLastGate) {
-  Policy policy;
-  policy.force_limit_n = 3;
-  Rig rig(policy);
-  const auto left = [](Measurement& m) {
-    m.applied.setConstant(50'000);
-    return true;
-  };
-  rig.steps(400, left);
-  EXPECT_EQ(rig.largest_force, 0);
-  rig.steps(2500);
-  rig.steps(1200, toy::nothing);
-  rig.steps(300, left);
-  rig.steps(1000);
-  EXPECT_LE(rig.largest_force, 3);
+// A read-back that lies, whatever else is lost: a frame that is let go of gets no force.
+TEST(Supervisor, NothingIsCommandedOnTheWordOfAReadBack) {
+  for (const char* state : {"latched", "idle", "passive"}) {
+    for (const bool asleep : {false, true}) {
+      SCOPED_TRACE(std::string(state) + (asleep ? ", asleep" : ", lost"));
+      Rig rig({}, state != std::string("passive"));
+      if (state != std::string("passive")) {
+        ASSERT_TRUE(rig.reaches(State::active, to_active));
+        rig.loop().request(Request::stop);
+        ASSERT_TRUE(rig.reaches(State::idle, 1100));
+      }
+      if (state == std::string("latched")) {
+        rig.loop().request(Request::start);
+        rig.steps(1700, [](Measurement& m) {
+          m.sigma(0) = 0;
+          return true;
+        });
+        ASSERT_TRUE(rig.latched());
+      }
+      rig.steps(1500);
+      rig.largest_force = 0;
+      bool missing = false;
+      const auto lie = [&](Measurement& m) {
+        m.applied(0) = 150;
+        return !missing || asleep;
+      };
+      for (int burst = 0; burst < 3; ++burst) {
+        missing = true;
+        rig.steps(15, lie, !asleep);
+        missing = false;
+        rig.steps(2000, lie);
+      }
+      EXPECT_EQ(rig.largest_force, 0);
+    }
+  }
 }
 
-TEST(Supervisor, GoesOnFromWhatTheAmplifiersReportAfterAGap) {
+// Nor is a force that fades taken away in one step by a read-back that breaks in a gap.
+TEST(Supervisor, AFadeGoesOnWhateverAReadBackSays) {
+  for (const double says : {0.0, 150.0}) {
+    Rig rig, sound;
+    for (Rig* each : {&rig, &sound}) {
+      ASSERT_TRUE(each->reaches(State::active, to_active));
+      each->steps(130, toy::nothing);
+      EXPECT_EQ(each->state(), State::fading);
+    }
+    const auto lie = [&](Measurement& m) {
+      m.applied(0) = says;
+      return true;
+    };
+    for (int k = 0; k < 1000; ++k) {
+      rig.step(lie);
+      sound.step();
+      ASSERT_EQ(rig.force(), sound.force()) << says << " " << k;
+    }
+  }
+}
+
+// They have begun to let go themselves, by an amount that nobody knows for sure.
+TEST(Supervisor, AmplifiersThatDidNotHearItAreLeftAlone) {
   Rig rig;
   ASSERT_TRUE(rig.reaches(State::active, to_active));
-  rig.steps(400, toy::nothing);
-  EXPECT_EQ(rig.state(), State::fading);
-  // Commands were lost as well: the amplifiers are further than the controller knows.
-  VectorXd applied;
-  rig.step([&](Measurement& m) {
-    m.applied *= 0.25;
-    applied = m.applied;
-    return true;
-  });
-  EXPECT_LT((rig.force() - applied).norm(), 1e-6 * applied.norm());
-}
-
-TEST(Supervisor, TakesOverAForceThatItMeetsOnlyLate) {
-  Rig rig;
-  rig.steps(500, toy::nothing);
-  rig.step([](Measurement& m) {
-    m.applied.setConstant(2);
-    return true;
-  });
-  EXPECT_GT(rig.force().minCoeff<Eigen::PropagateNaN>(), 1.9);
+  rig.deaf = true;
+  rig.steps(300, toy::nothing);
+  VectorXd before = rig.force();
+  double largest_change = 0;
+  const double steepest = 15.0 / 8 * 1e-3 * worst_of(before);
+  rig.deaf = false;
+  rig.step();
+  for (int k = 0; k < 1400; ++k) {
+    EXPECT_FALSE(rig.sent_any) << k;
+    rig.step();
+    largest_change = worst_of(largest_change, worst_of(rig.force() - before));
+    before = rig.force();
+  }
+  // Of all of the force, of which the fade has taken some already.
+  EXPECT_LT(largest_change, 2 * steepest);
+  EXPECT_TRUE(rig.reaches(State::active, 2500));
 }
 
 TEST(Supervisor, RejoinsOnlySoOftenAMinute) {

@@ -27,6 +27,14 @@ TEST(FrequencyRange, ShowsModesAndTargetsAndEndsAtHalfTheRate) {
   expect_range(frequency_range(VectorXd::LinSpaced(200, 10, 2000), {}, 0), 1, 500);
 }
 
+TEST(FrequencyRange, OneThatRoundingMovedIsRoundAsItIs) {
+  EXPECT_EQ(rounded_up(0.021), 0.05);
+  EXPECT_EQ(rounded_up(7.0), 10);
+  // By a unit in the last place or some, as a width that was divided: 0.02 is meant.
+  EXPECT_EQ(rounded_up(0.02 * (1 + 1e-15)), 0.02);
+  EXPECT_EQ(rounded_up(0.02 * (1 - 1e-15)), 0.02);
+}
+
 TEST(FrequencyRange, RoundNumbersAreThoseThatAreWrittenSo) {
   EXPECT_EQ(round_frequencies({0.05, 2}), (std::vector<double>{0.05, 0.1, 0.2, 0.5, 1, 2}));
   EXPECT_EQ(round_frequencies({0.3, 150}), (std::vector<double>{0.5, 1, 2, 5, 10, 20, 50, 100}));

@@ -90,9 +90,13 @@ TEST_F(WholeFiles, WhatIsNoRegularFileIsWrittenToAndStays) {
   EXPECT_TRUE(fs::is_symlink(folder_ / "link") && fs::is_symlink(folder_ / "device"));
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   EXPECT_EQ(text("b"), "newer");
+  fs::create_symlink("c", folder_ / "ahead");
+  write_whole_file(folder_ / "ahead", "first");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "ahead"));
+  EXPECT_EQ(text("c"), "first");
   EXPECT_THROW(WholeFile{folder_}, InputError);
   EXPECT_THROW(WholeFile(folder_ / "none/a"), InputError);
-  EXPECT_EQ(files(), 3);
+  EXPECT_EQ(files(), 5);
 }
 
 TEST_F(WholeFiles, BytesLeftFreeAreFilledInAnyOrder) {

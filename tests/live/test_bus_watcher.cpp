@@ -141,6 +141,90 @@ TEST_F(BusWatcherTest, ARunOfTheSameNumberBeginsAgain) {
   EXPECT_FALSE(watcher.run()->samples);
 }
 
+/// A plant that was killed and came back for the same run, here of another scene.
+class PlantThatCameBack : public BusWatcherTest {
+ protected:
+  void describe(std::int64_t plant, const char* scene, double rate_hz = sample::rate_hz) {
+    auto info = sample::info(7);
+    info.plant_instance = plant;
+    info.scene_name = scene;
+    info.sample_rate_hz = rate_hz;
+    hear(channels::run_info, info);
+  }
+  void measure(std::int64_t plant, std::int64_t begin, std::int64_t end) {
+    for (std::int64_t seq = begin; seq < end; ++seq) {
+      now += sample::ms;
+      auto measurement = sample::measurement(7, seq);
+      measurement.plant_instance = plant;
+      hear(channels::measurement, measurement);
+      auto command = sample::command(7, seq);
+      command.plant_instance = plant;
+      hear(channels::command, command);
+    }
+  }
+};
+
+/// However early the first one was killed: 10 samples of it would go on with the next one's 11th.
+TEST_F(PlantThatCameBack, IsShownByItselfAndTheOneBeforeIsSaid) {
+  for (const std::int64_t killed_at : {10, 5000}) {
+    watcher = BusWatcher({}, now);
+    describe(1, "before");
+    measure(1, 0, killed_at);
+    hear(channels::status, sample::status(7));
+    now += 700 * sample::ms;
+    describe(2, "after");
+    auto waiting = sample::state(7, "plant", run_state_t::WAITING);
+    waiting.plant_instance = 2;
+    hear(channels::run_state, waiting);
+    measure(2, 0, 300);
+    EXPECT_EQ(watcher.run()->info->scene_name, "after");
+    EXPECT_EQ(watcher.run()->samples->motion().size(), 281);  // since it was believed, the 20th
+    EXPECT_EQ(watcher.run()->samples->n_missed(), 0);
+    EXPECT_EQ(watcher.run()->controllers.size(), 1u);
+    ASSERT_TRUE(watcher.run()->plant_state);
+    EXPECT_EQ(watcher.run()->plant_state->plant_instance, 2);
+    EXPECT_TRUE(says(view(), "came back: " + std::to_string(killed_at) +
+                                 " samples were heard of the one before and are no longer shown, "
+                                 "281 of this one"));
+    // One that was on its way for long; the next ones of this plant are below it.
+    auto late = sample::command(7, 600);
+    late.plant_instance = 1;
+    hear(channels::command, late);
+    measure(2, 300, 310);
+    EXPECT_EQ(watcher.run()->samples->force().size(), 291);
+  }
+}
+
+/// One that finds its number taken goes again, and what it said is not of the run.
+TEST_F(PlantThatCameBack, IsNotOneThatGoes) {
+  describe(1, "the run");
+  measure(1, 0, 1000);
+  describe(2, "another");
+  for (std::int64_t seq = 0; seq < 30; ++seq) {
+    measure(2, seq, seq + 1);
+    measure(1, 1000 + seq, 1001 + seq);
+  }
+  auto failed = sample::state(7, "plant", run_state_t::FAILED);
+  failed.plant_instance = 2;
+  hear(channels::run_state, failed);
+  EXPECT_FALSE(watcher.run()->over());
+  EXPECT_EQ(watcher.run()->info->scene_name, "the run");
+  EXPECT_EQ(watcher.run()->samples->motion().size(), 1030);
+  EXPECT_EQ(watcher.run()->samples->force().size(), 1030);
+  EXPECT_FALSE(says(view(), "came back"));
+}
+
+/// By the clock the description is repeated, by lock step it may not have been heard.
+TEST_F(PlantThatCameBack, HasNoNamesOfTheOneBefore) {
+  describe(1, "before");
+  measure(1, 0, 100);
+  measure(2, 0, 100);
+  EXPECT_FALSE(watcher.run()->info);
+  EXPECT_EQ(watcher.run()->names.source, RunNames::Source::none);
+  describe(2, "after");
+  EXPECT_EQ(watcher.run()->info->scene_name, "after");
+}
+
 TEST_F(BusWatcherTest, MeasurementsOfAnotherSizeAreCountedAndNotUsed) {
   hear_info(7);
   hear_samples(7, 0, 10);

@@ -60,7 +60,6 @@ TEST(RunSamples, AShortGapIsBridgedByStraightLines) {
   samples.take(flat(0, 1));
   samples.take(flat(4, 9));  // 1, 2 and 3 are lost
   EXPECT_EQ(samples.n_missed(), 3);
-  EXPECT_EQ(samples.n_bridged(), 3);
   ASSERT_EQ(samples.motion().size(), 5);
   for (int channel = 0; channel < 3; ++channel) {
     const Eigen::VectorXd x = samples.motion().newest(channel, 5);

@@ -33,7 +33,7 @@ double error_after(double tolerance, double amplitude) {
   Eigen::Vector2d exact = y;
   for (int k = 0; k < 1000; ++k) {
     oscillator.a = amplitude * (k % 7 - 3.0);
-    EXPECT_EQ(integrator.advance(y, 1e-3, std::abs(oscillator.a)), Integrator::Status::ok);
+    EXPECT_EQ(integrator.advance(y, 1e-3, std::abs(oscillator.a), 1e-3), Integrator::Status::ok);
     exact = oscillator.exact(exact, 1e-3);
   }
   return (y - exact).norm() / exact.norm();
@@ -65,7 +65,7 @@ TEST(Integrator, StaysAtRest) {
       },
       1e-8);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2);
-  ASSERT_EQ(integrator.advance(y, 1e-3, 0.0), Integrator::Status::ok);
+  ASSERT_EQ(integrator.advance(y, 1e-3, 0.0, 1e-3), Integrator::Status::ok);
   EXPECT_EQ(y.norm(), 0.0);
 }
 
@@ -78,7 +78,7 @@ TEST(Integrator, ReportsAnEquationThatCannotBeEvaluated) {
       },
       1e-8);
   Eigen::VectorXd y = Eigen::VectorXd::Zero(2);
-  EXPECT_NE(integrator.advance(y, 1e-3, 1.0), Integrator::Status::ok);
+  EXPECT_NE(integrator.advance(y, 1e-3, 1.0, 1e-3), Integrator::Status::ok);
 }
 
 }  // namespace

@@ -128,6 +128,65 @@ TEST(ExponentialMotion, HalvesItsPartsWhereTheMotionIsLarge) {
   }
 }
 
+/// A pendulum with a light bob on two stiff struts, one of which is let go of a millimetre too
+/// long: it rings at about 500 Hz with a thousand times the pendulum's acceleration and comes
+/// nowhere.
+Scene ringing_pendulum() {
+  return parse_scene(R"(
+title: A pendulum with a bob that rings
+planar: true
+operating_point: as_written
+gravity: [0, -9.81]
+nodes:
+  pivot: {position: [0, 0]}
+  middle: {position: [0.3, -0.5]}
+  tip: {position: [0.3, -0.9]}
+  bob: {position: [0.5, -0.9]}
+  carriage: {position: [0.8, 0]}
+masses:
+  - {node: tip, mass: 3, inertia: 0.02}
+  - {node: bob, mass: 0.1}
+elements:
+  upper: {type: rigid_beam, nodes: [pivot, middle]}
+  lower: {type: rigid_beam, nodes: [middle, tip]}
+  strut: {type: truss, nodes: [tip, bob], stiffness: 1e6}
+  stay: {type: truss, nodes: [middle, bob], stiffness: 1e6}
+  rope: {type: truss, nodes: [carriage, middle], stiffness: 30, damping: 0.5}
+prescribed:
+  - {nodes: [pivot, carriage], move: [x, y]}
+dofs:
+  - {node: pivot, rotation: true}
+  - {element: strut, value: 0.001}
+  - {element: stay}
+inputs:
+  - {name: pivot, acceleration: pivot, along: x}
+outputs:
+  - {name: tip_x, acceleration: tip, along: x}
+  - {name: tip_y, acceleration: tip, along: y}
+controller: {legs: [rope], target_hz: 0.2, damping_ratio: 0.7, sample_rate_hz: 10, delay_samples: 1, leak_hz: 0.05}
+)",
+                     "ringing.yaml");
+}
+
+// Against what such an acceleration would do in a part any error of the pendulum is small: with as
+// much as that counted for the scale, 1760 tolerances by `exponential`, 1067 by `dormand_prince`;
+// with what the mode comes to, 29 and 9 at most.
+TEST(RingingModes, LoosenNoTolerance) {
+  for (const double rate_hz : {10.0, 20.0}) {
+    Scene scene = ringing_pendulum();
+    scene.controller->sample_rate_hz = rate_hz;
+    const Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(1, 10), floor = 0.5 * noise(1, 10, 4);
+    const auto reference = trajectory(with_method(scene, PlantMethod::nodal, 1e-10), forces, floor);
+    for (const PlantMethod method : nonlinear_methods()) {
+      for (const double tolerance : {1e-3, 1e-5}) {
+        const auto found = trajectory(with_method(scene, method, tolerance), forces, floor);
+        EXPECT_LT(error_in_tolerances(found, reference, 1, tolerance), promised)
+            << method_name(method) << " " << rate_hz << " " << tolerance;
+      }
+    }
+  }
+}
+
 /// Which parts AdaptiveMotion leaves to the method for large motion.
 std::vector<bool> large_parts(const Scene& scene, const Eigen::MatrixXd& floor,
                               const Eigen::MatrixXd& forces) {
@@ -541,6 +600,47 @@ TEST(MinimalEquations, StayOnTheirBranch) {
     EXPECT_LE((found - expected).norm(), 1e-9 * expected.norm()) << k;
   }
   EXPECT_GE(reached, 50);
+}
+
+// Another formulation may go through a dead point, here the line between the two floors, and leave
+// the motion on the branch behind it, where the same elongations are those of the mirror image.
+TEST(MinimalEquations, GoOnBehindADeadPointThatAnotherMethodWentThrough) {
+  const Model model = make_model(parse_scene(R"(
+title: A mass above the line between two floors
+nodes:
+  left: {position: [-0.4, 0, 0]}
+  right: {position: [0.4, 0, 0]}
+  mass: {position: [0, 0.3, 0]}
+masses:
+  - {node: mass, mass: 10}
+elements:
+  one: {type: truss, nodes: [left, mass], stiffness: 4e3}
+  other: {type: truss, nodes: [right, mass], stiffness: 9e3}
+supports:
+  - {nodes: [left, right], fix: [x, y, z]}
+  - {nodes: [mass], fix: [z]}
+dofs:
+  - {element: one}
+  - {element: other}
+)",
+                                             "two_legs.yaml"));
+  const NominalMotion nominal = nominal_motion(model);
+  MinimalEquations fresh(model, nominal, {}, 0), behind(model, nominal, {}, 0);
+  const Rest rest;
+  Eigen::VectorXd y = fresh.start(), expected(y.size()), found(y.size());
+  MotionSnapshot through{
+      .y = y, .x = fresh.data().x, .x_dot = fresh.data().x_dot, .e = fresh.data().e};
+  ASSERT_EQ(through.x.size(), 2);
+  through.x(1) -= 0.6;
+  behind.take_over(through);
+  EXPECT_EQ(behind.data().J.sign(), -fresh.data().J.sign());
+  y.head(2) << 1e-3, -2e-3;
+  ASSERT_TRUE(fresh.evaluate(rest, 0, y, expected));
+  ASSERT_TRUE(behind.evaluate(rest, 0, y, found));
+  // Positions are solved for to some epsilon.
+  EXPECT_LE((found - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_NEAR(behind.data().x(0), fresh.data().x(0), 1e-14);
+  EXPECT_NEAR(behind.data().x(1) + fresh.data().x(1), -0.6, 1e-14);
 }
 
 }  // namespace

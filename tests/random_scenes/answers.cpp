@@ -14,6 +14,7 @@
 #include "core/modes.hpp"
 #include "core/node_moves.hpp"
 #include "core/operating_point.hpp"
+#include "core/state_space.hpp"
 #include "tools/scene_design.hpp"
 
 namespace stillframe::random_scenes {
@@ -48,29 +49,12 @@ struct Parts {
     for (Index j = 0; j < B.cols(); ++j) {
       const Quantity quantity = l.inputs[static_cast<size_t>(j)].quantity;
       if (!is_motion(quantity)) continue;
-      const InputKind kind = kind_of(quantity);
-      const Complex w = kind == InputKind::position   ? 1.0
-                        : kind == InputKind::velocity ? 1.0 / s
-                                                      : 1.0 / (s * s);
+      const auto kind = input_kind(quantity);
+      const Complex w = kind == InputColumns::Kind::position   ? 1.0
+                        : kind == InputColumns::Kind::velocity ? 1.0 / s
+                                                               : 1.0 / (s * s);
       B.col(j) = -w * (s * s * l.M_r.col(j) + s * l.damping_r().col(j) + l.stiffness_r().col(j));
       D.col(j) = w * (l.R_p.col(j) + s * l.R_v.col(j) + s * s * l.R_a.col(j));
-    }
-  }
-
- private:
-  enum class InputKind { position, velocity, acceleration };
-  static InputKind kind_of(Quantity quantity) {
-    switch (quantity) {
-      case Quantity::position:
-      case Quantity::rotation:
-      case Quantity::deformation:
-        return InputKind::position;
-      case Quantity::velocity:
-      case Quantity::angular_velocity:
-      case Quantity::deformation_rate:
-        return InputKind::velocity;
-      default:
-        return InputKind::acceleration;
     }
   }
 };

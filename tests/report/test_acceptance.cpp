@@ -168,34 +168,70 @@ TEST(Acceptance, WithoutAnythingToJudgeByNothingPasses) {
   EXPECT_EQ(alone.judged().outcome, Outcome::passed);
 }
 
-// That forces are named in a scene says nothing of whether they acted: only what the model does not
-// make of the floor can be theirs.
+// That forces are named in a scene says nothing of what they did: what the model makes of them may
+// be theirs, and 0.413 of that more or less, but no noise, steps of converters and limits.
 TEST(Acceptance, ForcesOnTheFrameExcuseWhatTheyMayHaveDone) {
-  const auto outcome = [](double active, std::optional<double> unexplained) {
+  struct Forces {
+    double by_forces, undisturbed;
+  };
+  const auto outcome = [](double active, std::optional<Forces> forces) {
     MadeUp alone;
     alone.verdict.runs.erase(alone.verdict.runs.begin());
     for (AxisLevels& axis : alone.verdict.axes) axis.passive.reset();
     alone.verdict.disturbed = true;
+    if (!forces) alone.verdict.forces_unknown = "their file is gone";
     alone.ask();
     for (AxisLevels& axis : alone.verdict.axes) {
       axis.asked[1].active = active;
-      axis.asked[1].active_unexplained = unexplained;
+      if (!forces) continue;
+      axis.asked[1].active_by_forces = forces->by_forces;
+      axis.asked[1].active_undisturbed = forces->undisturbed;
     }
     return alone.judged();
   };
   EXPECT_EQ(outcome(0.5, std::nullopt).outcome, Outcome::passed);
   EXPECT_EQ(outcome(4, std::nullopt).outcome, Outcome::not_judged);
-  EXPECT_EQ(outcome(4, 3.9).outcome, Outcome::not_judged) << "sqrt(4^2 - 3.9^2) = 0.89";
-  EXPECT_NE(outcome(4, 3.9).checks.back().reason.find("forces act"), std::string::npos);
-  EXPECT_EQ(outcome(4, 3.8).outcome, Outcome::failed) << "sqrt(4^2 - 3.8^2) = 1.25";
-  EXPECT_EQ(outcome(4, 0).outcome, Outcome::failed);
-  EXPECT_EQ(outcome(nan, 0).outcome, Outcome::failed);
+  EXPECT_NE(outcome(4, std::nullopt).checks.back().reason.find("their file is gone"),
+            std::string::npos);
+  EXPECT_EQ(outcome(4, Forces{3.9, 0.9}).outcome, Outcome::not_judged);
+  EXPECT_NE(outcome(4, Forces{3.9, 0.9}).checks.back().reason.find("forces act"),
+            std::string::npos);
+  EXPECT_EQ(outcome(4, Forces{1, 1.4}).outcome, Outcome::not_judged) << "1.4 - 0.413";
+  EXPECT_EQ(outcome(4, Forces{1, 1.42}).outcome, Outcome::failed) << "1.42 - 0.413";
+  EXPECT_EQ(outcome(4, Forces{0, 4}).outcome, Outcome::failed);
+  EXPECT_EQ(outcome(4, Forces{1e-9, 4}).outcome, Outcome::failed);
+  // Forces that the scene names and nobody put on: the frame without them moved as it did.
+  EXPECT_EQ(outcome(4, Forces{10, std::hypot(4, 10)}).outcome, Outcome::failed);
+  EXPECT_EQ(outcome(4, Forces{1, nan}).outcome, Outcome::failed);
+  EXPECT_EQ(outcome(nan, Forces{0, nan}).outcome, Outcome::failed);
   // What a scene asks for by name it asks of all that acts.
   MadeUp named({.axes = {{.axis = "z", .rms_of_floor = 1}}});
   named.verdict.disturbed = true;
   named.ask();
   named.asked()[0].active = 4;
   EXPECT_EQ(named.judged().outcome, Outcome::failed);
+}
+
+// A sensor without a cable reads what a perfect frame does.
+TEST(Acceptance, WhatRestsWhereItShouldMoveNeverPasses) {
+  MadeUp sensor;
+  sensor.active().resting_channels = {"lens_x"};
+  sensor.verdict.axes[0].resting = "lens_x never changes";
+  for (AskedMotion& asked : sensor.verdict.axes[0].asked) asked.active = 0;
+  EXPECT_EQ(sensor.judged().outcome, Outcome::not_judged);
+  EXPECT_NE(sensor.judged().reason.find("lens_x never changes by a bit"), std::string::npos)
+      << sensor.judged().reason;
+  for (const Check& check : sensor.judged().checks) {
+    if (check.reason.find("Axis x") != 0) continue;
+    EXPECT_EQ(check.outcome, Outcome::not_judged);
+  }
+  sensor.asked()[1].active = 19;
+  EXPECT_EQ(sensor.judged().outcome, Outcome::failed) << "z is seen";
+  MadeUp force;
+  force.active().resting_forces = {"leg_1"};
+  EXPECT_EQ(force.judged().outcome, Outcome::failed);
+  EXPECT_NE(force.judged().reason.find("leg_1 never changes by a bit though the commands do"),
+            std::string::npos);
 }
 
 // What a record's ends leave in a range is no motion: neither side may pass or fail by it.

@@ -200,16 +200,29 @@ TEST_F(Comparison, ReductionIsJudgedAboveTheLimitOnly) {
   EXPECT_EQ(check(10).largest_error_db, 0);
   EXPECT_EQ(check(10).n_compared, 18);
   EXPECT_EQ(check(10).n_below, 6);
-  EXPECT_TRUE(check(10).closed_below_open());
+  EXPECT_EQ(check(10).n_unknown, 0);
   closed.singular_values(3, 1) *= factor(0.25);
   EXPECT_NEAR(check(10).largest_error_db, 0.25, 1e-12);
   EXPECT_EQ(check(10).at_frequency_hz, 20);
   // One pair of one frequency.
   closed.singular_values(4, 2) = 1.01 * open_values(4, 2);
   EXPECT_EQ(check(10).n_below, 5);
-  EXPECT_FALSE(check(10).closed_below_open());
   EXPECT_NEAR(check(10).least_reduction_db, -20 * std::log10(1.01), 1e-12);
-  EXPECT_FALSE(check(1000).closed_below_open());
+  EXPECT_EQ(check(1000).n_frequencies, 0);
+}
+
+// Noise above all values of the closed loop leaves its reduction unknown, not absent.
+TEST_F(Comparison, AReductionThatNothingShowsIsCounted) {
+  const MatrixXd open_values = predicted(open_), closed_values = predicted(closed_);
+  FrequencyResponse closed = exact(closed_);
+  closed.singular_values.bottomRows(7).setConstant(std::nan(""));
+  const auto check = [&](const MatrixXd& predicted) {
+    return check_reduction(frequencies_, compared(exact(open_), open_values),
+                           compared(closed, closed_values), open_values, predicted, 10);
+  };
+  EXPECT_EQ(check(closed_values).n_frequencies, 0);
+  EXPECT_EQ(check(closed_values).n_unknown, 6);
+  EXPECT_EQ(check(2 * open_values).n_unknown, 0);  // predicted to be above
 }
 
 TEST_F(Comparison, RefusesWhatDoesNotBelongTogether) {

@@ -57,7 +57,8 @@ Verdict sample_verdict() {
   verdict.identification = IdentificationSummary{.n_frequencies = 40,
                                                  .lowest_hz = 1,
                                                  .highest_hz = 100,
-                                                 .n_compared = 480,
+                                                 .n_open_compared = 240,
+                                                 .n_closed_compared = 240,
                                                  .allowed_db = 0.2,
                                                  .open_largest_db = 0.0123,
                                                  .open_at_hz = 14.5,
@@ -91,7 +92,7 @@ TEST(Verdict, TheIdentificationPassesOnlyIfNothingIsWrong) {
   const auto passes = [](auto change) {
     Verdict verdict = sample_verdict();
     change(*verdict.identification);
-    return verdict.identification->pass();
+    return verdict.identification->outcome() == Outcome::passed;
   };
   using Id = IdentificationSummary;
   EXPECT_TRUE(passes([](Id&) {}));
@@ -100,7 +101,36 @@ TEST(Verdict, TheIdentificationPassesOnlyIfNothingIsWrong) {
   EXPECT_FALSE(passes([](Id& id) { id.beyond_db = std::nan(""); }));
   EXPECT_FALSE(passes([](Id& id) { id.n_closed_below_open = 21; }));
   EXPECT_FALSE(passes([](Id& id) { id.n_frequencies = 0; }));
-  EXPECT_FALSE(passes([](Id& id) { id.n_compared = 0; }));
+  EXPECT_FALSE(passes([](Id& id) { id.n_open_compared = id.n_closed_compared = 0; }));
+}
+
+// Values of one loop say nothing of the other, and what is known nowhere need not be so nowhere.
+TEST(Verdict, OfEachLoopAndOfItsReductionSomethingHasToBeKnown) {
+  const auto outcome = [](auto change) {
+    Verdict verdict = sample_verdict();
+    change(*verdict.identification);
+    return verdict.identification->outcome();
+  };
+  using Id = IdentificationSummary;
+  const auto nothing_reduced = [](Id& id) {
+    id.n_reduction_frequencies = id.n_closed_below_open = 0;
+  };
+  EXPECT_EQ(outcome([](Id& id) { id.n_closed_compared = 0; }), Outcome::not_judged);
+  EXPECT_EQ(outcome([](Id& id) { id.n_open_compared = 0; }), Outcome::not_judged);
+  EXPECT_EQ(outcome(nothing_reduced), Outcome::passed) << "predicted nowhere";
+  EXPECT_EQ(outcome([&](Id& id) {
+              nothing_reduced(id);
+              id.n_reduction_unknown = 3;
+            }),
+            Outcome::not_judged)
+      << "known nowhere";
+  EXPECT_EQ(outcome([](Id& id) { id.n_reduction_unknown = 3; }), Outcome::passed);
+  // What is known and wrong fails all the same.
+  EXPECT_EQ(outcome([](Id& id) {
+              id.n_closed_compared = 0;
+              id.beyond_db = 0.21;
+            }),
+            Outcome::failed);
 }
 
 TEST(Verdict, JsonReadsBackToTheSameNumbers) {
@@ -199,15 +229,17 @@ TEST(Verdict, SummaryComesFromTheComparison) {
   closed.n_compared = 4;
   closed.beyond_db = 0.25;
   open.tolerance_db = closed.tolerance_db = 0.2;
-  const ReductionCheck reduction{.n_frequencies = 2, .n_below = 2};
+  const ReductionCheck reduction{.n_frequencies = 2, .n_below = 2, .n_unknown = 7};
   const auto id = summarise(open, closed, reduction, {1, 20, 30}, 10);
   EXPECT_EQ(id.n_frequencies, 3);
-  EXPECT_EQ(id.n_compared, 9);
+  EXPECT_EQ(id.n_compared(), 9);
+  EXPECT_EQ(id.n_closed_compared, 4);
+  EXPECT_EQ(id.n_reduction_unknown, 7);
   EXPECT_EQ(id.highest_hz, 30);
   EXPECT_EQ(id.open_largest_db, 0.05);
   EXPECT_EQ(id.beyond_db, 0.25);
   EXPECT_EQ(id.allowed_db, 0.2);
-  EXPECT_FALSE(id.pass());
+  EXPECT_EQ(id.outcome(), Outcome::failed);
 }
 
 TEST(Verdict, EverythingThatALogTellsIsInBoth) {

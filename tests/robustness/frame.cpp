@@ -56,8 +56,7 @@ Evaluator FrameLoop::evaluator(const SceneUncertainty& uncertainty) const {
                     .sampling = sampling,
                     .law = law,
                     .parameters = parameters_of(scene, uncertainty),
-                    .frequencies_hz = Eigen::Vector4d(1, 5, 20, 100),
-                    .largest_stable_radius = largest_stable_radius});
+                    .frequencies_hz = Eigen::Vector4d(1, 5, 20, 100)});
 }
 
 std::string frame_text() {
@@ -97,8 +96,7 @@ Evaluator Cart::evaluator(const SceneUncertainty& uncertainty) const {
                             .subtract_applied = false,
                             .applied_memory = 0},
                     .parameters = parameters_of(scene, uncertainty),
-                    .frequencies_hz = Eigen::Vector2d(1, 5),
-                    .largest_stable_radius = largest_stable_radius});
+                    .frequencies_hz = Eigen::Vector2d(1, 5)});
 }
 
 double Cart::radius(double g) const {

@@ -18,7 +18,8 @@ Record part(std::uint64_t number, std::uint64_t of) {
   record.n_shards = of;
   record.shards = {number};
   record.tally = Tally(2);
-  record.nominal.radius = static_cast<double>(number);  // so that it shows whose was kept
+  // So that it shows whose was kept, and as another processor would round it.
+  record.nominal.radius = 1 - 1e-9 * static_cast<double>(number);
   SceneUncertainty uncertainty;
   uncertainty.stiffness = 0.1;
   record.tally =
@@ -42,7 +43,7 @@ TEST(Merge, AllShardsAreTheWhole) {
   EXPECT_TRUE(merged.complete());
   EXPECT_EQ(merged.n_shards, 1u);
   EXPECT_EQ(merged.shards, std::set<std::uint64_t>{1});
-  EXPECT_EQ(merged.nominal.radius, 1);
+  EXPECT_EQ(merged.nominal.radius, 1 - 1e-9);
   EXPECT_EQ(merged.tally.n_samples(), 40u);
   EXPECT_EQ(merged.tally.peak.most, whole.tally.peak.most);
   EXPECT_EQ(merged.tally.peak_db.counts, whole.tally.peak_db.counts);
@@ -81,6 +82,8 @@ TEST(Merge, RefusesWhatDoesNotBelongTogether) {
   EXPECT_NE(with_change([](Record& r) { r.frequencies_hz(1) = 6; }).find("frequencies"),
             std::string::npos);
   EXPECT_NE(with_change([](Record& r) { r.parameters.front() = "delay"; }).find("parameters"),
+            std::string::npos);
+  EXPECT_NE(with_change([](Record& r) { r.nominal.radius = 2; }).find("unperturbed loop (1.0"),
             std::string::npos);
   EXPECT_EQ(with_change([](Record& r) { r.n_shards = 4; }),
             "a is of 3 shards and b of 4: only shards of one division can be merged");

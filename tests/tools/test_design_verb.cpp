@@ -336,6 +336,36 @@ TEST_F(DesignVerb, TheSlowestModeIsThatOfModes) {
       << page.output;
 }
 
+TEST_F(DesignVerb, InstrumentsAreNotCalledSampling) {
+  const std::string slow =
+      json({"design", config("scenes/frame_slow_actuators.yaml")})["warnings"].dump();
+  EXPECT_NE(slow.find("the price of sampling and of the instruments; a higher rate moves up what "
+                      "is of sampling"),
+            std::string::npos)
+      << slow;
+  const std::string ideal =
+      json({"design", config("scenes/metrology_frame.yaml")})["warnings"].dump();
+  EXPECT_NE(ideal.find("the price of sampling; a higher rate"), std::string::npos) << ideal;
+}
+
+// Modes of 13.9 to 49 Hz: 20 Hz softens the last one and would stiffen the first two.
+TEST_F(DesignVerb, TargetsOfTheirOwnAreComparedWithTheirOwnModes) {
+  std::ifstream file(config("controllers/force_feedback_5hz.yaml"));
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const auto warnings = [&](const std::string& targets) {
+    std::string block = text;
+    block.replace(block.find("target_hz: 5"), 12, "target_hz: " + targets);
+    return json({"design", config("scenes/metrology_frame.yaml"), "--controller",
+                 write("targets.yaml", block)})["warnings"]
+        .dump();
+  };
+  const std::string soft = warnings("[5, 5, 5, 5, 5, 20]"),
+                    stiff = warnings("[20, 20, 5, 5, 5, 5]");
+  EXPECT_EQ(soft.find("stiffens it"), std::string::npos) << soft;
+  EXPECT_NE(stiff.find("the target 20 Hz is above virtual mode 1, 13.91 Hz"), std::string::npos)
+      << stiff;
+}
+
 TEST_F(DesignVerb, WhatIsRecommendedIsNotWarnedOf) {
   for (const char* scene : {"metrology_frame", "frame_unequal_legs", "frame_slow_actuators"}) {
     const std::filesystem::path path = config(std::string("scenes/") + scene + ".yaml");

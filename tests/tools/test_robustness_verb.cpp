@@ -156,6 +156,19 @@ TEST_F(RobustnessVerb, MergeRefusesWhatDoesNotBelongTogether) {
                             (folder_ / "again.json").string());
   refused("seed.json", "they differ in seed (5 and 6)");
   refused("none.json", "none.json: cannot be read");
+  record("two.json", {"--shard", "2/2"});
+  const auto damaged = [&](const std::string& pointer, const Json& value, const char* message) {
+    Json document = Json::parse(text_of(folder_ / "two.json"));
+    document[Json::json_pointer(pointer)] = value;
+    write("damaged.json", document.dump());
+    refused("damaged.json", message);
+  };
+  damaged("/counts/unstable", -3, "found -3 as a count");
+  damaged("/counts/stable", 70, "stable, unstable and failed are ");
+  damaged("/shards/done", Json::array(), "and 0 samples belong there");
+  damaged("/shards/done", Json({7}), "shards: found 7, allowed are 1 to 2");
+  damaged("/histograms/peak_db/counts", Json::array(), "those in peak_db are 0");
+  damaged("/nominal/spectral_radius", 2.0, "the spectral radius of the unperturbed loop");
   write("scene.json", "{\"format\": \"other\"}");
   refused("scene.json",
           "scene.json: it is no robustness record: its format is \"other\", allowed is "

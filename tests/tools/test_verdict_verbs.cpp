@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <lcm/lcm-cpp.hpp>
+#include <map>
 #include <random>
 #include <regex>
 
@@ -149,10 +151,49 @@ TEST_F(VerdictVerbs, AMultisineOfWhichControlMakesMoreFails) {
     const auto out = folder_ / ("run" + std::to_string(std::string(floor).size()));
     const Said said = run({"run", scene, "--mode", "single_process", "--out", out});
     expect_everywhere(out, said, "failed");
-    EXPECT_NE(said.output.find("times as much of the multisine as the passive one"),
-              std::string::npos)
-        << said.output;
+    const Json checks = Json::parse(text_of(out / "verdict.json")).at("checks");
+    EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [](const Json& check) {
+      return check.at("outcome") == "failed" && check.at("what").get<std::string>().find(
+                                                    "lines of the multisine") != std::string::npos;
+    })) << said.output;
   }
+}
+
+// The sensor shakes the frame between the lines, and so much on them that no value of the active
+// loop is known. Where the scene compares nothing its outputs are looked at.
+TEST_F(VerdictVerbs, WhatMovesBesideTheLinesOfAMultisineFails) {
+  const std::string floor =
+      "floor: {multisine: {frequencies_hz: [1, 2, 5, 10, 20, 50, 100], amplitude: 0.01, ramp_s: 4, "
+      "window_s: 8}}\n";
+  const auto outcomes = [&](const std::string& text, const std::string& name) {
+    const Said said = run(
+        {"run", write(name + ".yaml", text), "--mode", "single_process", "--out", folder_ / name});
+    expect_everywhere(folder_ / name, said, name == "quiet" ? "passed" : "failed");
+    std::map<std::string, std::string> found;
+    const Json verdict = Json::parse(text_of(folder_ / name / "verdict.json"));
+    for (const Json& check : verdict.at("checks")) {
+      found[check.at("what")] = check.at("outcome");
+    }
+    return found;
+  };
+  // 1 N/sqrt(Hz) of 10 kg is 0.1 m/s^2/sqrt(Hz) at the frame where the loop follows its sensor.
+  const auto scene = [&](const char* noise) {
+    return mass_on_a_table(
+        "target_hz: 5, sample_rate_hz: 1000",
+        floor + "instruments: {force_sensors: {noise_n_per_sqrt_hz: " + noise + "}}\n");
+  };
+  auto found = outcomes(scene("1"), "noisy");
+  EXPECT_EQ(found.at("axis z, active to passive frame, rms from 1 to 200 Hz"), "failed");
+  EXPECT_EQ(found.at("axis z, active to floor, rms from 10 to 200 Hz"), "failed");
+  EXPECT_EQ(found.at("singular values of both loops against the prediction"), "not judged");
+  const std::string compare = std::regex_replace(scene("1"), std::regex("compare:\\n.*\\n"), "");
+  ASSERT_EQ(compare.find("compare"), std::string::npos);
+  found = outcomes(compare, "outputs");
+  EXPECT_EQ(found.at("axis mass, active to passive frame, rms from 1 to 200 Hz"), "failed");
+  found = outcomes(scene("1e-6"), "quiet");
+  EXPECT_EQ(found.at("axis z, active to passive frame, rms from 1 to 200 Hz"), "passed");
+  EXPECT_EQ(found.at("axis z, active to floor, rms from 10 to 200 Hz"), "passed");
+  EXPECT_EQ(found.at("singular values of both loops against the prediction"), "passed");
 }
 
 // A floor that moves above the range in which levels are compared leaves nothing but the ends of
@@ -293,6 +334,116 @@ TEST_F(VerdictVerbs, AForceThatNeverActsExcusesNothing) {
   }
 }
 
+// A converter of 1 N a step shakes the frame 3.2 times as much as its floor. A force that cannot
+// have done that is no excuse, whether it is nothing or next to nothing; one that can have is.
+TEST_F(VerdictVerbs, AForceExcusesNoMoreThanItDoes) {
+  const std::string shaken =
+      "instruments: {force_sensors: {quantisation_n: 1}}\n"
+      "floor: {noise: {psd: [[0.5, 1e-6], [100, 1e-6]], duration_s: 15, high_pass_hz: 0.2}}\n";
+  const auto force = [](const std::string& course) {
+    return "disturbances: [{name: d, node: mass, along: z, force: {" + course + "}}]\n";
+  };
+  const std::pair<std::string, const char*> cases[] = {
+      {"", "failed"},
+      {force("step: {height: 0, at_s: 1}"), "failed"},
+      {force("step: {height: 1e-9, at_s: 1}"), "failed"},
+      {force("sine: {amplitude: 1e-9, frequency_hz: 20}"), "failed"},
+      {force("noise: {psd: [[1, 1e-1], [200, 1e-1]]}"), "not judged"}};
+  for (const auto& [more, outcome] : cases) {
+    const auto scene =
+        write("scene.yaml", mass_on_a_table("target_hz: 5, sample_rate_hz: 1000", shaken + more));
+    const auto out = folder_ / ("run" + std::to_string(more.size()));
+    const Said said = run({"run", scene, "--mode", "single_process", "--out", out});
+    const Json check = check_with(out / "verdict.json", "active to floor");
+    EXPECT_EQ(check.at("outcome"), outcome) << more << check;
+    if (outcome == std::string("failed")) expect_everywhere(out, said, "failed");
+    const Json batch = Json::parse(run({"batch", scene, "--json"}).output)[0];
+    EXPECT_EQ(batch.at("outcome") == "failed", outcome == std::string("failed")) << more << batch;
+  }
+}
+
+// What the model makes of a force is what the force does, sample by sample: one sample off it would
+// be as much again at 100 Hz.
+TEST_F(VerdictVerbs, TheModelKnowsWhatAForceDoes) {
+  const auto scene = write(
+      "scene.yaml",
+      mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
+                      "floor: {noise: {psd: [[1, 1e-16], [100, 1e-16]], duration_s: 20}}\n"
+                      "disturbances: [{name: d, node: mass, along: z, force: {noise: {psd: [[1, "
+                      "1e-2], [300, 1e-2]]}}}]\n"));
+  const auto out = folder_ / "run";
+  run({"run", scene, "--mode", "single_process", "--out", out});
+  const Json verdict = Json::parse(text_of(out / "verdict.json"));
+  EXPECT_EQ(verdict.at("disturbed"), true);
+  for (const Json& range : verdict.at("axes")[0].at("ranges")) {
+    const double whole = range.at("active");
+    // A simulation errs by 3e-4 of its motion at most, 30 times its tolerance.
+    EXPECT_NEAR(range.at("active_by_forces").get<double>(), whole, 3e-4 * whole);
+    EXPECT_LE(range.at("active_undisturbed").get<double>(), 3e-4 * whole);
+  }
+}
+
+/// Two struts under preload, stiff across themselves, and one that carries; each foot measured
+/// along its strut alone.
+std::string preloaded_frame(const std::string& floor) {
+  return R"(title: preloaded
+planar: true
+nodes: {l: {position: [-0.1, 0]}, r: {position: [0.1, 0]}, b: {position: [0, -0.1]}, m: {position: [0, 0]}}
+masses: [{node: m, mass: 10}]
+elements:
+  ll: {type: truss, nodes: [l, m], stiffness: 2e5, damping: 20, preload: 3000}
+  lr: {type: truss, nodes: [m, r], stiffness: 2e5, damping: 20, preload: 3000}
+  lb: {type: truss, nodes: [b, m], stiffness: 2e5, damping: 20}
+prescribed: [{nodes: [l, r, b], move: [x, y]}]
+dofs: [{node: m, along: x}, {node: m, along: y}]
+inputs:
+  - {name: l, acceleration: l, along: x}
+  - {name: r, acceleration: r, along: x}
+  - {name: b, acceleration: b, along: y}
+outputs: [{name: mx, acceleration: m, along: x}, {name: my, acceleration: m, along: y}]
+monitors: [{name: fx, acceleration: b, along: x}, {name: fy, acceleration: b, along: y}]
+compare: {x: {floor: fx, frame: mx}, y: {floor: fy, frame: my}}
+controller: {legs: [ll, lb], target_hz: 5, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
+  lead_samples: 1.25, leak_hz: 3, force_limit_n: 200, roll_off_hz: 200}
+floor: {noise: {psd: [[1, 1e-8], [100, 1e-8]], duration_s: 20, axes: )" +
+         floor + "}}\n";
+}
+
+// What comes of feet that no input measures is no noise where the inputs tell how they move, and
+// not known where they do not.
+TEST_F(VerdictVerbs, TheFloorIsNoNoise) {
+  const auto noise_of = [&](const std::string& axes) {
+    const auto out = folder_ / std::to_string(axes.size());
+    run({"run", write("scene.yaml", preloaded_frame(axes)), "--mode", "single_process", "--out",
+         out});
+    return Json::parse(text_of(out / "verdict.json")).at("noise");
+  };
+  for (const Json& noise : noise_of("[x, y]")) {
+    ASSERT_FALSE(noise.at("share").is_null()) << noise;
+    // 3e-4 of tolerance, of a frame whose floor it isolates from: ten times that.
+    EXPECT_LT(noise.at("share").get<double>(), 3e-3) << noise;
+  }
+  for (const Json& noise : noise_of("[x, y, rz]")) {
+    if (noise.at("axis") != "y") continue;  // no foot that nothing measures moves the frame along x
+    EXPECT_TRUE(noise.at("share").is_null()) << noise;
+    EXPECT_NE(noise.at("missing").get<std::string>().find("the floor turns, or its feet move each "
+                                                          "on their own"),
+              std::string::npos)
+        << noise;
+  }
+}
+
+// A direction in which symmetry lets nothing move is no dead sensor: x here, on a floor along y.
+TEST_F(VerdictVerbs, WhatNothingMovesMayRest) {
+  const auto out = folder_ / "run";
+  run({"run", write("scene.yaml", preloaded_frame("[y]")), "--mode", "single_process", "--out",
+       out});
+  for (const Json& of : Json::parse(text_of(out / "verdict.json")).at("runs")) {
+    EXPECT_TRUE(of.at("resting_channels").empty()) << of;
+    EXPECT_TRUE(of.at("resting_forces").empty()) << of;
+  }
+}
+
 TEST_F(VerdictVerbs, AFloorIsNoFrame) {
   std::string text = mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
                                      "floor: {white: {rms: 1e-2, duration_s: 20}}\n");
@@ -414,28 +565,81 @@ TEST_F(VerdictVerbs, ARecordingOfTheSameNameNeedNotBeTheSameFloor) {
   EXPECT_FALSE(other.at("axes")[0].contains("ratio_active_to_passive"));
 }
 
+/// A log with measurements changed and other messages left out.
+template <class Change, class LeaveOut>
+void damage_log(const fs::path& log, const fs::path& damaged, const Change& change,
+                const LeaveOut& leave_out) {
+  using stillframe_msgs::measurement_t;
+  lcm::LogFile from(log.string(), "r"), to(damaged.string(), "w");
+  int n = 0;
+  while (const lcm::LogEvent* event = from.readNextEvent()) {
+    if (leave_out(event->channel, n++)) continue;
+    lcm::LogEvent copy = *event;
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(event->datalen));
+    if (measurement_t m; event->channel == channels::measurement) {
+      EXPECT_GE(m.decode(event->data, 0, event->datalen), 0);
+      change(m);
+      m.encode(bytes.data(), 0, event->datalen);
+      copy.data = bytes.data();
+    }
+    to.writeEvent(&copy);
+  }
+}
+
+// A dead sensor on the frame reads what perfect isolation does.
+TEST_F(VerdictVerbs, AChannelThatNeverChangesPassesNothing) {
+  ASSERT_EQ(simulate(folder_ / "run", {"--duration", "12"}).exit_code, 0);
+  using stillframe_msgs::measurement_t;
+  const auto report = [&](const char* loop, auto&& change) {
+    const std::string other = std::string(loop) == "active" ? "passive.lcm" : "active.lcm";
+    damage_log(folder_ / "run" / (std::string(loop) + ".lcm"), folder_ / "damaged.lcm", change,
+               [](const std::string&, int) { return false; });
+    const Said said = run({"report", folder_ / "run" / other, folder_ / "damaged.lcm", "--out",
+                           folder_ / "page.html", "--json"});
+    const Json verdict = Json::parse(said.output);
+    EXPECT_EQ(badge_of(text_of(folder_ / "page.html")), verdict.at("outcome"));
+    EXPECT_EQ(said.exit_code, verdict.at("outcome") == "failed" ? 4 : 0);
+    return verdict;
+  };
+  const auto expect = [](const Json& verdict, const std::string& outcome, const std::string& part) {
+    EXPECT_EQ(verdict.at("outcome"), outcome) << verdict.at("reason");
+    EXPECT_NE(verdict.at("reason").get<std::string>().find(part), std::string::npos)
+        << verdict.at("reason");
+  };
+  // Three outputs of three nodes, then the lens among the monitors.
+  const auto stuck = [](std::size_t first, std::size_t last, double value) {
+    return [=](measurement_t& m) {
+      for (std::size_t i = first; i < last; ++i) m.frame_acceleration.at(i) = value;
+    };
+  };
+  for (const char* loop : {"active", "passive"}) {
+    expect(report(loop, stuck(9, 10, 0)), "not judged", "lens_x never changes by a bit");
+    expect(report(loop, stuck(9, 12, 0)), "not judged", "lens_x, lens_y, lens_z never change");
+  }
+  const Said text = run({"report", folder_ / "damaged.lcm"});
+  EXPECT_NE(text.output.find("Verdict: not judged. In the log of the passive run lens_x, "),
+            std::string::npos)
+      << text.output;
+  expect(report("active", stuck(9, 10, 0.01)), "not judged", "lens_x never changes");
+  expect(report("active", stuck(0, 12, 0)), "not judged", "never change");
+  expect(report("active",
+                [](measurement_t& m) {
+                  std::fill(m.applied_force.begin(), m.applied_force.end(), 0.0);
+                }),
+         "failed", "never changes by a bit though the commands do");
+  expect(report("active", [](measurement_t&) {}), "passed", "All ");
+  // A converter of the frame's sensors that is coarse, but not as coarse as the motion.
+  const Json coarse = report("active", [](measurement_t& m) {
+    for (double& a : m.frame_acceleration) a = 1e-4 * std::round(a / 1e-4);
+  });
+  EXPECT_TRUE(coarse.at("runs")[1].at("resting_channels").empty());
+}
+
 TEST_F(VerdictVerbs, WhatALogLacksOrHoldsThatIsNoMeasurementFails) {
   ASSERT_EQ(simulate(folder_ / "run", {"--duration", "12", "--loop", "active"}).exit_code, 0);
   using stillframe_msgs::measurement_t;
-  /// The log with measurements changed and other messages left out; what the verdict is.
   const auto verdict_of = [&](auto&& change, auto&& leave_out) {
-    lcm::LogFile from((folder_ / "run/active.lcm").string(), "r");
-    {
-      lcm::LogFile to((folder_ / "damaged.lcm").string(), "w");
-      int n = 0;
-      while (const lcm::LogEvent* event = from.readNextEvent()) {
-        if (leave_out(event->channel, n++)) continue;
-        lcm::LogEvent copy = *event;
-        std::vector<std::uint8_t> bytes(static_cast<std::size_t>(event->datalen));
-        if (measurement_t m; event->channel == channels::measurement) {
-          EXPECT_GE(m.decode(event->data, 0, event->datalen), 0);
-          change(m);
-          m.encode(bytes.data(), 0, event->datalen);
-          copy.data = bytes.data();
-        }
-        to.writeEvent(&copy);
-      }
-    }
+    damage_log(folder_ / "run/active.lcm", folder_ / "damaged.lcm", change, leave_out);
     return Json::parse(run({"report", folder_ / "damaged.lcm", "--json"}).output);
   };
   const auto as_it_is = [](measurement_t&) {};
@@ -544,10 +748,31 @@ TEST(VerdictAgreement, TextJsonBadgeAndExitCodeSayTheSame) {
   }
 }
 
+// What could be looked at of one loop only is said of the other.
+TEST(PredictionChecks, WhatOneLoopLacksIsSaid) {
+  report::Verdict verdict;
+  for (const char* loop : {"passive", "active"}) {
+    verdict.responses.push_back({.loop = loop, .what = "3 floors to 3 frames", .n_compared = 90});
+  }
+  EXPECT_EQ(tools::prediction_checks({}, verdict, {}).size(), 2u);
+  verdict.responses[1].n_compared = 0;
+  verdict.responses[1].missing = "no value is known";
+  auto checks = tools::prediction_checks({}, verdict, {});
+  ASSERT_EQ(checks.size(), 2u);
+  EXPECT_EQ(checks[0].outcome, report::Outcome::passed);
+  EXPECT_EQ(checks[1].outcome, report::Outcome::not_judged);
+  EXPECT_EQ(checks[1].reason,
+            "The active loop, 3 floors to 3 frames, is not set against its prediction, which the "
+            "other one is: no value is known.");
+  verdict.responses[0].n_compared = 0;
+  EXPECT_TRUE(tools::prediction_checks({}, verdict, {}).empty());
+}
+
 TEST(PredictionChecks, WhatTheSceneAsksForTakesThePlaceOfTheTolerance) {
   report::Verdict verdict;
   verdict.identification = report::IdentificationSummary{.n_frequencies = 50,
-                                                         .n_compared = 600,
+                                                         .n_open_compared = 300,
+                                                         .n_closed_compared = 300,
                                                          .allowed_db = 0.1,
                                                          .beyond_db = 0.3,
                                                          .n_reduction_frequencies = 9,
@@ -564,7 +789,17 @@ TEST(PredictionChecks, WhatTheSceneAsksForTakesThePlaceOfTheTolerance) {
   EXPECT_EQ(outcome(0.5), Outcome::passed);
   verdict.identification->beyond_db = std::nan("");
   EXPECT_EQ(outcome(0.5), Outcome::failed);
-  verdict.identification->n_compared = 0;
+  verdict.identification->beyond_db = 0;
+  const auto reason = [&] { return tools::prediction_checks({}, verdict, {}).front().reason; };
+  verdict.identification->n_closed_compared = 0;
+  verdict.identification->n_reduction_unknown = 7;
+  verdict.identification->n_reduction_frequencies = 0;
+  verdict.identification->n_closed_below_open = 0;
+  EXPECT_EQ(outcome(0.5), Outcome::not_judged);
+  EXPECT_NE(reason().find("No singular value of the active loop is known"), std::string::npos);
+  EXPECT_NE(reason().find("is known at none of the 7 frequencies"), std::string::npos) << reason();
+  EXPECT_EQ(reason().find("the prediction is that it does so nowhere"), std::string::npos);
+  verdict.identification->n_open_compared = 0;
   EXPECT_EQ(outcome(0.5), Outcome::not_judged);
 }
 

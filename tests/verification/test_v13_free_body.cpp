@@ -51,7 +51,7 @@ class Body {
           return rate(y, dy_dt);
         },
         tolerance);
-    ASSERT_EQ(integrator.advance(y_, duration, 0.1), Integrator::Status::ok);
+    ASSERT_EQ(integrator.advance(y_, duration, 0.1, duration), Integrator::Status::ok);
     VectorXd dy_dt(12);
     ASSERT_TRUE(rate(y_, dy_dt));
     if (std::abs(lambda()(0)) < std::cos(0.4)) {

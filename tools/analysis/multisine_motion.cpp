@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "report/table.hpp"
+#include "tools/analysis/verdict_of.hpp"
 
 namespace stillframe::tools {
 
@@ -48,7 +49,67 @@ MultisineGain gain_of(const report::FrequencyResponse& open,
   return gain;
 }
 
+const report::SignalAnalysis* frame_of(const std::optional<RunAnalysis>& run,
+                                       const std::string& name) {
+  if (!run) return nullptr;
+  for (const report::FrameAnalysis& frame : run->data.frames) {
+    if (frame.name == name) return &frame.motion;
+  }
+  return nullptr;
+}
+
+struct NamedFrame {
+  std::string name, floor, frame;  ///< floor: empty, none goes with it
+};
+
+/// Why its signals say nothing: one rests where it should not.
+std::string resting_in(const report::Verdict& verdict, const NamedFrame& named) {
+  for (const report::RunSummary& run : verdict.runs) {
+    for (const std::string& channel : run.resting_channels) {
+      if (channel != named.floor && channel != named.frame) continue;
+      return channel + " never changes in the log of the " + run.loop +
+             " run though what moves the frame does";
+    }
+  }
+  return {};
+}
+
+/// The comparisons of a scene, and its outputs that none of them has.
+std::vector<NamedFrame> frames_of(const Scene& scene, bool with_floors) {
+  std::vector<NamedFrame> frames;
+  for (const SceneComparison& comparison : scene.comparisons) {
+    frames.push_back(
+        {comparison.name, with_floors ? comparison.floor : std::string(), comparison.frame});
+  }
+  for (const SceneSignal& output : scene.outputs) {
+    const bool named = std::any_of(frames.begin(), frames.end(),
+                                   [&](const auto& f) { return f.frame == output.name; });
+    if (!named) frames.push_back({output.name, {}, output.name});
+  }
+  return frames;
+}
+
 }  // namespace
+
+void add_multisine_levels(report::Verdict& verdict, const RunAnalyses& runs) {
+  const auto& run = runs.any().run;
+  if (!runs.active || !run.multisine || !run.design || !runs.same_floor()) return;
+  for (const NamedFrame& named : frames_of(run.design->scene, !verdict.floors_apart)) {
+    const auto *passive = frame_of(runs.passive, named.frame),
+               *active = frame_of(runs.active, named.frame),
+               *floor = frame_of(runs.active, named.floor);
+    if (active == nullptr || (passive == nullptr && floor == nullptr)) continue;
+    const report::SignalAnalysis none;
+    verdict.axes.push_back(axis_levels(named.name, floor ? *floor : none, passive, active));
+    verdict.axes.back().resting = resting_in(verdict, named);
+    ask({}, floor ? *floor : none, passive, active, nullptr, verdict);
+    if (floor != nullptr) continue;
+    report::AxisLevels& levels = verdict.axes.back();
+    levels.floor.reset();
+    levels.floor_spectra.reset();
+    std::erase_if(levels.asked, [](const auto& motion) { return motion.asked.rms_of_floor; });
+  }
+}
 
 std::optional<Check> multisine_motion(const RunAnalyses& runs, const FrequencyRange& judged) {
   if (!runs.passive || !runs.active || !runs.any().run.multisine || !runs.same_floor() ||

@@ -1,5 +1,7 @@
 #include "tools/analysis/prediction_checks.hpp"
 
+#include <algorithm>
+
 #include "core/worst.hpp"
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
@@ -13,31 +15,62 @@ using report::Subject;
 
 namespace {
 
+/// Where the closed loop lies below the open one: known nowhere is not predicted nowhere.
+std::string reduction_in_words(const report::IdentificationSummary& id) {
+  if (id.n_reduction_frequencies > 0) {
+    return cell("the closed loop lies below the open one at %d of %d frequencies where it is to",
+                id.n_closed_below_open, id.n_reduction_frequencies) +
+           (id.n_reduction_unknown > 0 ? cell(" (not known at %d more)", id.n_reduction_unknown)
+                                       : "");
+  }
+  if (id.n_reduction_unknown > 0) {
+    return cell(
+        "whether the closed loop lies below the open one is known at none of the %d frequencies "
+        "above %.3g Hz where it is to",
+        id.n_reduction_unknown, id.reduction_above_hz);
+  }
+  return "the closed loop lies below the open one at none: the prediction is that it does so "
+         "nowhere";
+}
+
+std::string found_in_words(const report::IdentificationSummary& id) {
+  std::string found = cell("%.3g dB beyond, reduced at ", id.beyond_db);
+  if (id.n_reduction_frequencies > 0) {
+    found += cell("%d of %d", id.n_closed_below_open, id.n_reduction_frequencies);
+  } else {
+    found += id.n_reduction_unknown > 0 ? "none that is known" : "none";
+  }
+  return found;
+}
+
+std::string reason_of(const report::IdentificationSummary& id) {
+  if (id.n_compared() == 0) {
+    return "No singular value of the loops is known to 1 dB, so that none is compared.";
+  }
+  const double largest = worst_of(id.open_largest_db, id.closed_largest_db);
+  std::string none;
+  if (id.n_open_compared == 0 || id.n_closed_compared == 0) {
+    none = cell("No singular value of the %s loop is known to 1 dB, so that none is compared. ",
+                id.n_open_compared == 0 ? "passive" : "active");
+  }
+  return none +
+         cell(
+             "%d measured singular values lie within %.3g dB of the prediction, at most %.3g dB "
+             "beyond their bands (allowed: %.3g dB), and ",
+             id.n_compared(), largest, id.beyond_db, id.allowed_db) +
+         reduction_in_words(id) + ".";
+}
+
 Check check_of(report::IdentificationSummary id, std::optional<double> prediction_db) {
   if (prediction_db) id.allowed_db = *prediction_db;
-  const double largest = worst_of(id.open_largest_db, id.closed_largest_db);
-  const bool reduces = id.n_reduction_frequencies > 0;
-  const std::string below =
-      reduces ? cell("%d of %d", id.n_closed_below_open, id.n_reduction_frequencies) : "none";
-  return {
-      .subject = Subject::prediction,
-      .what = "singular values of both loops against the prediction",
-      .asked = cell("within their bands and %.3g dB, reduced above %.3g Hz", id.allowed_db,
-                    id.reduction_above_hz),
-      .found = cell("%.3g dB beyond, reduced at ", id.beyond_db) + below,
-      .outcome = id.n_compared == 0 ? Outcome::not_judged
-                 : id.pass()        ? Outcome::passed
-                                    : Outcome::failed,
-      .reason = id.n_compared == 0
-                    ? "No singular value of the loops is known to 1 dB, so that none is compared."
-                    : cell("%d measured singular values lie within %.3g dB of the prediction, at "
-                           "most %.3g dB beyond their bands (allowed: %.3g dB), and the closed "
-                           "loop lies below the open one at ",
-                           id.n_compared, largest, id.beyond_db, id.allowed_db) +
-                          below +
-                          (reduces ? " frequencies where it is to."
-                                   : ": the prediction is that it does so nowhere."),
-      .by_scene = prediction_db.has_value()};
+  return {.subject = Subject::prediction,
+          .what = "singular values of both loops against the prediction",
+          .asked = cell("within their bands and %.3g dB, reduced above %.3g Hz", id.allowed_db,
+                        id.reduction_above_hz),
+          .found = found_in_words(id),
+          .outcome = id.outcome(),
+          .reason = reason_of(id),
+          .by_scene = prediction_db.has_value()};
 }
 
 /// What a scene asks for by name, of one response.
@@ -62,13 +95,36 @@ Check check_of(const report::ResponseSummary& response, double allowed_db) {
   return check;
 }
 
+std::string of_broadly(const report::ResponseSummary& response) {
+  return response.loop + ", " + response.what + " against the prediction, broadly";
+}
+
+/// Why what is asked by default of a response cannot be; empty: it can.
+std::string why_not_broadly(const report::ResponseSummary& response) {
+  if (response.n_compared == 0) {
+    return response.missing.empty() ? "nothing was identified" : response.missing;
+  }
+  if (response.unmeasured_broadly_db >= report::default_broad_prediction_db) {
+    return "as much motion of the floor where no input measures it would be as large a difference";
+  }
+  return {};
+}
+
+/// Whether the same response of the other loop is looked at.
+bool other_is_checked(const report::Verdict& verdict, const report::ResponseSummary& response) {
+  return std::any_of(verdict.responses.begin(), verdict.responses.end(), [&](const auto& other) {
+    return other.loop != response.loop && other.what == response.what && !other.repeats &&
+           why_not_broadly(other).empty();
+  });
+}
+
 /// What is asked of any response of which something is known.
 Check default_check_of(const report::ResponseSummary& response) {
   const double allowed_db = report::default_broad_prediction_db;
   const report::Outcome outcome = report::at_most(response.broadly_beyond_db, allowed_db);
   return {
       .subject = Subject::prediction,
-      .what = response.loop + ", " + response.what + " against the prediction, broadly",
+      .what = of_broadly(response),
       .asked = cell("nine in ten values within their bands and %.3g dB", allowed_db),
       .found = cell("%.3g dB beyond", response.broadly_beyond_db),
       .outcome = outcome,
@@ -100,10 +156,22 @@ std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verd
   }
   if (!checks.empty()) return checks;
   for (const report::ResponseSummary& response : verdict.responses) {
-    if (response.n_compared == 0 || response.repeats) continue;
-    // What no input measures may have done as much.
-    if (response.unmeasured_broadly_db >= report::default_broad_prediction_db) continue;
-    checks.push_back(default_check_of(response));
+    if (response.repeats) continue;
+    const std::string why = why_not_broadly(response);
+    if (why.empty()) checks.push_back(default_check_of(response));
+    // What neither loop shows is in the table of responses.
+    if (!why.empty() && other_is_checked(verdict, response)) {
+      checks.push_back(
+          {.subject = Subject::prediction,
+           .what = of_broadly(response),
+           .asked = cell("nine in ten values within their bands and %.3g dB",
+                         report::default_broad_prediction_db),
+           .found = "",
+           .outcome = Outcome::not_judged,
+           .reason = "The " + response.loop + " loop, " + response.what +
+                     ", is not set against its prediction, which the other one is: " + why + ".",
+           .is_proof = false});
+    }
   }
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (!*run || !(*run)->run.multisine || !(*run)->matrix) continue;

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/frequency_response.hpp"
 #include "core/scene/scene_reader.hpp"
@@ -12,6 +13,7 @@
 #include "core/yaml/load.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "report/verdict/motion_level.hpp"
+#include "tools/analysis/loop_between.hpp"
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/response_prediction.hpp"
 
@@ -82,11 +84,16 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
   }
   std::vector<Eigen::MatrixXcd> predicted;
   try {
-    const ResponsePrediction prediction(design, all);
-    plan.model = report::RunModel{.loop = prediction.loop(active), .matrix = {}, .axes = {}};
-    predicted = prediction.at(plan.frequencies_hz, active).sampled;
-    for (const Eigen::MatrixXcd& T : predicted) {
-      plan.model->matrix.emplace_back(T.topRows(plan.n_outputs));
+    FollowedFloor followed = followed_floor(design, all.outputs, active, plan.frequencies_hz);
+    plan.model = report::RunModel{.loop = std::move(followed.loop), .matrix = {}, .axes = {}};
+    for (const double f : plan.frequencies_hz) {
+      predicted.push_back(transfer(plan.model->loop, 2 * std::numbers::pi * f));
+      plan.model->matrix.emplace_back(predicted.back().topRows(plan.n_outputs));
+    }
+    plan.model->rigid = std::move(followed.rigid);
+    for (const Eigen::Index output : plan.axis_signals.output) {
+      plan.model->leans_on_rigid.push_back(
+          followed.leans_on_rigid[static_cast<std::size_t>(plan.n_outputs + output)]);
     }
   } catch (const std::exception& error) {
     plan.unmodelled = error.what();
@@ -97,8 +104,8 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
     std::vector<std::string> floors = axes.signals.inputs;
     floors.insert(floors.end(), axes.dependent_floors.begin(), axes.dependent_floors.end());
     plan.model->floors = floors_of_inputs(design.scene, floors);
-    // Of the model that is followed, whose floor moves by its inputs alone: what the frame makes of
-    // other motion is measured, and not taken off as if it had been followed.
+    // Of the loop that is followed, on whatever floor it has: what the frame makes of other motion
+    // is measured, and not taken off as if it had been followed.
     const Eigen::MatrixXd moved = inputs_of_floors(design.scene, axes.signals.inputs);
     for (const Eigen::MatrixXcd& T : predicted) {
       plan.model->axes.emplace_back(T.bottomRows(std::ssize(frames)) * moved);
@@ -119,6 +126,15 @@ std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec) {
     }
   }
   return std::nullopt;
+}
+
+FrequencyRange with_lines(FrequencyRange range, const MultisinePlan& plan) {
+  const std::vector<double>& lines = plan.frequencies_hz;
+  const auto inside = [&](double f) { return f >= range.lowest_hz && f <= range.highest_hz; };
+  if (lines.empty() || std::any_of(lines.begin(), lines.end(), inside)) return range;
+  constexpr double beside = 1.1;  // so that an edge that is known to 1.5 % cuts no line
+  return {std::min(range.lowest_hz, lines.front() / beside),
+          std::max(range.highest_hz, lines.back() * beside)};
 }
 
 LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains& gains,
@@ -205,16 +221,38 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
            info.frame_names.end();
   };
   for (const SceneComparison& comparison : run.design->scene.comparisons) {
-    // Multisines move the floor inputs, each on its own: no floor goes with that.
-    if (run.multisine) break;
     if (!known(comparison.floor) || !known(comparison.frame)) continue;
-    plan.axes.push_back({comparison.name, comparison.floor, comparison.frame});
+    // Multisines move the floor inputs, each on its own: no floor goes with that.
+    if (run.multisine) {
+      plan.frames.insert(plan.frames.end(), {comparison.floor, comparison.frame});
+    } else {
+      plan.axes.push_back({comparison.name, comparison.floor, comparison.frame});
+    }
   }
   const auto& sensors = run.design->scene.instruments.floor_sensors;
   if (sensors) plan.floor_noise = sensors->noise;
   plan.lowest_hz = lowest_judged_hz(*run.design);
   plan.n_outputs = std::min<Eigen::Index>(run.design->loop.n_y, info.n_frame);
-  if (!run.multisine) add_model(plan, *run.design, info);
+  if (run.multisine) {
+    plan.lowest_hz =
+        std::min(plan.lowest_hz,
+                 with_lines(report::judged_range(axis_of(*run.design)), *run.multisine).lowest_hz);
+    plan.frames.insert(plan.frames.end(), info.frame_names.begin(),
+                       info.frame_names.begin() + plan.n_outputs);
+    std::sort(plan.frames.begin(), plan.frames.end());
+    plan.frames.erase(std::unique(plan.frames.begin(), plan.frames.end()), plan.frames.end());
+  }
+  if (run.multisine) return plan;
+  add_model(plan, *run.design, info);
+  if (!plan.axes.empty() && has_forces(run.design->scene)) {
+    std::vector<std::string> frames;
+    for (const report::AxisPlan& axis : plan.axes) frames.push_back(axis.frame);
+    try {
+      plan.forces = force_model(*run.design, frames, info.loop == "active");
+    } catch (const std::exception& error) {
+      plan.forces_unknown = error.what();
+    }
+  }
   return plan;
 }
 

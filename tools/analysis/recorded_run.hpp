@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "core/linear/frequency_range.hpp"
 #include "core/linear/multisine_plan.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "report/analysis/log_analyser.hpp"
@@ -27,13 +28,15 @@ LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains
 /// The multisine that moves a floor, alone or beside other motions.
 std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec);
 
+/// A range of frequencies, and of a multisine that has no line in it all lines, too.
+FrequencyRange with_lines(FrequencyRange range, const MultisinePlan& plan);
+
 /// source_name: of the log, for messages.
 RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::string& source_name);
 
-/// What there is to look for in the log of a run: the scene's comparisons, but on a multisine, the
-/// matrix from floor
-/// inputs to the scene's outputs, the lines of a multisine or else frequencies from 0.5 to 200 Hz
-/// (below 0.4 of the rate).
+/// What there is to look for in the log of a run: the scene's comparisons (on a multisine their
+/// signals and the outputs, each by itself), the matrix from floor inputs to the scene's outputs,
+/// the lines of a multisine or else frequencies from 0.5 to 200 Hz (below 0.4 of the rate).
 report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info);
 
 }  // namespace stillframe::tools

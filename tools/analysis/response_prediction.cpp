@@ -15,8 +15,6 @@ namespace stillframe::tools {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-namespace {
-
 const SceneSignal& signal_of(const Scene& scene, const std::string& name) {
   for (const auto* list : {&scene.outputs, &scene.monitors}) {
     for (const SceneSignal& signal : *list) {
@@ -25,6 +23,8 @@ const SceneSignal& signal_of(const Scene& scene, const std::string& name) {
   }
   throw InputError("the scene has no output and no monitor '" + name + "'");
 }
+
+namespace {
 
 bool are_the_inputs(const Scene& scene, const std::vector<std::string>& names) {
   return std::equal(

@@ -25,6 +25,9 @@ report::AxisSignals signals_by_motion(const Scene& scene,
 /// names x inputs: D_m D_w^+, D the rows of their directions. Errors: as ResponsePrediction.
 Eigen::MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names);
 
+/// Errors: InputError if no output and no monitor has that name.
+const SceneSignal& signal_of(const Scene& scene, const std::string& name);
+
 /// Every prescribed translation of a scene as an input of its own (m/s^2).
 std::vector<SceneSignal> prescribed_translations(const Scene& scene);
 
@@ -38,8 +41,6 @@ class ResponsePrediction {
   /// what each of them does.
   ResponsePrediction(const LoopDesign& design, const report::ResponseSignals& signals);
 
-  /// The loop whose inputs are the scene's, if those are the signals, and its outputs.
-  const SampledLoop& loop(bool active) const { return active ? closed_ : open_; }
   /// With the law, or with zero commands.
   PredictedResponse at(const std::vector<double>& frequencies_hz, bool active) const;
 

@@ -43,6 +43,7 @@ RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings
   result.log = log;
   report::ScanSettings scan;
   scan.run_id = settings.run_id;
+  scan.plant = settings.plant;
   scan.progress = settings.progress;
   result.data = report::analyse_log(log, scan, [&](const stillframe_msgs::run_info_t& info) {
     result.run = recorded_run(info, log.string());

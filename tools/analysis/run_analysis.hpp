@@ -71,7 +71,8 @@ struct RunAnalyses {
 /// How a log is analysed.
 struct AnalysisSettings {
   std::optional<std::int64_t> run_id;
-  double segment_s = 64;  ///< of broadband identification
+  std::optional<int> plant = {};  ///< as in report::ScanSettings
+  double segment_s = 64;          ///< of broadband identification
   report::ComparisonRule comparison = {};
   std::function<void(double)> progress = {};  ///< share of the file, 0 to 1
 };

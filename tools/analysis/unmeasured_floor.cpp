@@ -1,12 +1,11 @@
 #include "tools/analysis/unmeasured_floor.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <utility>
 #include <vector>
 
+#include "core/linear/singular_values.hpp"
 #include "core/model/model.hpp"
 #include "tools/analysis/response_prediction.hpp"
 
@@ -28,23 +27,12 @@ void add_to(std::vector<Eigen::Vector3d>& basis, const Eigen::Vector3d& directio
   if (!rest.isZero(0)) basis.push_back(rest);
 }
 
-const SceneSignal* signal_named(const Scene& scene, const std::string& name) {
-  for (const auto* list : {&scene.outputs, &scene.monitors}) {
-    for (const SceneSignal& signal : *list) {
-      if (signal.name == name) return &signal;
-    }
-  }
-  return nullptr;
-}
-
 /// Translations of floor nodes that no input tells of, as inputs.
 std::vector<SceneSignal> unmeasured(const Scene& scene, const report::ResponseSignals& signals,
                                     bool inputs_are_floors) {
   std::vector<Eigen::Vector3d> floors;
   if (inputs_are_floors) {
-    for (const std::string& name : signals.inputs) {
-      if (const SceneSignal* signal = signal_named(scene, name)) add_to(floors, signal->direction);
-    }
+    for (const std::string& name : signals.inputs) add_to(floors, signal_of(scene, name).direction);
   }
   std::vector<SceneSignal> result;
   for (SceneSignal& signal : prescribed_translations(scene)) {
@@ -62,15 +50,13 @@ std::vector<SceneSignal> unmeasured(const Scene& scene, const report::ResponseSi
   return result;
 }
 
-/// Largest singular value of T from unmeasured directions to outputs, one a frequency, of a scene
-/// with the gains of a design.
-std::vector<double> sizes(const LoopDesign& design, Scene scene,
-                          const std::vector<SceneSignal>& inputs, const JudgedResponse& response,
-                          bool active) {
-  scene.inputs = inputs;
+/// Largest singular value of T from unmeasured directions to outputs, one a frequency.
+std::vector<double> sizes(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
+                          const JudgedResponse& response, bool active) {
   LoopDesign other;
-  other.model = make_model(scene);
-  other.scene = std::move(scene);
+  other.scene = design.scene;
+  other.scene.inputs = inputs;
+  other.model = make_model(other.scene);
   other.loop = design.loop;
   other.gains = design.gains;
   report::ResponseSignals signals{{}, response.measured.signals.outputs};
@@ -79,7 +65,7 @@ std::vector<double> sizes(const LoopDesign& design, Scene scene,
   const auto prediction =
       ResponsePrediction(other, signals).at(response.measured.response->frequencies_hz, active);
   for (const Eigen::MatrixXcd& T : prediction.sampled) {
-    result.push_back(T.size() > 0 ? T.jacobiSvd().singularValues()(0) : 0);
+    result.push_back(T.size() > 0 ? singular_values(T)(0) : 0);
   }
   return result;
 }
@@ -103,60 +89,6 @@ Shifts shifts_of(const std::vector<double>& sizes, const PredictionErrors& error
   return {shifts.front(), shifts[(shifts.size() - 1) / 10]};
 }
 
-/// The causes that a scene has, each with what takes all others away.
-struct Cause {
-  const char* name;
-  bool there;
-  std::function<void(Scene&)> remove;
-};
-
-std::vector<Cause> causes_of(const Scene& scene) {
-  const bool preloaded =
-      std::any_of(scene.elements.begin(), scene.elements.end(), [](const SceneElement& element) {
-        return element.preload.size() > 0 && !element.preload.isZero(0);
-      });
-  return {{"weight", !scene.gravity.isZero(0), [](Scene& s) { s.gravity.setZero(); }},
-          {"preload", preloaded,
-           [](Scene& s) {
-             for (SceneElement& element : s.elements) element.preload.setZero();
-           }},
-          {"loads", !scene.loads.empty(), [](Scene& s) { s.loads.clear(); }}};
-}
-
-/// Those without which the frame would be shaken by half or less; its springs, if it would not be
-/// without any; all that are there, where no one of them decides.
-std::string why(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
-                const JudgedResponse& response, bool active, double largest_db) {
-  const auto without = [&](const std::function<void(Scene&)>& remove) {
-    Scene scene = design.scene;
-    remove(scene);
-    return shifts_of(sizes(design, std::move(scene), inputs, response, active), *response.errors)
-        .largest_db;
-  };
-  std::string there, deciding;
-  const auto add = [](std::string& list, const char* name) {
-    list += (list.empty() ? "" : " and ") + std::string(name);
-  };
-  const std::vector<Cause> causes = causes_of(design.scene);
-  const auto none = [&](Scene& scene) {
-    for (const Cause& cause : causes) cause.remove(scene);
-  };
-  for (const Cause& cause : causes) {
-    if (cause.there) add(there, cause.name);
-  }
-  const char* const springs = "springs across the inputs";
-  if (there.empty()) return springs;
-  try {
-    if (without(none) > largest_db / 2) return springs;
-    for (const Cause& cause : causes) {
-      if (cause.there && without(cause.remove) <= largest_db / 2) add(deciding, cause.name);
-    }
-  } catch (const std::exception&) {
-    // A frame that does not stand without one of them is held by it.
-  }
-  return deciding.empty() ? there : deciding;
-}
-
 }  // namespace
 
 UnmeasuredFloor unmeasured_floor(const LoopDesign& design, const JudgedResponse& response,
@@ -167,14 +99,9 @@ UnmeasuredFloor unmeasured_floor(const LoopDesign& design, const JudgedResponse&
       unmeasured(design.scene, response.measured.signals, inputs_are_floors);
   result.n_directions = std::ssize(inputs);
   if (inputs.empty()) return result;
-  const Shifts shifts =
-      shifts_of(sizes(design, design.scene, inputs, response, active), *response.errors);
+  const Shifts shifts = shifts_of(sizes(design, inputs, response, active), *response.errors);
   result.largest_db = shifts.largest_db;
   result.broadly_db = shifts.broadly_db;
-  // Less is not told of.
-  if (result.largest_db > response.errors->sampled.tolerance_db) {
-    result.why = why(design, inputs, response, active, shifts.largest_db);
-  }
   return result;
 }
 

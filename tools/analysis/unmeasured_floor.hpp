@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "tools/analysis/run_analysis.hpp"
 
@@ -14,8 +13,6 @@ struct UnmeasuredFloor {
   /// dB, how far it may shift compared singular values if the floor moves there as much as along
   /// the inputs: one of them, and a tenth of them or more.
   double largest_db = 0, broadly_db = 0;
-  /// What makes those directions stiff: weight, preload, loads, or their springs.
-  std::string why = {};
 };
 
 /// Of a response with a prediction; nothing of any other. inputs_are_floors: they are axes' floors,

@@ -7,10 +7,12 @@
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 #include "report/verdict/motion_level.hpp"
+#include "tools/analysis/loop_between.hpp"
 #include "tools/analysis/loop_comparison.hpp"
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/multisine_motion.hpp"
 #include "tools/analysis/prediction_checks.hpp"
+#include "tools/analysis/resting_channels.hpp"
 #include "tools/analysis/unmeasured_floor.hpp"
 
 namespace stillframe::tools {
@@ -76,6 +78,8 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   };
   verdict.runs.push_back(report::run_summary(log));
   verdict.runs.back().unreadable = run.run.unreadable;
+  verdict.runs.back().resting_channels = resting_channels(run);
+  verdict.runs.back().resting_forces = resting_forces(run);
   append(verdict.timing, report::timing_summaries(log));
   append(verdict.shocks, report::shock_summaries(log));
   std::optional<double> limit;
@@ -87,11 +91,11 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
     report::ResponseSummary summary = summary_of(**response, loop, of_axes);
     summary.repeats = of_axes && run.matrix && repeats(*run.axes, *run.matrix);
     if (run.run.design) {
-      UnmeasuredFloor floor = unmeasured_floor(*run.run.design, **response, run.active(), of_axes);
+      const UnmeasuredFloor floor =
+          unmeasured_floor(*run.run.design, **response, run.active(), of_axes);
       summary.n_unmeasured = floor.n_directions;
       summary.unmeasured_largest_db = floor.largest_db;
       summary.unmeasured_broadly_db = floor.broadly_db;
-      summary.unmeasured_why = std::move(floor.why);
     }
     verdict.responses.push_back(std::move(summary));
   }
@@ -101,6 +105,28 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   }
 }
 
+/// Why an axis says nothing: a signal of it that rests where it should not.
+std::string resting_in(const RunAnalyses& runs, const report::Verdict& verdict,
+                       const AxisPair& pair) {
+  for (const auto* run : {&runs.passive, &runs.active}) {
+    if (!*run || !(*run)->run.design) continue;
+    const std::string& loop = (*run)->data.scan.info.loop;
+    if ((loop == "active" ? pair.active : pair.passive) == nullptr) continue;
+    for (const SceneComparison& comparison : (*run)->run.design->scene.comparisons) {
+      if (comparison.name != pair.name) continue;
+      for (const report::RunSummary& summary : verdict.runs) {
+        if (summary.loop != loop) continue;
+        for (const std::string& channel : summary.resting_channels) {
+          if (channel != comparison.floor && channel != comparison.frame) continue;
+          return channel + " never changes in the log of the " + loop +
+                 " run though what moves the frame does";
+        }
+      }
+    }
+  }
+  return {};
+}
+
 void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcceptance& accept) {
   const auto frame_of = [](const report::AxisAnalysis* axis) {
     return axis != nullptr ? &axis->frame : nullptr;
@@ -108,9 +134,9 @@ void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcce
   for (const AxisPair& pair : runs.axes()) {
     const auto *passive = frame_of(pair.passive), *active = frame_of(pair.active);
     verdict.axes.push_back(axis_levels(pair.name, pair.floor(), passive, active));
-    const bool known = pair.active != nullptr && pair.active->unexplained;
-    ask(accept, pair.floor(), passive, active, known ? &*pair.active->unexplained : nullptr,
-        verdict);
+    verdict.axes.back().resting = resting_in(runs, verdict, pair);
+    const bool known = pair.active != nullptr && pair.active->forces;
+    ask(accept, pair.floor(), passive, active, known ? &*pair.active->forces : nullptr, verdict);
   }
 }
 
@@ -137,14 +163,22 @@ void add_warnings(report::Verdict& verdict) {
     if (response.unmeasured_largest_db > response.tolerance_db) {
       text += " The floor's nodes can also move in " + std::to_string(response.n_unmeasured) +
               (response.n_unmeasured == 1 ? " direction" : " directions") +
-              " that no input measures, and by " + response.unmeasured_why +
+              " that no input measures: " +
               report::cell(
-                  " those shake the frame too: as much motion there as along the inputs "
+                  "as much motion there as along the inputs "
                   "would shift a value by up to %.3g dB.",
                   response.unmeasured_largest_db);
     }
     verdict.warnings.push_back(std::move(text));
   }
+}
+
+void warn_of_plants(const report::LogScan& scan, const std::string& log, report::Verdict& verdict) {
+  const std::string text = plants_in_words(scan);
+  if (text.empty()) return;
+  verdict.warnings.push_back(
+      log + ": " + text +
+      "; what the controller counted over all of them by its end is left out and not judged.");
 }
 
 /// Hz, the targets of a loop that is known.
@@ -191,11 +225,11 @@ report::AxisLevels axis_levels(const std::string& axis, const report::SignalAnal
 
 void ask(const SceneAcceptance& accept, const report::SignalAnalysis& floor,
          const report::SignalAnalysis* passive, const report::SignalAnalysis* active,
-         const report::Psd* unexplained, report::Verdict& verdict) {
+         const report::ForcesPart* forces, report::Verdict& verdict) {
   report::AxisLevels& levels = verdict.axes.back();
   levels.asked = report::asked_of(accept, levels.axis, verdict);
   for (report::AskedMotion& motion : levels.asked) {
-    report::fill_levels(motion, floor, passive, active, unexplained);
+    report::fill_levels(motion, floor, passive, active, forces);
   }
 }
 
@@ -204,13 +238,16 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (*run) add_run(verdict, **run);
   }
+  if (const auto& plan = runs.any().run.multisine) verdict.floors_apart = plan->n_blocks > 1;
   SceneAcceptance accept;
+  FrequencyRange range = verdict.judged;
   std::vector<double> targets;
   if (const auto& design = runs.any().run.design) {
     accept = acceptance_of(design->scene);
     targets = targets_of(*design);
-    verdict.disturbed = !design->scene.disturbances.empty();
-    verdict.judged = report::judged_range(axis_of(*design));
+    verdict.disturbed = has_forces(design->scene);
+    verdict.forces_unknown = runs.any().data.forces_unknown;
+    verdict.judged = range = report::judged_range(axis_of(*design));
   }
   if (!targets.empty()) {
     verdict.isolates_above_hz = 2 * *std::max_element(targets.begin(), targets.end());
@@ -221,12 +258,19 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
         runs.passive->log.filename().string() + ", " + runs.active->log.filename().string() +
         "): each is set against its own floor, and neither against the other.");
   }
+  for (const auto* run : {&runs.passive, &runs.active}) {
+    if (*run) warn_of_plants((*run)->data.scan, (*run)->log.filename().string(), verdict);
+  }
   verdict.identification = judged(runs, targets);
   add_axes(verdict, runs, accept);
+  if (const auto& plan = runs.any().run.multisine; plan && accept.axes.empty()) {
+    verdict.judged = with_lines(range, *plan);
+    add_multisine_levels(verdict, runs);
+  }
   add_warnings(verdict);
   std::vector<report::Check> checks = prediction_checks(runs, verdict, accept.prediction_db);
   if (accept.axes.empty()) {
-    if (auto motion = multisine_motion(runs, verdict.judged)) checks.push_back(std::move(*motion));
+    if (auto motion = multisine_motion(runs, range)) checks.push_back(std::move(*motion));
   }
   verdict.judgement = report::judge(verdict, accept, std::move(checks));
   return verdict;

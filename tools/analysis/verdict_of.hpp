@@ -1,5 +1,6 @@
 #pragma once
 
+#include "report/analysis/log_analyser.hpp"
 #include "report/analysis/signal_analyser.hpp"
 #include "report/verdict/verdict.hpp"
 #include "tools/analysis/run_analysis.hpp"
@@ -12,11 +13,10 @@ report::AxisLevels axis_levels(const std::string& axis, const report::SignalAnal
                                const report::SignalAnalysis* active);
 
 /// Puts what is asked of the last of a verdict's axes, and what its signals come to in these
-/// ranges, into it. unexplained: of the active frame, what the model does not make of the floor;
-/// nullptr: not known.
+/// ranges, into it. forces: of the active frame; nullptr: there are none, or they are not known.
 void ask(const SceneAcceptance& accept, const report::SignalAnalysis& floor,
          const report::SignalAnalysis* passive, const report::SignalAnalysis* active,
-         const report::Psd* unexplained, report::Verdict& verdict);
+         const report::ForcesPart* forces, report::Verdict& verdict);
 
 /// What analysed logs come to, judged by what the scene in the log of the active loop asks for.
 report::Verdict verdict_of(const RunAnalyses& runs);

@@ -14,6 +14,7 @@
 #include "plant_sim/run_length.hpp"
 #include "report/analysis/summaries.hpp"
 #include "report/verdict/acceptance.hpp"
+#include "tools/analysis/loop_between.hpp"
 #include "tools/analysis/recorded_run.hpp"
 #include "tools/analysis/verdict_of.hpp"
 #include "tools/loop_design.hpp"
@@ -65,15 +66,21 @@ class Case {
     report::Verdict& verdict = result.verdict;
     verdict.isolates_above_hz =
         2 * *std::max_element(design_.gains.target_hz.begin(), design_.gains.target_hz.end());
-    verdict.disturbed = !design_.scene.disturbances.empty();
-    verdict.floors_apart = multisine_in(spec_).has_value();
+    verdict.disturbed = has_forces(design_.scene);
+    const Eigen::MatrixXd by_forces = by_forces_of(verdict);
+    verdict.floors_apart = multisine_in(spec_) && design_.scene.inputs.size() > 1;
     for (size_t i = 0; i < floor_columns_.size(); ++i) {
       const auto c = static_cast<Index>(i);
       const auto floor = report::analyse_signal(passive.floor.col(c), rate),
                  below = report::analyse_signal(passive.frame.col(c), rate),
                  above = report::analyse_signal(active.frame.col(c), rate);
       verdict.axes.push_back(axis_levels(design_.scene.comparisons[i].name, floor, &below, &above));
-      ask(accept, floor, &below, &above, nullptr, verdict);
+      std::optional<report::ForcesPart> forces;
+      if (by_forces.cols() > c) {
+        forces = {report::analyse_signal(by_forces.col(c), rate).power,
+                  report::analyse_signal(active.frame.col(c) - by_forces.col(c), rate).power};
+      }
+      ask(accept, floor, &below, &above, forces ? &*forces : nullptr, verdict);
     }
     verdict.judgement = report::judge(verdict, accept, {});
     return result;
@@ -88,6 +95,16 @@ class Case {
     }
     return floor::read_floor_block(block->reader, design_.gains.sample_rate_hz,
                                    floor_input_names(design_.scene));
+  }
+
+  /// What the model makes of forces besides the floor, an axis a column; nothing if there are none.
+  Eigen::MatrixXd by_forces_of(const report::Verdict& verdict) const {
+    if (!verdict.disturbed || design_.scene.comparisons.empty()) return {};
+    std::vector<std::string> frames;
+    for (const SceneComparison& comparison : design_.scene.comparisons) {
+      frames.push_back(comparison.frame);
+    }
+    return report::ForceResponse(force_model(design_, frames, true)).at(0, n_);
   }
 
   Signals run_loop(bool active, StudyResult& result) {

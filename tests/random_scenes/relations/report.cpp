@@ -88,7 +88,8 @@ int count_nulls(const nlohmann::json& value, double rate) {
                                                  "floor",
                                                  "passive",
                                                  "active",
-                                                 "active_unexplained"};
+                                                 "active_by_forces",
+                                                 "active_undisturbed"};
   const bool missing = value.is_object() && !value.value("missing", "").empty();
   int n = 0;
   for (const auto& [key, item] : value.items()) {

@@ -202,7 +202,7 @@ TEST_F(ToyLog, AFloorThatDependsOnOthersIsNoInputAndIsChecked) {
   what.model->floors.row(3) << 0.5, 0.5, 0;
   const LogAnalysis strays = analyse(path, what);
   EXPECT_FALSE(strays.axis_matrix->response.has_value());
-  EXPECT_EQ(strays.axis_matrix->missing.find("floor_z is not the motion of the floor's inputs"), 0u)
+  EXPECT_EQ(strays.axis_matrix->missing.find("floor_z is not what the inputs say of a floor"), 0u)
       << strays.axis_matrix->missing;
   what.model->floors.row(3) << 0, 0, 1;  // what it is
   const LogAnalysis log = analyse(path, what);
@@ -220,7 +220,7 @@ TEST_F(ToyLog, AFloorChannelThatIsNotTheFloorIsRefused) {
   const LogAnalysis log = analyse(write([](Index) { return false; }), plan_with_model(loop_));
   EXPECT_TRUE(log.matrix->response.has_value()) << log.matrix->missing;
   EXPECT_FALSE(log.axis_matrix->response.has_value());
-  EXPECT_EQ(log.axis_matrix->missing.find("floor_z is not the motion of the floor's inputs"), 0u)
+  EXPECT_EQ(log.axis_matrix->missing.find("floor_z is not what the inputs say of a floor"), 0u)
       << log.axis_matrix->missing;
 }
 

@@ -64,7 +64,8 @@ TEST_F(AboutTheModel, AChannelThatIsNotTheFloorIsRefused) {
     if (factor == 0) channels.col(2) = noise(channels.rows()).col(2);
     const IdentifiedResponse other = identified(channels, record_.inputs);
     EXPECT_FALSE(other.response.has_value()) << factor;
-    EXPECT_EQ(other.missing.find("floor_z is not the motion of the floor's inputs: at "), 0u)
+    EXPECT_EQ(
+        other.missing.find("floor_z is not what the inputs say of a floor that does not turn"), 0u)
         << factor << " " << other.missing;
   }
   MatrixXd channels = record_.inputs;
