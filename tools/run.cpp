@@ -158,6 +158,7 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
   RunAnalyses runs;
   for (const char* loop : {"passive", "active"}) {
     if (options.loop != "both" && options.loop != loop) continue;
+    if (runs.passive) ++phase.run_id;  // the last number has no next one
     phase.loop = loop;
     const PhaseResult result =
         options.mode == "single_process"
@@ -171,7 +172,6 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
     if (!options.json) std::cout << loop << ": " << result.controller_line << "\n";
     runs.add(analyse_run(directory / (std::string(loop) + ".lcm"),
                          {.run_id = phase.run_id, .segment_s = 64, .progress = {}}));
-    ++phase.run_id;
   }
 
   report::Verdict verdict;
