@@ -10,7 +10,8 @@ endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}/usr)
 foreach(example first hardware)
   run(${CMAKE_COMMAND} -S ${EXAMPLES}/${example} -B ${prefix}/${example} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
-    -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${prefix}/usr)
+    # With other vector instructions than the package has: what one allocates the other must be able to free.
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${prefix}/usr -DCMAKE_CXX_FLAGS=${NATIVE})
   run(${CMAKE_COMMAND} --build ${prefix}/${example})
 endforeach()
 run(${prefix}/first/first ${prefix}/usr/share/stillframe/config/scenes/metrology_frame.yaml)

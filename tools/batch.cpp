@@ -69,11 +69,12 @@ Json to_json(const StudyCase& study, const StudyResult& result) {
   row["times_real_time"] = result.times_real_time;
   row["axes"] = Json::array();
   for (const auto& axis : result.verdict.axes) {
-    row["axes"].push_back({{"axis", axis.axis},
-                           {"floor_rms_m_s2", axis.floor->rms_acceleration},
-                           {"passive_rms_m_s2", axis.passive->rms_acceleration},
-                           {"active_rms_m_s2", axis.active->rms_acceleration},
-                           {"active_class", axis.active->vibration_class}});
+    row["axes"].push_back(
+        {{"axis", axis.axis},
+         {"floor_rms_m_s2", axis.floor ? Json(axis.floor->rms_acceleration) : Json(nullptr)},
+         {"passive_rms_m_s2", axis.passive->rms_acceleration},
+         {"active_rms_m_s2", axis.active->rms_acceleration},
+         {"active_class", axis.active->vibration_class}});
   }
   return row;
 }
@@ -97,7 +98,7 @@ std::string table_of(const Options& options, const std::vector<StudyCase>& cases
         peak = cell("%.3g", result.peak_force), speed = cell("%.0f", result.times_real_time);
     for (const auto& axis : result.verdict.axes) {
       table.add({scene, controller, floor, axis.axis,
-                 cell("%.4g", 1e6 * axis.floor->rms_acceleration),
+                 axis.floor ? cell("%.4g", 1e6 * axis.floor->rms_acceleration) : "-",
                  cell("%.4g", 1e6 * axis.passive->rms_acceleration),
                  cell("%.4g", 1e6 * axis.active->rms_acceleration), axis.active->vibration_class,
                  outcome, peak, speed});

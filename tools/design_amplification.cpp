@@ -1,12 +1,12 @@
 #include "tools/design_amplification.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/frequency_response.hpp"
 #include "core/linear/continuous_loop.hpp"
+#include "core/linear/resonances.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -60,27 +60,6 @@ class Ranges {
   bool open_ = false;
 };
 
-double largest(const LinearSystem& system, Index n_w, double hz) {
-  const Complex s(0, two_pi * hz);
-  const Eigen::MatrixXcd A =
-      s * Eigen::MatrixXcd::Identity(system.A.rows(), system.A.cols()) - system.A.cast<Complex>();
-  const Eigen::MatrixXcd B = system.B.leftCols(n_w).cast<Complex>();
-  const Eigen::MatrixXcd D = system.D.leftCols(n_w).cast<Complex>();
-  return singular_values(system.C.cast<Complex>() * A.partialPivLu().solve(B) + D)(0);
-}
-
-/// A grid, and the frequencies of the poles, as a resonance is narrower than any grid.
-std::vector<double> frequencies(double from_hz, double to_hz, const Eigen::VectorXcd& poles) {
-  const Eigen::VectorXd grid = logarithmic_frequencies(from_hz, to_hz, 200);
-  std::vector<double> all(grid.begin(), grid.end());
-  for (const Complex pole : poles) {
-    const double hz = pole.imag() / two_pi;
-    if (hz > from_hz && hz < to_hz) all.push_back(hz);
-  }
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
 /// Why the law moves the frame more in this range, without sampling.
 std::string cause(const Range& range, const Eigen::VectorXcd& poles) {
   Complex least = 0;
@@ -102,22 +81,21 @@ std::string cause(const Range& range, const Eigen::VectorXcd& poles) {
 std::vector<std::string> amplification_warnings(const LoopSettings& settings, double target_hz) {
   const LoopPlant& plant = settings.plant;
   const SampledPlant sampled = sample_and_hold(plant, settings.sampling);
-  const SampledLoop passive = open_loop(sampled),
-                    controlled = close_loop(sampled, law_of(settings));
   ForceFeedback feedback = settings.feedback;
   feedback.lead = continuous_lead(settings.law.lead_samples, settings.sampling);
   const Eigen::VectorXcd poles = closed_loop_poles(plant, feedback);
-  const LinearSystem law = continuous_loop(plant, feedback),
-                     without{plant.A, plant.B_w, plant.C_y, plant.D_yw};
   const Index n_w = plant.B_w.cols();
+  LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, law_of(settings))),
+      law(continuous_loop(plant, feedback), n_w),
+      without({plant.A, plant.B_w, plant.C_y, plant.D_yw}, n_w);
+  const Eigen::VectorXd grid =
+      logarithmic_frequencies(target_hz, 0.5 / settings.sampling.sample_time, 200);
   Ranges of_design, of_sampling;
-  for (const double hz : frequencies(target_hz, 0.5 / settings.sampling.sample_time, poles)) {
-    const double factor = singular_values(transfer(controlled, two_pi * hz))(0) /
-                          singular_values(transfer(passive, two_pi * hz))(0);
+  for (const double hz : with_resonances(grid, controlled.resonances())) {
+    const double factor = controlled(hz) / passive(hz);
     const bool more = factor > noted_ratio;
     // Most of it, in dB.
-    const bool designed =
-        more && std::pow(largest(law, n_w, hz) / largest(without, n_w, hz), 2) > factor;
+    const bool designed = more && std::pow(law(hz) / without(hz), 2) > factor;
     of_design.add(hz, designed ? factor : 0);
     of_sampling.add(hz, more && !designed ? factor : 0);
   }

@@ -47,7 +47,7 @@ FrequencyLine line_at(const LoopDesign& design, const ForceResponses& forces, bo
   const Complex s(0, two_pi * hz);
   FrequencyLine line;
   line.hz = hz;
-  line.open = singular_values(design.loop.open(s));
+  line.open = singular_values(transfer(design.open, two_pi * hz));
   line.continuous = singular_values(design.loop.closed(s));
   const Eigen::MatrixXcd T = transfer(design.closed, two_pi * hz);
   line.closed = singular_values(T);

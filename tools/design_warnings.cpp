@@ -7,8 +7,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "controller/start_check.hpp"
+#include "core/linear/continuous_loop.hpp"
 #include "report/table.hpp"
 #include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"
@@ -122,6 +124,48 @@ double least_leak(const LoopDesign& design) {
   return high;
 }
 
+/// Leaks (rad/s) with which the continuous law without a high-pass holds the frame in motion too.
+struct Window {
+  double from = 0, to = 0;
+};
+
+/// `from`: the leak that holds it at standstill. None if no leak does; to: infinity if any that is
+/// larger does.
+std::optional<Window> leaks_that_hold(const LoopDesign& design, double from) {
+  ForceFeedback feedback = design.settings.feedback;
+  feedback.high_pass = 0;
+  const double omega_d = two_pi * design.scene.controller->lowest_target_hz();
+  const auto holds = [&](double leak) {
+    feedback.leak = leak;
+    return closed_loop_poles(design.settings.plant, feedback).real().maxCoeff() < -1e-9 * omega_d;
+  };
+  // The edge between two leaks, to a thousandth.
+  const auto edge = [&](double low, double high) {
+    const bool held = holds(low);
+    while (high > 1.001 * low) {
+      const double middle = std::sqrt(low * high);
+      (holds(middle) == held ? low : high) = middle;
+    }
+    return high;
+  };
+  constexpr double step = 1.1;
+  const double most = 1e3 * std::max(from, omega_d);
+  double leak = 1.001 * from;
+  std::optional<Window> window;
+  if (holds(leak)) window = {from, leak};
+  for (; leak < most; leak *= step) {
+    const bool next = holds(step * leak);
+    if (!window && next) {
+      window = {edge(leak, step * leak), 0};
+    } else if (window && !next) {
+      window->to = edge(leak, step * leak);
+      return window;
+    }
+  }
+  if (window) window->to = std::numeric_limits<double>::infinity();
+  return window;
+}
+
 /// The plant's stiffness without the legs' feedback, and what is left of it at standstill.
 void warn_of_standstill(const LoopDesign& design, std::vector<std::string>& out) {
   const SceneController& block = *design.scene.controller;
@@ -139,11 +183,24 @@ void warn_of_standstill(const LoopDesign& design, std::vector<std::string>& out)
       // has to hold 2 zeta omega_d g / (omega_d^2 m) against it (docs/design.md).
       const double omega_d = two_pi * block.lowest_target_hz();
       const double taken = needed / (2 * block.damping_ratio.front() * omega_d);
-      out.push_back(cell(
+      const std::string much = cell(
           "the weight and preload on the legs take up to %.1f %% off the stiffness that the loop "
-          "leaves; a leak alone holds the frame from about %.2g Hz on (with a high-pass beside it "
-          "see docs/design_cases.md), here leak_hz is %.2g",
-          100 * taken, needed / two_pi, block.leak_hz));
+          "leaves; ",
+          100 * taken);
+      const std::optional<Window> window = leaks_that_hold(design, needed);
+      if (!window) {
+        out.push_back(much + "no leak alone holds the frame" +
+                      (taken > 1 ? cell("; a target above about %.2g Hz leaves more than they take",
+                                        block.lowest_target_hz() * std::sqrt(taken))
+                                 : ""));
+      } else {
+        out.push_back(
+            much + cell("a leak alone holds the frame from about %.2g Hz", window->from / two_pi) +
+            (std::isinf(window->to) ? " on" : cell(" to %.2g Hz", window->to / two_pi)) +
+            cell(" (with a high-pass beside it see docs/design_cases.md), here leak_hz is "
+                 "%.2g",
+                 block.leak_hz));
+      }
     }
   }
   if (softer > 1.05 && std::isfinite(softer)) {

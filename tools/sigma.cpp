@@ -37,8 +37,9 @@ struct Options {
   bool json = false;
 };
 
-/// A row a frequency. With a controller, closed is the loop that runs, NaN above half its rate, and
-/// continuous its law without sampling, delay and instruments.
+/// A row a frequency. With a controller, closed is the loop that runs and open the frame left
+/// alone, sampled as it is, both NaN above half its rate, and continuous its law without sampling,
+/// delay and instruments.
 struct Curves {
   Eigen::VectorXd frequencies_hz;
   Eigen::MatrixXd open, closed, continuous;
@@ -82,10 +83,7 @@ Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequ
 Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
   Curves curves{
       frequencies_hz,
-      rows_of(frequencies_hz,
-              [&](double omega) {
-                return design.loop.open({0.0, omega});
-              }),
+      rows_of(frequencies_hz, [&](double omega) { return transfer(design.open, omega); }),
       rows_of(frequencies_hz, [&](double omega) { return transfer(design.closed, omega); }),
       rows_of(frequencies_hz, [&](double omega) {
         return design.loop.closed({0.0, omega});
@@ -93,6 +91,7 @@ Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequenc
   for (Index i = 0; i < frequencies_hz.size(); ++i) {
     // Half the rate itself is one of them, but for the rounding of its logarithm.
     if (frequencies_hz(i) <= (1 + 1e-9) * design.gains.sample_rate_hz / 2) continue;
+    curves.open.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
     curves.closed.row(i).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return curves;
@@ -102,9 +101,8 @@ void print_table(const std::string& title, const Curves& curves, const std::vect
                  double sample_rate_hz) {
   const bool loop = curves.closed.size() > 0;
   std::cout << title << ": singular values, largest first"
-            << (loop
-                    ? report::cell("; closed: the loop that runs, sampled at %g Hz", sample_rate_hz)
-                    : "")
+            << (loop ? report::cell("; of the loop that runs, sampled at %g Hz", sample_rate_hz)
+                     : "")
             << "\n";
   std::vector<std::string> header{"Hz"};
   for (const char* kind : {"open", "closed"}) {
@@ -233,7 +231,7 @@ int run(const Options& options) {
     if (!left_out.empty()) std::cerr << "stillframe: note: " << left_out << "\n";
   }
   if (design && range.highest_hz > design->gains.sample_rate_hz / 2) {
-    std::cerr << "stillframe: note: above half the sample rate the loop that runs has no curve\n";
+    std::cerr << "stillframe: note: above half the sample rate what is sampled has no curve\n";
   }
   if (options.plot) {
     const Eigen::VectorXd fine = with_resonances_of(gains, grid(std::max(options.points, 1000)));
@@ -285,9 +283,11 @@ void add_sigma(CLI::App& app, int& exit_code) {
       "  scene, frequencies_hz\n"
       "  stable                       whether nothing grows about the operating point without\n"
       "                               control, as `modes` judges; null: not known\n"
-      "  singular_values              open loop, a row a frequency, largest first; null at a pole\n"
-      "  closed_singular_values       with a controller: the loop that runs, as it is sampled;\n"
-      "                               null above half its rate\n"
+      "  singular_values              open loop, a row a frequency, largest first; null at a "
+      "pole;\n"
+      "                               with a controller: sampled as the loop that runs is, null\n"
+      "                               above half its rate\n"
+      "  closed_singular_values       with a controller: the loop that runs, likewise\n"
       "  continuous_singular_values   with a controller: its law without sampling, delay and\n"
       "                               instruments\n"
       "  peaks                        of, hz, singular_value: between two of frequencies_hz the\n"

@@ -6,6 +6,7 @@
 
 #include "core/yaml/input_error.hpp"
 #include "report/table.hpp"
+#include "report/verdict/acceptance.hpp"
 
 namespace stillframe::report {
 
@@ -83,6 +84,25 @@ class FloorResponse {
   double unknown_ = 0;                                         ///< samples still to come
 };
 
+/// An identified response and what the same estimate makes of the forces' part alone: where their
+/// motion is as smooth as the floor's it is taken for the floor's doing, and no remainder tells. It
+/// has been taken off but for what the model of it is in doubt, which widens the bands.
+IdentifiedResponse with_doubt(IdentifiedResponse found, ResponseAnalyser* of_forces) {
+  if (of_forces == nullptr || !found.response) return found;
+  const IdentifiedResponse by_forces = of_forces->finish();
+  if (!by_forces.response) return found;
+  for (std::size_t l = 0; l < found.response->T.size(); ++l) {
+    // Bands are of two standard deviations.
+    const MatrixXd wrong = doubt_of_forces / 2 * by_forces.response->T[l].cwiseAbs();
+    const VectorXd weight = found.response->input_weight[l].diagonal().real();
+    for (Index i = 0; i < wrong.rows(); ++i) {
+      found.response->noise[l](i, i) +=
+          (wrong.row(i).transpose().array().square() / weight.array()).maxCoeff();
+    }
+  }
+  return found;
+}
+
 class Analyser : public LogVisitor {
  public:
   explicit Analyser(const std::function<AnalysisPlan(const run_info_t&)>& plan_of)
@@ -120,7 +140,13 @@ class Analyser : public LogVisitor {
     next_seq_ = block.first_seq + block.n_samples();
     floor_.add(block);
     if (model_) add_unexplained(block, predicted);
-    if (forces_) add_forces(block);
+    MatrixXd by_forces, undisturbed;
+    if (forces_) {
+      by_forces = forces_->at(block.first_seq, block.n_samples());
+      undisturbed = block.frame_acceleration - by_forces;
+      add_forces(by_forces, undisturbed);
+    }
+    const MatrixXd& by_floor = forces_ ? undisturbed : block.frame_acceleration;
     for (Axis& axis : axes_) {
       axis.floor.add(block.frame_acceleration.col(axis.floor_column));
       axis.frame.add(block.frame_acceleration.col(axis.frame_column));
@@ -132,11 +158,14 @@ class Analyser : public LogVisitor {
                      block.command_force.col(column));
     }
     if (matrix_) {
-      matrix_->add(block.first_seq, block.floor_acceleration,
-                   block.frame_acceleration.leftCols(plan_.n_outputs),
+      matrix_->add(block.first_seq, block.floor_acceleration, by_floor.leftCols(plan_.n_outputs),
                    predicted.leftCols(model_ ? plan_.n_outputs : 0));
     }
-    if (axis_matrix_) add_axes(block, predicted);
+    if (forces_matrix_) {
+      forces_matrix_->add(block.first_seq, block.floor_acceleration,
+                          by_forces.leftCols(plan_.n_outputs));
+    }
+    if (axis_matrix_) add_axes(block, by_floor, predicted, by_forces);
   }
 
   void period(const stillframe_msgs::loop_record_t& record) override {
@@ -173,8 +202,10 @@ class Analyser : public LogVisitor {
       result.frames.push_back({plan_.frames[f], frames_[f].motion.finish()});
     }
     for (const LegAnalyser& leg : legs_) result.legs.push_back(leg.finish());
-    if (matrix_) result.matrix = matrix_->finish();
-    if (axis_matrix_) result.axis_matrix = axis_matrix_->finish();
+    if (matrix_) result.matrix = with_doubt(matrix_->finish(), forces_matrix_.get());
+    if (axis_matrix_) {
+      result.axis_matrix = with_doubt(axis_matrix_->finish(), forces_axis_matrix_.get());
+    }
     result.wake_up = std::move(wake_up_);
     result.compute = std::move(compute_);
     result.n_periods = n_periods_;
@@ -226,6 +257,7 @@ class Analyser : public LogVisitor {
         matrix_ = std::make_unique<ResponseAnalyser>(
             signals, broadband,
             plan_.model ? plan_.model->matrix : std::vector<Eigen::MatrixXcd>{});
+        if (forces_) forces_matrix_ = std::make_unique<ResponseAnalyser>(signals, broadband);
       }
     }
     if (!plan_.axes.empty() && !plan_.multisine) {
@@ -236,6 +268,9 @@ class Analyser : public LogVisitor {
           axis_signals(), broadband,
           plan_.model ? plan_.model->axes : std::vector<Eigen::MatrixXcd>{},
           plan_.axis_signals.dependent_floors);
+      if (forces_) {
+        forces_axis_matrix_ = std::make_unique<ResponseAnalyser>(axis_signals(), broadband);
+      }
     }
   }
 
@@ -272,12 +307,10 @@ class Analyser : public LogVisitor {
     }
   }
 
-  void add_forces(const SampleBlock& block) {
-    const MatrixXd done = forces_->at(block.first_seq, block.n_samples());
-    for (std::size_t a = 0; a < axes_.size(); ++a) {
-      const VectorXd part = done.col(static_cast<Index>(a));
-      axes_[a].by_forces.add(part);
-      axes_[a].undisturbed.add(block.frame_acceleration.col(axes_[a].frame_column) - part);
+  void add_forces(const MatrixXd& by_forces, const MatrixXd& undisturbed) {
+    for (Axis& axis : axes_) {
+      axis.by_forces.add(by_forces.col(axis.frame_column));
+      axis.undisturbed.add(undisturbed.col(axis.frame_column));
     }
   }
 
@@ -317,10 +350,14 @@ class Analyser : public LogVisitor {
     }
   }
 
-  void add_axes(const SampleBlock& block, const MatrixXd& predicted) {
+  void add_axes(const SampleBlock& block, const MatrixXd& by_floor, const MatrixXd& predicted,
+                const MatrixXd& by_forces) {
     const MatrixXd floors = block.frame_acceleration(Eigen::all, floor_columns_);
-    const MatrixXd frames = block.frame_acceleration(Eigen::all, frame_columns_);
+    const MatrixXd frames = by_floor(Eigen::all, frame_columns_);
     const MatrixXd inputs = floors.leftCols(std::ssize(axis_signals().inputs));
+    if (forces_axis_matrix_) {
+      forces_axis_matrix_->add(block.first_seq, inputs, by_forces(Eigen::all, frame_columns_));
+    }
     const bool about_model = model_ && !plan_.model->axes.empty();
     if (!about_model) return axis_matrix_->add(block.first_seq, inputs, frames);
     axis_matrix_->add(block.first_seq, inputs, frames, predicted.rightCols(frames.cols()),
@@ -338,7 +375,7 @@ class Analyser : public LogVisitor {
   std::vector<Axis> axes_;
   std::vector<Frame> frames_;
   std::vector<LegAnalyser> legs_;
-  std::unique_ptr<ResponseAnalyser> matrix_, axis_matrix_;
+  std::unique_ptr<ResponseAnalyser> matrix_, axis_matrix_, forces_matrix_, forces_axis_matrix_;
   DurationHistogram wake_up_, compute_;
   std::optional<FloorResponse> model_;
   std::optional<ForceResponse> forces_;

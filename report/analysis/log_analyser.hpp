@@ -54,8 +54,8 @@ struct AnalysisPlan {
   std::optional<double> floor_noise = {};
   std::optional<RunModel> model = {};
   std::string unmodelled = {};  ///< why there is none
-  /// Of the forces that act besides the floor, to the frame of each axis; none: there are none, or
-  /// they are not known.
+  /// Of the forces that act besides the floor, to every frame acceleration; none: there are none,
+  /// or they are not known.
   std::optional<ForceModel> forces = {};
   std::string forces_unknown = {};  ///< why they are not, if there are any
 };

@@ -57,14 +57,16 @@ RunSummary run_summary(const LogAnalysis& log) {
                  .n_clock_steps = scan.n_clock_steps};
   for (const auto& [name, count] : scan.foreign) run.n_foreign += count;
   const double plant_time =
-      static_cast<double>(scan.measurements.n_received + scan.measurements.n_lost - 1) /
-      info.sample_rate_hz;
+      static_cast<double>(scan.measurements.n_spanned()) / info.sample_rate_hz;
   const double wall_time = scan.plant_timing
                                ? 1e-9 * static_cast<double>(scan.plant_timing->wall_time_ns)
                                : scan.log_duration_s;
   if (wall_time > 0) run.real_time_factor = plant_time / wall_time;
   run.n_periods = log.n_periods;
   run.n_discarded = log.n_discarded;
+  if (info.mode == "wall_clock") {
+    run.n_unanswered = std::max<std::int64_t>(0, scan.commands.n_lost - log.n_discarded);
+  }
   run.n_commands_given = commands_given(log);
   run.n_not_finite = scan.faults.n_not_finite;
   run.first_not_finite = scan.faults.first_not_finite;
@@ -113,7 +115,7 @@ std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, do
   return band_rms(signal.power, from_hz, to_hz);
 }
 
-void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalAnalysis* passive,
+void fill_levels(AskedMotion& motion, const SignalAnalysis* floor, const SignalAnalysis* passive,
                  const SignalAnalysis* active, const ForcesPart* forces) {
   const double from_hz = motion.asked.from_hz, to_hz = motion.asked.to_hz;
   const auto fill = [&](const SignalAnalysis* signal, std::optional<double>& level, double& jumps,
@@ -124,7 +126,7 @@ void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalA
     leak = leak_in_band(signal->power, from_hz, to_hz);
     motion.narrowest_hz = std::max(motion.narrowest_hz, narrowest_band_hz(signal->power));
   };
-  fill(&floor, motion.floor, motion.floor_jumps, motion.floor_leak);
+  fill(floor, motion.floor, motion.floor_jumps, motion.floor_leak);
   fill(passive, motion.passive, motion.passive_jumps, motion.passive_leak);
   fill(active, motion.active, motion.active_jumps, motion.active_leak);
   if (forces != nullptr && forces->undisturbed.density.size() > 0) {

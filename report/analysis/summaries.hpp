@@ -18,9 +18,9 @@ MotionLevel motion_level(const SignalAnalysis& signal);
 std::optional<double> range_rms(const SignalAnalysis& signal, double from_hz, double to_hz);
 
 /// The same for every signal of what is asked of a direction, and how much of it the ends of the
-/// records may be. passive, active: null if there is none; forces: of the active frame, null if
-/// there are none or they are not known.
-void fill_levels(AskedMotion& motion, const SignalAnalysis& floor, const SignalAnalysis* passive,
+/// records may be. floor, passive, active: null if there is none; forces: of the active frame, null
+/// if there are none or they are not known.
+void fill_levels(AskedMotion& motion, const SignalAnalysis* floor, const SignalAnalysis* passive,
                  const SignalAnalysis* active, const ForcesPart* forces);
 MotionSpectra motion_spectra(const SignalAnalysis& signal);
 std::vector<ShockSummary> shock_summaries(const LogAnalysis& log);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 namespace stillframe::report {
 
@@ -12,22 +13,34 @@ bool same_bits(const double* values, const std::vector<double>& others) {
   return others.empty() || std::memcmp(values, others.data(), others.size() * sizeof(double)) == 0;
 }
 
-void follow(std::vector<ChannelCourse>& courses, const double* values) {
-  for (ChannelCourse& course : courses) {
-    const double value = *values++;
-    if (course.n++ == 0) course.first = course.lowest = course.highest = value;
-    course.lowest = std::min(course.lowest, value);
-    course.highest = std::max(course.highest, value);
-    // A value that is no number is another one than any.
-    if (value != course.first) ++course.n_other;
+/// What may be seen to move where a channel should: the frame beside the floor, the command beside
+/// the force of its leg, and floor and sigma beside the frame.
+std::vector<CourseRecorder::Beside> beside(const stillframe_msgs::run_info_t& info) {
+  const auto n_floor = static_cast<std::size_t>(info.n_floor),
+             n_legs = static_cast<std::size_t>(info.n_legs),
+             n_frame = static_cast<std::size_t>(info.n_frame);
+  const std::size_t frame = n_floor + 2 * n_legs, commands = frame + n_frame;
+  // A rest keeps a number of every channel, of which a log may claim any number.
+  constexpr std::size_t most_followed = 1000;
+  if (commands + n_legs > most_followed) {
+    return std::vector<CourseRecorder::Beside>(commands + n_legs);
   }
+  std::vector<CourseRecorder::Beside> result(n_floor, {frame, commands});
+  for (std::size_t i = 0; i < 2 * n_legs; ++i) {
+    const std::size_t command = commands + i % n_legs;
+    result.push_back({command, command + 1});
+  }
+  result.insert(result.end(), n_frame, {0, n_floor + n_legs});
+  result.resize(commands + n_legs);
+  return result;
 }
 
 }  // namespace
 
 SampleCheck::SampleCheck(const stillframe_msgs::run_info_t& info)
     : n_floor_(static_cast<std::size_t>(info.n_floor)),
-      n_legs_(static_cast<std::size_t>(info.n_legs)) {
+      n_legs_(static_cast<std::size_t>(info.n_legs)),
+      courses_(beside(info)) {
   const auto add = [](std::vector<std::string>& to, const char* what, const auto& names) {
     for (const std::string& name : names) to.push_back(std::string(what) + " of " + name);
   };
@@ -36,13 +49,11 @@ SampleCheck::SampleCheck(const stillframe_msgs::run_info_t& info)
   add(measured_, "applied force", info.leg_names);
   add(measured_, "acceleration", info.frame_names);
   add(commanded_, "command", info.leg_names);
-  measured_course_.resize(measured_.size());
-  commanded_course_.resize(commanded_.size());
 }
 
 void SampleCheck::measurement(std::int64_t seq, const double* values) {
   look(seq, values, measured_);
-  follow(measured_course_, values);
+  courses_.take(seq, values, 0, measured_.size());
   const double* floor_end = values + n_floor_;
   if (last_seq_ < 0) first_floor_.assign(values, floor_end);
   floor_moves_ = floor_moves_ || !same_bits(values, first_floor_);
@@ -57,7 +68,7 @@ void SampleCheck::measurement(std::int64_t seq, const double* values) {
 
 void SampleCheck::command(std::int64_t seq, const double* values) {
   look(seq, values, commanded_);
-  follow(commanded_course_, values);
+  courses_.take(seq, values, measured_.size(), commanded_.size());
 }
 
 void SampleCheck::look(std::int64_t seq, const double* values,
@@ -74,15 +85,17 @@ SampleFaults SampleCheck::faults() const {
   SampleFaults result = faults_;
   // One input that never changes is a floor of its own, and no sensor that is stuck.
   if (!floor_moves_) result.n_repeats = 0;
-  const auto part = [&](std::size_t first, std::size_t n) {
-    const auto begin = measured_course_.begin() + static_cast<std::ptrdiff_t>(first);
-    return std::vector<ChannelCourse>(begin, begin + static_cast<std::ptrdiff_t>(n));
+  auto all = courses_.courses();
+  auto take = [from = all.begin()](std::vector<ChannelCourse>& to, std::size_t n) mutable {
+    const auto end = from + static_cast<std::ptrdiff_t>(n);
+    to.assign(std::make_move_iterator(from), std::make_move_iterator(end));
+    from = end;
   };
-  const std::size_t frame = n_floor_ + 2 * n_legs_;
-  result.floor = part(0, n_floor_);
-  result.applied = part(n_floor_ + n_legs_, n_legs_);
-  result.frame = part(frame, measured_course_.size() - frame);
-  result.commanded = commanded_course_;
+  take(result.floor, n_floor_);
+  take(result.sigma, n_legs_);
+  take(result.applied, n_legs_);
+  take(result.frame, measured_.size() - n_floor_ - 2 * n_legs_);
+  take(result.commanded, n_legs_);
   return result;
 }
 

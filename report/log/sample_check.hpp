@@ -5,17 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "report/log/channel_course.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 
 namespace stillframe::report {
-
-/// What one channel did over a run.
-struct ChannelCourse {
-  double first = 0, lowest = 0, highest = 0;
-  std::int64_t n = 0, n_other = 0;  ///< samples, and those that differ from the first
-
-  bool rests() const { return n_other == 0; }
-};
 
 /// What is wrong with the values that a log holds, however whole it is.
 struct SampleFaults {
@@ -23,7 +16,8 @@ struct SampleFaults {
   std::string first_not_finite;   ///< where, as in "seq 30000, sigma of leg_1"; empty: nowhere
   /// Measurements that are the one before to the bit in every channel while the floor moves.
   std::int64_t n_repeats = 0;
-  std::vector<ChannelCourse> floor, applied, frame, commanded;  ///< channel by channel
+  /// Channel by channel; the rests tell of all of them, one list after the other.
+  std::vector<ChannelCourse> floor, sigma, applied, frame, commanded;
 };
 
 /// N and m/s^2, a thousand times the largest force limit that gains may have: what is beyond it is
@@ -45,8 +39,8 @@ class SampleCheck {
   void look(std::int64_t seq, const double* values, const std::vector<std::string>& names);
 
   std::vector<std::string> measured_, commanded_;  ///< what each value is
-  std::vector<ChannelCourse> measured_course_, commanded_course_;
   std::size_t n_floor_, n_legs_;
+  CourseRecorder courses_;
   std::vector<double> last_, first_floor_;
   std::int64_t last_seq_ = -1;
   bool floor_moves_ = false;

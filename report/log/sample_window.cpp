@@ -14,6 +14,7 @@ using stillframe_msgs::measurement_t;
 void SeqTally::left(std::int64_t seq) {
   finish(expected_ < 0 ? seq : std::max(seq, expected_));
   ++count.n_received;
+  count.n_after = 0;
   expected_ = seq + 1;
 }
 
@@ -22,6 +23,7 @@ void SeqTally::finish(std::int64_t end) {
   if (end <= expected_) return;
   if (count.gaps.size() < ChannelCount::most_gaps) count.gaps.push_back({expected_, end - 1});
   count.n_lost += end - expected_;
+  count.n_after = end - expected_;
   expected_ = end;
 }
 
@@ -197,6 +199,8 @@ bool SampleWindow::contradicts(const command_t& message) const {
 void SampleWindow::finish() {
   if (base_ >= 0) let_go(end_);
   emit();
+  // From the first command on every measurement is to have one.
+  commands_.finish(measurements_.next());
   measurements_.finish(announced_);
 }
 

@@ -26,6 +26,8 @@ class SeqTally {
   /// The messages up to end - 1 that have not come never will.
   void finish(std::int64_t end);
   void expect(std::int64_t seq) { expected_ = seq; }
+  /// The one after the last that came.
+  std::int64_t next() const { return expected_; }
 
  private:
   std::int64_t largest_ = -1, expected_ = -1;

@@ -58,8 +58,11 @@ RunningWelch& RunningWelch::operator=(RunningWelch&&) noexcept = default;
 
 void RunningWelch::take(const Eigen::Ref<const VectorXd>& piece, Transform& transform,
                         VectorXd& power) const {
+  // As the window weighs it: another mean would stand in the lowest two bins, far above what a
+  // floor has there.
+  const double mean = piece.dot(transform.window) / transform.window.sum();
   transform.piece =
-      ((piece.array() - piece.mean()) * transform.window.array()).cast<std::complex<double>>();
+      ((piece.array() - mean) * transform.window.array()).cast<std::complex<double>>();
   transform.fft.transform(transform.piece.data(), transform.spectrum.data());
   power += transform.spectrum.head(power.size()).cwiseAbs2();
 }

@@ -31,11 +31,12 @@ inline constexpr double default_segment_s = 16;
 Eigen::Index default_segment_length(Eigen::Index n_samples, double sample_rate_hz);
 
 /// Welch's estimate of a signal that comes in parts, in memory of one segment: segments with 50 %
-/// overlap, each less its mean, periodic Hann window, density scaling,
+/// overlap, each less its mean as the window weighs it, periodic Hann window, density scaling,
 ///   S(f_k) = 2 / (f_s sum w^2) mean |sum_i w_i x_i e^{-2 pi j i k / n}|^2  (no 2 at 0 and f_s /
 ///   2).
 /// Source: P. D. Welch, IEEE Trans. Audio Electroacoustics 15 (1967); the scaling is that of
-/// scipy.signal.welch. Set-up.
+/// scipy.signal.welch, whose plain mean leaves a slow floor's lowest two bins five decades too
+/// high. Set-up.
 class RunningWelch {
  public:
   /// segment_length: samples. Errors: std::invalid_argument for a segment shorter than 2 or a rate

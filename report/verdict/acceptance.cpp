@@ -102,7 +102,7 @@ class Judge {
                      cell("%g", largest_value) + " (N, m/s^2): " + many + ", the first at " +
                      run.first_not_finite + "."});
     }
-    resting_of(run);
+    // Before what rests: there all does.
     if (run.n_repeats > 0) {
       add_share({.what = "measurements of " + of + " that repeat the one before in every channel",
                  .n = run.n_repeats,
@@ -111,19 +111,20 @@ class Judge {
                  .subject = Subject::record},
                 accept_.lost_share, default_log_loss_share);
     }
+    resting_of(run);
   }
 
   /// A sensor without a cable reads what a perfect frame does.
   void resting_of(const RunSummary& run) {
-    const auto joined = [](const std::vector<std::string>& names) {
+    const auto joined = [](const std::vector<RestingChannel>& channels) {
       std::string text;
-      for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+      for (const auto& channel : channels) text += (text.empty() ? "" : ", ") + channel.text();
       return text;
     };
     if (!run.resting_channels.empty()) {
       const std::string names = joined(run.resting_channels);
       add({.subject = Subject::record,
-           .what = "accelerations in the log of the " + run.loop + " run that never change",
+           .what = "measurements in the log of the " + run.loop + " run that never change",
            .asked = "none",
            .found = names,
            .outcome = Outcome::not_judged,
@@ -235,8 +236,9 @@ class Judge {
               "the log holds no account of the controller's");
       return;
     }
+    // Its own account, and the log's of all the controllers that the run had.
     add_share({.what = what,
-               .n = timing->n_lost,
+               .n = std::max(timing->n_lost, run.n_unanswered),
                .of = run.n_samples + run.n_lost,
                .of_what = "measurements"},
               accept_.lost_share, default_unanswered_share);

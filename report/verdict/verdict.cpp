@@ -94,6 +94,12 @@ ordered_json json_of(const AskedMotion& motion) {
           {"active_undisturbed", json_of(motion.active_undisturbed)}};
 }
 
+std::vector<std::string> texts_of(const std::vector<RestingChannel>& channels) {
+  std::vector<std::string> texts;
+  for (const RestingChannel& channel : channels) texts.push_back(channel.text());
+  return texts;
+}
+
 ordered_json json_of(const RunSummary& run) {
   return {{"scene_name", run.scene_name},
           {"scene_hash", run.scene_hash},
@@ -121,8 +127,8 @@ ordered_json json_of(const RunSummary& run) {
           {"n_periods", run.n_periods},
           {"n_discarded", run.n_discarded},
           {"unreadable", run.unreadable},
-          {"resting_channels", run.resting_channels},
-          {"resting_forces", run.resting_forces}};
+          {"resting_channels", texts_of(run.resting_channels)},
+          {"resting_forces", texts_of(run.resting_forces)}};
 }
 
 ordered_json json_of(const TimingSummary::Quantiles& quantiles) {

@@ -16,6 +16,14 @@ namespace stillframe::report {
 struct PredictionError;
 struct ReductionCheck;
 
+/// A channel that rests where it should not.
+struct RestingChannel {
+  std::string name;
+  std::string when = {};  ///< as "from 15 to 60 s"; empty: all the time
+
+  std::string text() const { return when.empty() ? name : name + " (" + when + ")"; }
+};
+
 /// What ran, and how whole its log is.
 struct RunSummary {
   std::string scene_name = {}, scene_hash = {}, program_version = {};
@@ -38,14 +46,17 @@ struct RunSummary {
   /// Periods of a wall-clock controller in the log, and those of them whose measurement it rejected
   /// as late, not finite or out of range.
   std::int64_t n_periods = 0, n_discarded = 0;
+  /// Of a wall-clock run: measurements behind the first command that no command of the log answers,
+  /// those that were rejected left out.
+  std::int64_t n_unanswered = 0;
   std::int64_t n_not_finite = 0;      ///< values in the log (SampleFaults)
   std::string first_not_finite = {};  ///< where
   std::int64_t n_repeats =
       0;  ///< measurements that are the one before to the bit on a moving floor
   std::string unreadable = {};  ///< why scene, gains or floor cannot be read; empty: they can
-  /// Accelerations that never change though what moves them does, and forces that do not act though
-  /// they are commanded, by name.
-  std::vector<std::string> resting_channels = {}, resting_forces = {};
+  /// What is measured and does not change though what moves it does, and forces that do not act
+  /// though they are commanded.
+  std::vector<RestingChannel> resting_channels = {}, resting_forces = {};
 };
 
 /// One process's own account of its deadlines.

@@ -53,10 +53,11 @@ const char* in_short(Outcome outcome) {
 
 std::string identification_text(const IdentificationSummary& id) {
   Table table({"measured against the sampled-data prediction", "largest dB", "at Hz"}, 1);
-  table.add(
-      {"singular values, open loop", cell("%.4f", id.open_largest_db), cell("%g", id.open_at_hz)});
-  table.add({"singular values, closed loop", cell("%.4f", id.closed_largest_db),
-             cell("%g", id.closed_at_hz)});
+  const auto add = [&table](const char* loop, int n, double largest_db, double at_hz) {
+    table.add({loop, n > 0 ? cell("%.4f", largest_db) : "-", n > 0 ? cell("%g", at_hz) : ""});
+  };
+  add("singular values, open loop", id.n_open_compared, id.open_largest_db, id.open_at_hz);
+  add("singular values, closed loop", id.n_closed_compared, id.closed_largest_db, id.closed_at_hz);
   table.add({cell("reduction by the loop, above %.4g Hz", id.reduction_above_hz),
              id.n_reduction_frequencies > 0 ? cell("%.4f", id.reduction_largest_error_db) : "-",
              ""});

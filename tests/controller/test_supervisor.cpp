@@ -347,6 +347,25 @@ TEST(Supervisor, ListensFromTheFirstMeasurementOn) {
   EXPECT_GT(rig.k() - began, 980);
 }
 
+// Another controller may have come while it slept: it listens, whatever it was doing, until it has
+// held its peace for as long as one that has just come.
+TEST(Supervisor, WhoSleptListensFirst) {
+  for (const bool active : {false, true}) {
+    Rig rig({}, active);
+    rig.steps(active ? 2500 : 500);
+    ASSERT_EQ(rig.state(), active ? State::active : State::idle);
+    ASSERT_TRUE(rig.sent_any);
+    rig.steps(50, {}, false);
+    // 0.35 s where nothing is held, and 1.5 s where the amplifiers have something to let go of.
+    for (int k = 0; k < (active ? 1490 : 340); ++k) {
+      rig.step();
+      ASSERT_FALSE(rig.sent_any) << active << " " << k;
+    }
+    rig.steps(20);
+    EXPECT_TRUE(rig.sent_any) << active;
+  }
+}
+
 // Said by a read-back, and held by nothing: a person should look.
 TEST(Supervisor, AForceBeyondTheLimitThatStaysIsALatchedFault) {
   Policy policy;

@@ -91,6 +91,7 @@ TEST(Acceptance, FailsForEachThingThatIsNotAsItShouldBe) {
       {"repeat the one before in every channel: 19999 of 60001",
        [](MadeUp& m) { m.active().n_repeats = 19999; }},
       {"never answered: 601 of 60001", [](MadeUp& m) { m.verdict.timing[1].n_lost = 601; }},
+      {"never answered: 28455 of 60001", [](MadeUp& m) { m.active().n_unanswered = 28455; }},
       {"rejected: 16200 of 60001 (27 %)", [](MadeUp& m) { m.active().n_discarded = 16200; }},
       {"moves 1147 times as much as the passive frame",
        [](MadeUp& m) { m.asked()[0].active = 11470; }},
@@ -215,7 +216,7 @@ TEST(Acceptance, ForcesOnTheFrameExcuseWhatTheyMayHaveDone) {
 // A sensor without a cable reads what a perfect frame does.
 TEST(Acceptance, WhatRestsWhereItShouldMoveNeverPasses) {
   MadeUp sensor;
-  sensor.active().resting_channels = {"lens_x"};
+  sensor.active().resting_channels = {RestingChannel{"lens_x"}};
   sensor.verdict.axes[0].resting = "lens_x never changes";
   for (AskedMotion& asked : sensor.verdict.axes[0].asked) asked.active = 0;
   EXPECT_EQ(sensor.judged().outcome, Outcome::not_judged);
@@ -228,7 +229,7 @@ TEST(Acceptance, WhatRestsWhereItShouldMoveNeverPasses) {
   sensor.asked()[1].active = 19;
   EXPECT_EQ(sensor.judged().outcome, Outcome::failed) << "z is seen";
   MadeUp force;
-  force.active().resting_forces = {"leg_1"};
+  force.active().resting_forces = {RestingChannel{"leg_1"}};
   EXPECT_EQ(force.judged().outcome, Outcome::failed);
   EXPECT_NE(force.judged().reason.find("leg_1 never changes by a bit though the commands do"),
             std::string::npos);

@@ -50,8 +50,11 @@ VectorXd direct_welch(const VectorXd& x, double rate, Index n) {
   for (Index i = 0; i < n; ++i) window_power += std::pow(std::sin(pi * double(i) / double(n)), 4);
   for (int s = 0; s < n_segments; ++s) {
     const Index start = s * ((n + 1) / 2);
+    // The sum of a Hann window is n / 2.
     double mean = 0;
-    for (Index i = 0; i < n; ++i) mean += x(start + i) / double(n);
+    for (Index i = 0; i < n; ++i) {
+      mean += 2 * std::pow(std::sin(pi * double(i) / double(n)), 2) * x(start + i) / double(n);
+    }
     for (Index k = 0; k <= n / 2; ++k) {
       std::complex<double> sum = 0;
       for (Index i = 0; i < n; ++i) {
@@ -81,10 +84,13 @@ TEST(Welch, ParsevalOfOneSegment) {
   // The integral of the estimate is sum (w (x - mean))^2 / sum w^2, exactly.
   for (const Index n : {128, 127}) {
     const VectorXd x = noise(n, 2, 9);
+    const VectorXd hann =
+        (Eigen::ArrayXd::LinSpaced(n, 0, double(n - 1)) * pi / double(n)).sin().square();
+    const double mean = hann.dot(x) / hann.sum();
     double power = 0, window_power = 0;
     for (Index i = 0; i < n; ++i) {
-      const double w = std::pow(std::sin(pi * double(i) / double(n)), 2);
-      power += std::pow(w * (x(i) - x.mean()), 2);
+      const double w = hann(i);
+      power += std::pow(w * (x(i) - mean), 2);
       window_power += w * w;
     }
     const Psd psd = welch(x, 1000, n);

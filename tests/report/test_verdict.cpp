@@ -181,6 +181,12 @@ TEST(Verdict, TextIsAlignedAndSaysItAll) {
         "closed loop below open loop at 22 of the 22 frequencies above 10 Hz"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part << " in\n" << page;
   }
+  // Nothing that was compared is no agreement.
+  Verdict unknown = sample_verdict();
+  unknown.identification->n_closed_compared = 0;
+  EXPECT_NE(to_text(unknown).find("singular values, closed loop                           -"),
+            std::string::npos)
+      << to_text(unknown);
   // The lines of a table end in one column where their last cell is a number.
   std::istringstream lines(page);
   std::vector<std::size_t> widths;

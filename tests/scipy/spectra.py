@@ -64,14 +64,18 @@ def compare(program, path):
     for column, x in enumerate(columns):
         # 16 s, a power of two, an odd length, a prime, and all of it.
         for length in (round(16 * rate), 1024, 2047, 4099, len(x)):
-            frequency, density = scipy.signal.welch(x, rate, nperseg=length)
+            window = scipy.signal.get_window("hann", length)
+            frequency, density = scipy.signal.welch(
+                x, rate, nperseg=length, detrend=lambda s: s - (s @ window / window.sum())[..., None])
             psd, bands = printed(program, path, column, length)
             whole = length == len(x)
             rounding = 2 * ROUNDING * numpy.sqrt(density * density.max()) if whole else None
             largest = max(
                 largest,
                 worst(psd[1:, 0], frequency[1:]),
-                worst(psd[:, 1], density, rounding),
+                # Of the mean that is taken off nothing is left but rounding.
+                worst(psd[1:, 1], density[1:], None if rounding is None else rounding[1:]),
+                psd[0, 1] / density.max(),
                 worst(bands[:, 0], numpy.array(NOMINAL_HZ)),
                 worst(bands[:, 1], third_octave_velocity(frequency, density)),
             )

@@ -458,6 +458,23 @@ TEST_F(DesignVerb, TheLeakThatHoldsTheWeightIsTheOneNamed) {
   // Two digits are shown, and sampling moves it a little.
   EXPECT_EQ(said(1.15 * named).exit_code, 0) << named << "\n" << page;
   EXPECT_EQ(said(0.85 * named).exit_code, 3) << named << "\n" << page;
+  // Nor is more of it always better.
+  const size_t end = page.find(" Hz to ", at);
+  ASSERT_NE(end, std::string::npos) << page;
+  const double most = std::stod(page.substr(end + 7));
+  EXPECT_EQ(said(0.95 * most).exit_code, 0) << most << "\n" << page;
+  EXPECT_EQ(said(1.15 * most).exit_code, 3) << most << "\n" << page;
+}
+
+// A target of 0.5 Hz leaves less than a third of what the weight takes.
+TEST_F(DesignVerb, WhereTheWeightTakesAllNoLeakIsNamed) {
+  for (const char* leak : {"0.1", "1.6", "10"}) {
+    const Said said = run({"design", write("scene.yaml", body_and_bob("1.2", "20", "0.5", leak))});
+    EXPECT_EQ(said.exit_code, 3) << leak;
+    EXPECT_NE(said.output.find("no leak alone holds the frame; a target above about 0.89 Hz"),
+              std::string::npos)
+        << said.output;
+  }
 }
 
 // Under its weight the frame needs its leak, and no roll-off and no lead alone helps. What the page

@@ -168,6 +168,14 @@ TEST_F(RobustnessVerb, MergeRefusesWhatDoesNotBelongTogether) {
   damaged("/shards/done", Json::array(), "and 0 samples belong there");
   damaged("/shards/done", Json({7}), "shards: found 7, allowed are 1 to 2");
   damaged("/histograms/peak_db/counts", Json::array(), "those in peak_db are 0");
+  damaged("/histograms/log10_decay_per_s/counts", Json::array(),
+          "those in log10_decay_per_s are 0");
+  damaged("/histograms/log10_damping_ratio/counts", Json::array(),
+          "those in the damping ratios are ");
+  for (const char* list : {"largest_singular_values_db", "highest_singular_values_db"}) {
+    damaged("/histograms/" + std::string(list) + "/0/counts", Json::array(),
+            "those in a histogram of singular values are 0");
+  }
   damaged("/nominal/spectral_radius", 2.0, "the spectral radius of the unperturbed loop");
   write("scene.json", "{\"format\": \"other\"}");
   refused("scene.json",

@@ -58,29 +58,37 @@ const report::SignalAnalysis* frame_of(const std::optional<RunAnalysis>& run,
   return nullptr;
 }
 
-struct NamedFrame {
-  std::string name, floor, frame;  ///< floor: empty, none goes with it
-};
-
 /// Why its signals say nothing: one rests where it should not.
-std::string resting_in(const report::Verdict& verdict, const NamedFrame& named) {
+std::string resting_in(const report::Verdict& verdict, const ComparedFrame& compared) {
   for (const report::RunSummary& run : verdict.runs) {
-    for (const std::string& channel : run.resting_channels) {
-      if (channel != named.floor && channel != named.frame) continue;
-      return channel + " never changes in the log of the " + run.loop +
+    for (const report::RestingChannel& channel : run.resting_channels) {
+      if (channel.name != compared.floor && channel.name != compared.frame) continue;
+      return channel.text() + " never changes in the log of the " + run.loop +
              " run though what moves the frame does";
     }
   }
   return {};
 }
 
-/// The comparisons of a scene, and its outputs that none of them has.
-std::vector<NamedFrame> frames_of(const Scene& scene, bool with_floors) {
-  std::vector<NamedFrame> frames;
+bool is_asked_by_name(const SceneAcceptance& accept, const Scene& scene, const std::string& frame) {
   for (const SceneComparison& comparison : scene.comparisons) {
-    frames.push_back(
-        {comparison.name, with_floors ? comparison.floor : std::string(), comparison.frame});
+    if (comparison.frame != frame) continue;
+    const bool asked = std::any_of(accept.axes.begin(), accept.axes.end(),
+                                   [&](const auto& a) { return a.axis == comparison.name; });
+    if (asked) return true;
   }
+  return false;
+}
+
+}  // namespace
+
+std::vector<ComparedFrame> compared_frames(const Scene& scene, const MultisinePlan* multisine) {
+  const bool apart = multisine != nullptr && multisine->n_blocks > 1;
+  std::vector<ComparedFrame> frames;
+  for (const SceneComparison& comparison : scene.comparisons) {
+    frames.push_back({comparison.name, apart ? std::string() : comparison.floor, comparison.frame});
+  }
+  if (multisine == nullptr) return frames;
   for (const SceneSignal& output : scene.outputs) {
     const bool named = std::any_of(frames.begin(), frames.end(),
                                    [&](const auto& f) { return f.frame == output.name; });
@@ -89,29 +97,22 @@ std::vector<NamedFrame> frames_of(const Scene& scene, bool with_floors) {
   return frames;
 }
 
-}  // namespace
-
-void add_multisine_levels(report::Verdict& verdict, const RunAnalyses& runs) {
+void add_multisine_levels(const SceneAcceptance& accept, const RunAnalyses& runs,
+                          report::Verdict& verdict) {
   const auto& run = runs.any().run;
   if (!runs.active || !run.multisine || !run.design || !runs.same_floor()) return;
-  for (const NamedFrame& named : frames_of(run.design->scene, !verdict.floors_apart)) {
-    const auto *passive = frame_of(runs.passive, named.frame),
-               *active = frame_of(runs.active, named.frame),
-               *floor = frame_of(runs.active, named.floor);
+  for (const ComparedFrame& compared : compared_frames(run.design->scene, &*run.multisine)) {
+    const auto *passive = frame_of(runs.passive, compared.frame),
+               *active = frame_of(runs.active, compared.frame),
+               *floor = frame_of(runs.active, compared.floor);
     if (active == nullptr || (passive == nullptr && floor == nullptr)) continue;
-    const report::SignalAnalysis none;
-    verdict.axes.push_back(axis_levels(named.name, floor ? *floor : none, passive, active));
-    verdict.axes.back().resting = resting_in(verdict, named);
-    ask({}, floor ? *floor : none, passive, active, nullptr, verdict);
-    if (floor != nullptr) continue;
-    report::AxisLevels& levels = verdict.axes.back();
-    levels.floor.reset();
-    levels.floor_spectra.reset();
-    std::erase_if(levels.asked, [](const auto& motion) { return motion.asked.rms_of_floor; });
+    add_levels(accept, compared.name, floor, passive, active, nullptr, verdict);
+    verdict.axes.back().resting = resting_in(verdict, compared);
   }
 }
 
-std::optional<Check> multisine_motion(const RunAnalyses& runs, const FrequencyRange& judged) {
+std::optional<Check> multisine_motion(const SceneAcceptance& accept, const RunAnalyses& runs,
+                                      const FrequencyRange& judged) {
   if (!runs.passive || !runs.active || !runs.any().run.multisine || !runs.same_floor() ||
       !runs.passive->matrix || !runs.active->matrix) {
     return std::nullopt;
@@ -127,9 +128,11 @@ std::optional<Check> multisine_motion(const RunAnalyses& runs, const FrequencyRa
   });
   const double from_hz = levels ? judged.lowest_hz : 0,
                to_hz = levels ? judged.highest_hz : std::numeric_limits<double>::infinity();
+  const auto& design = runs.any().run.design;
   std::optional<MultisineGain> worst;
   std::string of;
   for (std::size_t i = 0; i < open.signals.outputs.size(); ++i) {
+    if (design && is_asked_by_name(accept, design->scene, open.signals.outputs[i])) continue;
     const auto gain =
         gain_of(*open.response, *closed.response, static_cast<Eigen::Index>(i), from_hz, to_hz);
     // One that is known to be worse is not hidden by one of which that is not known.
@@ -154,8 +157,8 @@ std::optional<Check> multisine_motion(const RunAnalyses& runs, const FrequencyRa
     check.outcome = Outcome::not_judged;
     check.reason = "Output " + of + ": the active frame makes " + cell("%.4g", worst->found) +
                    " times as much of the multisine as the passive one (" + range +
-                   "), which noise leaves known from " + cell("%.3g", worst->least) + " to " +
-                   cell("%.3g", worst->most) + " only.";
+                   "), which noise leaves known from " + cell("%.3g", std::max(worst->least, 0.0)) +
+                   " to " + cell("%.3g", worst->most) + " only.";
   }
   return check;
 }

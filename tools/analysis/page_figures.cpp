@@ -10,6 +10,7 @@
 #include "report/spectra/vibration_criteria.hpp"
 #include "tools/analysis/loop_comparison.hpp"
 #include "tools/analysis/loop_target.hpp"
+#include "tools/loop_peaks.hpp"
 
 namespace stillframe::tools {
 
@@ -40,12 +41,6 @@ page::MeasuredValues measured_matrix(const JudgedResponse& judged) {
 const LoopDesign* design_of(const RunAnalyses& runs) {
   const auto& design = runs.any().run.design;
   return design ? &*design : nullptr;
-}
-
-/// Fine enough for the resonances of a frame without damping.
-std::vector<double> prediction_grid(const LoopDesign& design) {
-  const FrequencyRange range = axis_of(design);
-  return list_of(logarithmic_frequencies(range.lowest_hz, range.highest_hz, 600));
 }
 
 std::vector<double> target_curve(const LoopTarget& target, const std::vector<double>& grid) {
@@ -109,7 +104,7 @@ std::optional<page::SingularValueFigure> singular_value_figure(const RunAnalyses
   page::SingularValueFigure figure;
   bool any = false;
   if (const LoopDesign* design = design_of(runs)) {
-    figure.frequencies_hz = prediction_grid(*design);
+    figure.frequencies_hz = picture_frequencies(*design, axis_of(*design));
     figure.open = report::predicted_singular_values(design->open, figure.frequencies_hz);
     figure.closed = report::predicted_singular_values(design->closed, figure.frequencies_hz);
     std::vector<Eigen::MatrixXcd> continuous;
@@ -144,7 +139,7 @@ std::vector<page::TransmissibilityAxis> transmissibility_figures(const RunAnalys
   std::optional<PredictedResponse> passive, active;
   if (any.axes && any.run.design) {
     try {
-      grid = prediction_grid(*any.run.design);
+      grid = picture_frequencies(*any.run.design, axis_of(*any.run.design));
       const ResponsePrediction prediction(*any.run.design, any.axes->measured.signals);
       passive = prediction.at(grid, false);
       active = prediction.at(grid, true);

@@ -279,9 +279,7 @@ page::Head head_of(const RunAnalyses& runs, const report::Verdict& verdict) {
     if (*run) head.loops.push_back((*run)->data.scan.info.loop);
   }
   head.sample_rate_hz = scan.info.sample_rate_hz;
-  head.duration_s =
-      static_cast<double>(scan.measurements.n_received + scan.measurements.n_lost - 1) /
-      scan.info.sample_rate_hz;
+  head.duration_s = static_cast<double>(scan.measurements.n_spanned()) / scan.info.sample_rate_hz;
   head.delay_samples = scan.info.delay_samples;
   add_judgement(verdict, head);
   return head;

@@ -242,17 +242,14 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
     std::sort(plan.frames.begin(), plan.frames.end());
     plan.frames.erase(std::unique(plan.frames.begin(), plan.frames.end()), plan.frames.end());
   }
-  if (run.multisine) return plan;
-  add_model(plan, *run.design, info);
-  if (!plan.axes.empty() && has_forces(run.design->scene)) {
-    std::vector<std::string> frames;
-    for (const report::AxisPlan& axis : plan.axes) frames.push_back(axis.frame);
+  if (has_forces(run.design->scene)) {
     try {
-      plan.forces = force_model(*run.design, frames, info.loop == "active");
+      plan.forces = force_model(*run.design, info.frame_names, info.loop == "active");
     } catch (const std::exception& error) {
       plan.forces_unknown = error.what();
     }
   }
+  if (!run.multisine) add_model(plan, *run.design, info);
   return plan;
 }
 

@@ -1,10 +1,13 @@
 #include "tools/analysis/resting_channels.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/frequency_response.hpp"
 #include "core/yaml/input_error.hpp"
+#include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 #include "tools/analysis/loop_between.hpp"
 
@@ -12,11 +15,20 @@ namespace stillframe::tools {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+using report::ChannelCourse;
+using report::Rest;
+using report::RestingChannel;
+using report::Variation;
 
 namespace {
 
-/// Fewer samples may rest by chance, and commands take up to 20 to act.
-constexpr std::int64_t fewest = 50;
+/// Channels that rested long enough to be looked at, and their names.
+struct Candidates {
+  std::vector<std::string> names;
+  std::vector<const ChannelCourse*> courses;
+};
+
+bool has_rested(const ChannelCourse& course) { return course.rest.n > 0; }
 
 /// Largest |T| of each output and input.
 Eigen::MatrixXd largest_gain(const SampledLoop& loop, const VectorXd& frequencies_hz) {
@@ -27,73 +39,179 @@ Eigen::MatrixXd largest_gain(const SampledLoop& loop, const VectorXd& frequencie
   return largest;
 }
 
-/// m/s^2, what the model makes of the floor and of forces at most, of outputs by name; what is only
-/// rounding of a symmetric model is left out.
-VectorXd expected_motion(const RunAnalysis& run, const std::vector<std::string>& outputs) {
-  constexpr double rounding = 1e-6;  // of what moves the frame: far above that of any model
+/// What one cause, an input of the floor or a disturbance, does to the candidates.
+struct Cause {
+  VectorXd gain;                  ///< largest, to each
+  double size = 0;                ///< of its course
+  Variation moved = {};           ///< over the run
+  std::vector<Variation> during;  ///< and in the rest of each
+};
+
+VectorXd frequencies(const RunAnalysis& run) {
   const LoopDesign& design = *run.run.design;
-  const auto& info = run.data.scan.info;
   FrequencyRange range = axis_of(design, design.gains.target_hz);
-  range.highest_hz = std::min(range.highest_hz, 0.4 * info.sample_rate_hz);
+  range.highest_hz = std::min(range.highest_hz, 0.4 * run.data.scan.info.sample_rate_hz);
   range.lowest_hz = std::min(range.lowest_hz, range.highest_hz / 10);
-  const VectorXd hz = logarithmic_frequencies(range.lowest_hz, range.highest_hz, 50);
-  const FollowedFloor floor =
-      followed_floor(design, outputs, run.active(), std::vector<double>(hz.begin(), hz.end()));
+  return logarithmic_frequencies(range.lowest_hz, range.highest_hz, 50);
+}
+
+void add_floor(const RunAnalysis& run, const Candidates& candidates, std::vector<Cause>& causes) {
+  const VectorXd hz = frequencies(run);
+  const FollowedFloor floor = followed_floor(*run.run.design, candidates.names, run.active(),
+                                             std::vector<double>(hz.begin(), hz.end()));
   const Eigen::MatrixXd T = largest_gain(floor.loop, hz);
-  VectorXd expected = VectorXd::Zero(T.rows());
-  const auto add = [&](const VectorXd& by, double largest) {
-    expected = expected.cwiseMax((by.array() > rounding * largest).select(by, 0));
-  };
   const auto& inputs = run.data.scan.faults.floor;
   for (Index j = 0; j < std::min<Index>(T.cols(), std::ssize(inputs)); ++j) {
-    const report::ChannelCourse& course = inputs[static_cast<std::size_t>(j)];
-    if (course.n_other < fewest) continue;
-    const double size = 0.5 * (course.highest - course.lowest);
-    add(size * T.col(j), size);
+    const auto k = static_cast<std::size_t>(j);
+    Cause cause{T.col(j), 0.5 * (inputs[k].highest - inputs[k].lowest), inputs[k].moved, {}};
+    for (const ChannelCourse* course : candidates.courses) {
+      cause.during.push_back(course->rests() ? Variation{inputs[k].moved.sum, inputs[k].n_other}
+                                             : course->rest.during[k]);
+    }
+    causes.push_back(std::move(cause));
   }
-  if (!has_forces(design.scene)) return expected;
-  const report::ForceModel forces = force_model(design, outputs, run.active());
-  VectorXd peak = VectorXd::Zero(forces.loop.B.cols());
-  for (std::int64_t k = 0; k + fewest < info.n_samples; ++k) {
-    peak = peak.cwiseMax(forces.at(k).cwiseAbs());
-  }
-  const Eigen::MatrixXd G = largest_gain(forces.loop, hz);
+}
+
+void add_forces(const RunAnalysis& run, const Candidates& candidates, std::vector<Cause>& causes) {
+  const report::ForceModel forces = force_model(*run.run.design, candidates.names, run.active());
+  const Eigen::MatrixXd G = largest_gain(forces.loop, frequencies(run));
+  const std::size_t first = causes.size();
   for (Index j = 0; j < G.cols(); ++j) {
-    add(peak(j) * G.col(j), peak(j) * G.col(j).maxCoeff());
+    causes.push_back({.gain = G.col(j), .during = std::vector<Variation>(candidates.names.size())});
   }
-  return expected;
+  VectorXd last = forces.at(-1);
+  for (std::int64_t k = 0; k + Rest::fewest < run.data.scan.info.n_samples; ++k) {
+    const VectorXd now = forces.at(k);
+    for (Index j = 0; j < G.cols(); ++j) {
+      Cause& cause = causes[first + static_cast<std::size_t>(j)];
+      cause.size = std::max(cause.size, std::abs(now(j)));
+      const double change = std::abs(now(j) - last(j));
+      cause.moved.sum += change;
+      for (std::size_t i = 0; i < candidates.courses.size(); ++i) {
+        const ChannelCourse& course = *candidates.courses[i];
+        const bool inside = k >= course.rest.first_seq + Rest::settled && k < course.rest.last_seq;
+        if (!course.rests() && (!inside || change == 0)) continue;
+        cause.during[i].sum += change;
+        ++cause.during[i].n;
+      }
+    }
+    last = now;
+  }
+}
+
+/// Whether candidate i is made to move by what happened in its rest.
+bool should_move(const ChannelCourse& course, std::size_t i, const std::vector<Cause>& causes) {
+  double expected = 0, inside = 0, all = 0;
+  for (const Cause& cause : causes) {
+    const double gain = cause.gain(static_cast<Index>(i));
+    all += gain * cause.moved.sum;
+    if (cause.during[i].n < Rest::fewest) continue;
+    expected = std::max(expected, gain * cause.size);
+    inside += gain * cause.during[i].sum;
+  }
+  if (!(expected > report::least_acceleration)) return false;
+  return course.rests() || is_odd(course, inside, all - inside);
+}
+
+RestingChannel resting(const RunAnalysis& run, std::string name, const ChannelCourse& course) {
+  if (course.rests()) return {std::move(name)};
+  const double rate_hz = run.data.scan.info.sample_rate_hz;
+  return {std::move(name),
+          report::cell("from %.6g to %.6g s", static_cast<double>(course.rest.first_seq) / rate_hz,
+                       static_cast<double>(course.rest.last_seq) / rate_hz)};
+}
+
+void add_frame(const RunAnalysis& run, std::vector<RestingChannel>& result) {
+  const auto& scan = run.data.scan;
+  const auto& names = scan.info.frame_names;
+  Candidates candidates;
+  for (std::size_t i = 0; i < std::min(names.size(), scan.faults.frame.size()); ++i) {
+    if (!has_rested(scan.faults.frame[i])) continue;
+    candidates.names.push_back(names[i]);
+    candidates.courses.push_back(&scan.faults.frame[i]);
+  }
+  if (candidates.names.empty()) return;
+  std::vector<Cause> causes;
+  add_floor(run, candidates, causes);
+  if (has_forces(run.run.design->scene)) add_forces(run, candidates, causes);
+  for (std::size_t i = 0; i < candidates.names.size(); ++i) {
+    if (should_move(*candidates.courses[i], i, causes)) {
+      result.push_back(resting(run, candidates.names[i], *candidates.courses[i]));
+    }
+  }
+}
+
+/// Whether a channel rests while another one moves. index: of the other among all channels.
+bool rests_beside(const ChannelCourse& course, const ChannelCourse& other, std::size_t index) {
+  if (!has_rested(course)) return false;
+  if (course.rests()) return other.n_other >= Rest::fewest;
+  const Variation& during = course.rest.during[index];
+  return during.n >= Rest::fewest && is_odd(course, during.sum, other.moved.sum - during.sum);
+}
+
+void add_floor_inputs(const RunAnalysis& run, std::vector<RestingChannel>& result) {
+  const auto& scan = run.data.scan;
+  const Scene& scene = run.run.design->scene;
+  const auto &floor = scan.faults.floor, &frame = scan.faults.frame;
+  const std::size_t first = floor.size() + 2 * scan.faults.applied.size();
+  for (std::size_t j = 0; j < std::min(floor.size(), scene.inputs.size()); ++j) {
+    const SceneSignal& input = scene.inputs[j];
+    for (std::size_t i = 0; i < std::min(scan.info.frame_names.size(), frame.size()); ++i) {
+      const SceneSignal& seen = signal_of(scene, scan.info.frame_names[i]);
+      const bool is_same = input.quantity == Quantity::acceleration &&
+                           seen.quantity == Quantity::acceleration && seen.node == input.node &&
+                           std::abs(seen.direction.dot(input.direction)) > 1 - 1e-6;
+      if (!is_same || frame[i].highest - frame[i].lowest < 2 * report::least_acceleration ||
+          !rests_beside(floor[j], frame[i], first + i)) {
+        continue;
+      }
+      result.push_back(resting(run, "floor input " + input.name, floor[j]));
+      break;
+    }
+  }
 }
 
 }  // namespace
 
-std::vector<std::string> resting_channels(const RunAnalysis& run) {
-  const auto& names = run.data.scan.info.frame_names;
-  const auto& frame = run.data.scan.faults.frame;
-  std::vector<std::string> at_rest, result;
-  for (std::size_t i = 0; i < std::min(names.size(), frame.size()); ++i) {
-    if (frame[i].n >= fewest && frame[i].rests()) at_rest.push_back(names[i]);
-  }
-  if (at_rest.empty() || !run.run.design) return result;
+std::vector<RestingChannel> resting_channels(const RunAnalysis& run) {
+  std::vector<RestingChannel> result;
   try {
-    const VectorXd expected = expected_motion(run, at_rest);
-    for (std::size_t i = 0; i < at_rest.size(); ++i) {
-      if (expected(static_cast<Index>(i)) > report::least_acceleration) {
-        result.push_back(at_rest[i]);
-      }
+    if (run.run.design) {
+      add_frame(run, result);
+      add_floor_inputs(run, result);
     }
   } catch (const InputError&) {
     // The log is not of its scene's signals, which other checks tell.
   }
+  const report::SampleFaults& faults = run.data.scan.faults;
+  const auto& legs = run.data.scan.info.leg_names;
+  const std::size_t first = faults.floor.size() + 2 * faults.sigma.size() + faults.frame.size();
+  double range = std::numeric_limits<double>::infinity();
+  if (run.run.design && run.run.design->scene.instruments.force_sensors) {
+    // The steps of its converter may end short of it.
+    const auto& sensors = *run.run.design->scene.instruments.force_sensors;
+    range = sensors.range - sensors.quantisation;
+  }
+  for (std::size_t i = 0; i < std::min(legs.size(), faults.sigma.size()); ++i) {
+    const ChannelCourse& sigma = faults.sigma[i];
+    const bool limited = !sigma.rests() && std::abs(sigma.rest.value) >= range;
+    if (limited || faults.applied[i].n_other < Rest::fewest ||
+        !rests_beside(sigma, faults.commanded[i], first + i)) {
+      continue;
+    }
+    result.push_back(resting(run, "sigma of " + legs[i], sigma));
+  }
   return result;
 }
 
-std::vector<std::string> resting_forces(const RunAnalysis& run) {
+std::vector<RestingChannel> resting_forces(const RunAnalysis& run) {
+  const report::SampleFaults& faults = run.data.scan.faults;
   const auto& legs = run.data.scan.info.leg_names;
-  const auto &applied = run.data.scan.faults.applied, &commanded = run.data.scan.faults.commanded;
-  std::vector<std::string> result;
-  for (std::size_t i = 0; i < std::min({legs.size(), applied.size(), commanded.size()}); ++i) {
-    if (applied[i].n >= fewest && applied[i].rests() && commanded[i].n_other >= fewest) {
-      result.push_back(legs[i]);
+  const std::size_t first = faults.floor.size() + 2 * faults.sigma.size() + faults.frame.size();
+  std::vector<RestingChannel> result;
+  for (std::size_t i = 0; i < std::min(legs.size(), faults.applied.size()); ++i) {
+    if (rests_beside(faults.applied[i], faults.commanded[i], first + i)) {
+      result.push_back(resting(run, legs[i], faults.applied[i]));
     }
   }
   return result;

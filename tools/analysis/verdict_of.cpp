@@ -116,9 +116,9 @@ std::string resting_in(const RunAnalyses& runs, const report::Verdict& verdict,
       if (comparison.name != pair.name) continue;
       for (const report::RunSummary& summary : verdict.runs) {
         if (summary.loop != loop) continue;
-        for (const std::string& channel : summary.resting_channels) {
-          if (channel != comparison.floor && channel != comparison.frame) continue;
-          return channel + " never changes in the log of the " + loop +
+        for (const report::RestingChannel& channel : summary.resting_channels) {
+          if (channel.name != comparison.floor && channel.name != comparison.frame) continue;
+          return channel.text() + " never changes in the log of the " + loop +
                  " run though what moves the frame does";
         }
       }
@@ -133,10 +133,10 @@ void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcce
   };
   for (const AxisPair& pair : runs.axes()) {
     const auto *passive = frame_of(pair.passive), *active = frame_of(pair.active);
-    verdict.axes.push_back(axis_levels(pair.name, pair.floor(), passive, active));
-    verdict.axes.back().resting = resting_in(runs, verdict, pair);
     const bool known = pair.active != nullptr && pair.active->forces;
-    ask(accept, pair.floor(), passive, active, known ? &*pair.active->forces : nullptr, verdict);
+    add_levels(accept, pair.name, &pair.floor(), passive, active,
+               known ? &*pair.active->forces : nullptr, verdict);
+    verdict.axes.back().resting = resting_in(runs, verdict, pair);
   }
 }
 
@@ -205,13 +205,16 @@ std::optional<report::IdentificationSummary> judged(const RunAnalyses& runs,
 
 }  // namespace
 
-report::AxisLevels axis_levels(const std::string& axis, const report::SignalAnalysis& floor,
-                               const report::SignalAnalysis* passive,
-                               const report::SignalAnalysis* active) {
+void add_levels(const SceneAcceptance& accept, const std::string& axis,
+                const report::SignalAnalysis* floor, const report::SignalAnalysis* passive,
+                const report::SignalAnalysis* active, const report::ForcesPart* forces,
+                report::Verdict& verdict) {
   report::AxisLevels levels;
   levels.axis = axis;
-  levels.floor = report::motion_level(floor);
-  levels.floor_spectra = report::motion_spectra(floor);
+  if (floor != nullptr) {
+    levels.floor = report::motion_level(*floor);
+    levels.floor_spectra = report::motion_spectra(*floor);
+  }
   if (passive != nullptr) {
     levels.passive = report::motion_level(*passive);
     levels.passive_spectra = report::motion_spectra(*passive);
@@ -220,17 +223,16 @@ report::AxisLevels axis_levels(const std::string& axis, const report::SignalAnal
     levels.active = report::motion_level(*active);
     levels.active_spectra = report::motion_spectra(*active);
   }
-  return levels;
-}
-
-void ask(const SceneAcceptance& accept, const report::SignalAnalysis& floor,
-         const report::SignalAnalysis* passive, const report::SignalAnalysis* active,
-         const report::ForcesPart* forces, report::Verdict& verdict) {
-  report::AxisLevels& levels = verdict.axes.back();
   levels.asked = report::asked_of(accept, levels.axis, verdict);
+  if (floor == nullptr) {
+    std::erase_if(levels.asked, [](const auto& motion) {
+      return !motion.by_scene && motion.asked.rms_of_floor.has_value();
+    });
+  }
   for (report::AskedMotion& motion : levels.asked) {
     report::fill_levels(motion, floor, passive, active, forces);
   }
+  verdict.axes.push_back(std::move(levels));
 }
 
 report::Verdict verdict_of(const RunAnalyses& runs) {
@@ -263,15 +265,13 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
   }
   verdict.identification = judged(runs, targets);
   add_axes(verdict, runs, accept);
-  if (const auto& plan = runs.any().run.multisine; plan && accept.axes.empty()) {
+  if (const auto& plan = runs.any().run.multisine) {
     verdict.judged = with_lines(range, *plan);
-    add_multisine_levels(verdict, runs);
+    add_multisine_levels(accept, runs, verdict);
   }
   add_warnings(verdict);
   std::vector<report::Check> checks = prediction_checks(runs, verdict, accept.prediction_db);
-  if (accept.axes.empty()) {
-    if (auto motion = multisine_motion(runs, range)) checks.push_back(std::move(*motion));
-  }
+  if (auto motion = multisine_motion(accept, runs, range)) checks.push_back(std::move(*motion));
   verdict.judgement = report::judge(verdict, accept, std::move(checks));
   return verdict;
 }

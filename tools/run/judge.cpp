@@ -3,21 +3,15 @@
 #include <algorithm>
 #include <iostream>
 
-#include "core/frequency_response.hpp"
 #include "core/yaml/input_error.hpp"
 #include "report/plots/plots.hpp"
 #include "tools/analysis/loop_comparison.hpp"
 #include "tools/analysis/verdict_of.hpp"
+#include "tools/loop_peaks.hpp"
 
 namespace stillframe::tools {
 
 namespace {
-
-std::vector<double> plot_frequencies(const LoopDesign& design) {
-  const FrequencyRange range = axis_of(design, design.scene.controller->target_hz);
-  const Eigen::VectorXd grid = logarithmic_frequencies(range.lowest_hz, range.highest_hz, 600);
-  return {grid.begin(), grid.end()};
-}
 
 report::MeasuredValues measured_of(const std::optional<RunAnalysis>& run) {
   if (!run || !run->matrix || !run->matrix->measured.response) return {};
@@ -29,7 +23,8 @@ void plot_singular_values(const LoopDesign& design, const RunAnalyses& runs,
                           const RunDirectory& directory) {
   report::SingularValuePlot picture;
   picture.title = design.scene.title;
-  picture.frequencies_hz = plot_frequencies(design);
+  picture.frequencies_hz =
+      picture_frequencies(design, axis_of(design, design.scene.controller->target_hz));
   picture.open_predicted = report::predicted_singular_values(design.open, picture.frequencies_hz);
   picture.closed_predicted =
       report::predicted_singular_values(design.closed, picture.frequencies_hz);

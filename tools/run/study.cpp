@@ -14,7 +14,10 @@
 #include "plant_sim/run_length.hpp"
 #include "report/analysis/summaries.hpp"
 #include "report/verdict/acceptance.hpp"
+#include "report/verdict/motion_level.hpp"
 #include "tools/analysis/loop_between.hpp"
+#include "tools/analysis/loop_target.hpp"
+#include "tools/analysis/multisine_motion.hpp"
 #include "tools/analysis/recorded_run.hpp"
 #include "tools/analysis/verdict_of.hpp"
 #include "tools/loop_design.hpp"
@@ -24,12 +27,12 @@ namespace stillframe::tools {
 
 namespace {
 
-/// The signals of the scene's comparisons, a row a sample: floor and frame of each.
+/// What is compared, a row a sample: floor and frame of each.
 struct Signals {
   Eigen::MatrixXd floor, frame;
 };
 
-/// Which of the recorded accelerations a comparison names.
+/// Which of the recorded accelerations has this name; -1: none.
 Index column_of(const Scene& scene, const std::string& name) {
   Index column = 0;
   for (const auto* signals : {&scene.outputs, &scene.monitors}) {
@@ -38,7 +41,7 @@ Index column_of(const Scene& scene, const std::string& name) {
       ++column;
     }
   }
-  return 0;  // not reached: the reader has checked the names
+  return -1;
 }
 
 class Case {
@@ -46,9 +49,11 @@ class Case {
   Case(const StudyCase& study, std::optional<double> duration_s)
       : design_(make_loop_design(study.scene, study.controller)), spec_(floor_spec(study)) {
     controller::require_stable(design_.gains);
-    for (const SceneComparison& comparison : design_.scene.comparisons) {
-      floor_columns_.push_back(column_of(design_.scene, comparison.floor));
-      frame_columns_.push_back(column_of(design_.scene, comparison.frame));
+    multisine_ = multisine_in(spec_);
+    compared_ = compared_frames(design_.scene, multisine_ ? &*multisine_ : nullptr);
+    for (const ComparedFrame& compared : compared_) {
+      floor_columns_.push_back(column_of(design_.scene, compared.floor));
+      frame_columns_.push_back(column_of(design_.scene, compared.frame));
     }
     const auto source = floor::make_floor_source(spec_);
     n_ = run_length(design_.scene, spec_, source->n_samples(), duration_s);
@@ -68,19 +73,21 @@ class Case {
         2 * *std::max_element(design_.gains.target_hz.begin(), design_.gains.target_hz.end());
     verdict.disturbed = has_forces(design_.scene);
     const Eigen::MatrixXd by_forces = by_forces_of(verdict);
-    verdict.floors_apart = multisine_in(spec_) && design_.scene.inputs.size() > 1;
+    verdict.floors_apart = multisine_ && multisine_->n_blocks > 1;
+    verdict.judged = report::judged_range(axis_of(design_));
+    if (multisine_) verdict.judged = with_lines(verdict.judged, *multisine_);
     for (size_t i = 0; i < floor_columns_.size(); ++i) {
       const auto c = static_cast<Index>(i);
       const auto floor = report::analyse_signal(passive.floor.col(c), rate),
                  below = report::analyse_signal(passive.frame.col(c), rate),
                  above = report::analyse_signal(active.frame.col(c), rate);
-      verdict.axes.push_back(axis_levels(design_.scene.comparisons[i].name, floor, &below, &above));
       std::optional<report::ForcesPart> forces;
       if (by_forces.cols() > c) {
         forces = {report::analyse_signal(by_forces.col(c), rate).power,
                   report::analyse_signal(active.frame.col(c) - by_forces.col(c), rate).power};
       }
-      ask(accept, floor, &below, &above, forces ? &*forces : nullptr, verdict);
+      add_levels(accept, compared_[i].name, floor_columns_[i] < 0 ? nullptr : &floor, &below,
+                 &above, forces ? &*forces : nullptr, verdict);
     }
     verdict.judgement = report::judge(verdict, accept, {});
     return result;
@@ -99,11 +106,9 @@ class Case {
 
   /// What the model makes of forces besides the floor, an axis a column; nothing if there are none.
   Eigen::MatrixXd by_forces_of(const report::Verdict& verdict) const {
-    if (!verdict.disturbed || design_.scene.comparisons.empty()) return {};
+    if (!verdict.disturbed || compared_.empty()) return {};
     std::vector<std::string> frames;
-    for (const SceneComparison& comparison : design_.scene.comparisons) {
-      frames.push_back(comparison.frame);
-    }
+    for (const ComparedFrame& compared : compared_) frames.push_back(compared.frame);
     return report::ForceResponse(force_model(design_, frames, true)).at(0, n_);
   }
 
@@ -121,7 +126,7 @@ class Case {
       for (Index i = 0; i < n_axes; ++i) {
         const auto at = static_cast<size_t>(i);
         const auto column = [&](Index c) {
-          return read.frame_acceleration[static_cast<size_t>(c)];
+          return c < 0 ? 0 : read.frame_acceleration[static_cast<size_t>(c)];
         };
         signals.floor(k, i) = column(floor_columns_[at]);
         signals.frame(k, i) = column(frame_columns_[at]);
@@ -155,6 +160,8 @@ class Case {
 
   LoopDesign design_;
   floor::FloorSpec spec_;
+  std::optional<MultisinePlan> multisine_;
+  std::vector<ComparedFrame> compared_;
   std::vector<Index> floor_columns_, frame_columns_;
   std::int64_t n_ = 0;
 };

@@ -142,7 +142,7 @@ TEST_F(LogScanTest, CommandsStandInTheRowThatTheyAnswer) {
   EXPECT_FALSE(kept_.samples_by_seq.contains(3));  // an answer to a lost measurement
   EXPECT_EQ(s.commands.n_received, 3);
   EXPECT_EQ(s.commands.n_duplicates, 1);
-  EXPECT_EQ(s.commands.n_lost, 1);
+  EXPECT_EQ(s.commands.n_lost, 2);  // 1 and 4 have no answer
   EXPECT_EQ(s.n_saturated, 1);
   // Commands without a measurement are in the log that is read whole.
   EXPECT_EQ(read_run_log(file_).command_seq, (Numbers{0, 2, 3}));
@@ -159,6 +159,8 @@ TEST_F(LogScanTest, TheWholeLogIsWhatTheBlocksSay) {
   EXPECT_EQ(log.measurements.n_lost, s.measurements.n_lost);
   EXPECT_EQ(log.measurements.n_lost, 20'100 - static_cast<std::int64_t>(order.size()));
   EXPECT_EQ(log.measurements.gaps.size(), 22u);
+  EXPECT_EQ(s.measurements.n_after, 100);
+  EXPECT_EQ(s.measurements.n_spanned(), 19'999);
   for (std::size_t k = 0; k < order.size(); k += 97) {
     const auto row = static_cast<Eigen::Index>(k);
     EXPECT_EQ(row_bits(log.frame_acceleration.row(row)), kept_.samples_by_seq.at(order[k]).frame);
