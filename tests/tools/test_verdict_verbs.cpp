@@ -428,6 +428,17 @@ TEST_F(VerdictVerbs, WhatNothingMovesMayRest) {
   }
 }
 
+// A multisine moves each input on its own: the monitors of a floor that would follow them rest.
+TEST_F(VerdictVerbs, AMultisineLeavesMonitorsAtRest) {
+  const auto out = folder_ / "run";
+  const Said said =
+      run({"run", config("scenes/metrology_frame.yaml"), "--floor", config("floors/multisine.yaml"),
+           "--mode", "single_process", "--out", out});
+  expect_everywhere(out, said, "passed");
+  const Json verdict = Json::parse(text_of(out / "verdict.json"));
+  for (const Json& of : verdict.at("runs")) EXPECT_TRUE(of.at("resting_channels").empty()) << of;
+}
+
 // A blow is as smooth as a floor below its corner: it was taken for the floor's doing there, and a
 // sound loop failed by 118 dB.
 TEST_F(VerdictVerbs, ABlowIsNotTakenForTheFloorsDoing) {

@@ -57,9 +57,14 @@ VectorXd frequencies(const RunAnalysis& run) {
 
 void add_floor(const RunAnalysis& run, const Candidates& candidates, std::vector<Cause>& causes) {
   const VectorXd hz = frequencies(run);
-  const FollowedFloor floor = followed_floor(*run.run.design, candidates.names, run.active(),
-                                             std::vector<double>(hz.begin(), hz.end()));
-  const Eigen::MatrixXd T = largest_gain(floor.loop, hz);
+  const LoopDesign& design = *run.run.design;
+  // A multisine moves its inputs, each on its own, and nothing follows them.
+  const SampledLoop loop =
+      run.run.multisine ? loop_between(design, design.scene.inputs, candidates.names, run.active())
+                        : followed_floor(design, candidates.names, run.active(),
+                                         std::vector<double>(hz.begin(), hz.end()))
+                              .loop;
+  const Eigen::MatrixXd T = largest_gain(loop, hz);
   const auto& inputs = run.data.scan.faults.floor;
   for (Index j = 0; j < std::min<Index>(T.cols(), std::ssize(inputs)); ++j) {
     const auto k = static_cast<std::size_t>(j);
