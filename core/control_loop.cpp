@@ -66,12 +66,14 @@ std::vector<ModeTarget> mode_targets(const SceneController& controller, Index n_
   const auto& hz = controller.target_hz;
   const auto& zeta = controller.damping_ratio;
   const size_t n = std::max(hz.size(), zeta.size());
-  for (const size_t given : {hz.size(), zeta.size()}) {
-    if (given == 1 || given == static_cast<size_t>(n_modes)) continue;
-    throw InputError(controller.place + ": target_hz, damping_ratio: found " +
-                     std::to_string(given) + " numbers, allowed are one, or one for each of the " +
+  const auto check = [&](const char* key, size_t given) {
+    if (given == 1 || given == static_cast<size_t>(n_modes)) return;
+    throw InputError(controller.place + ": " + key + ": found " + std::to_string(given) +
+                     " numbers, allowed are one, or one for each of the " +
                      std::to_string(n_modes) + " virtual modes");
-  }
+  };
+  check("target_hz", hz.size());
+  check("damping_ratio", zeta.size());
   std::vector<ModeTarget> targets;
   for (size_t i = 0; i < n; ++i) {
     targets.push_back(

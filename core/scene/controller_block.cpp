@@ -30,15 +30,16 @@ std::vector<std::string> read_legs(const YamlReader& list, const Scene& scene) {
 /// More than this is two poles decades apart, and no target.
 constexpr double highest_damping_ratio = 100;
 
-/// One positive number, or one for each virtual mode.
-std::vector<double> read_targets(const YamlReader& value, size_t n_modes, double highest) {
+/// One positive number, or one for each virtual mode. How many of those there are the model tells:
+/// legs or degrees of freedom, whichever are fewer.
+std::vector<double> read_targets(const YamlReader& value, size_t n_legs, double highest) {
   if (!value.is_sequence()) return {positive_up_to(value, highest)};
   std::vector<double> targets;
   for (const YamlReader& item : value.items()) targets.push_back(positive_up_to(item, highest));
-  if (targets.size() != n_modes) {
+  if (targets.empty() || targets.size() > n_legs) {
     value.fail("found " + std::to_string(targets.size()) +
-               " numbers, allowed are one, or one for each of the " + std::to_string(n_modes) +
-               " virtual modes");
+               " numbers, allowed are one, or one for each virtual mode, at most " +
+               std::to_string(n_legs));
   }
   return targets;
 }

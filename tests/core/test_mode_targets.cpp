@@ -1,10 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <numbers>
 #include <string>
 
 #include "core/control_loop.hpp"
 #include "core/gain_design.hpp"
+#include "core/linear/continuous_loop.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "core/state_space.hpp"
 #include "core/worst.hpp"
 #include "core/yaml/input_error.hpp"
 #include "tests/core/random_pairs.hpp"
@@ -126,6 +130,60 @@ TEST(ModeTargets, WrongNumbersOfTargetsAreErrors) {
                               std::vector<ModeTarget>{{NAN, 0.7}}}) {
     EXPECT_THROW(extended_gains(legs, targets, GainOrder::exact), std::invalid_argument);
   }
+}
+
+/// A mass in a plane on three legs, so that there are two modes.
+Scene mass_on_three_legs(const std::string& targets) {
+  return parse_scene(R"(title: Mass on three legs
+planar: true
+nodes:
+  mass: {position: [0, 0]}
+  below: {position: [0, -0.3]}
+  aside: {position: [-0.4, 0]}
+  askew: {position: [0.3, -0.2]}
+masses: [{node: mass, mass: 40}]
+elements:
+  post: {type: truss, nodes: [below, mass], stiffness: 6e5}
+  strut: {type: truss, nodes: [aside, mass], stiffness: 2e5}
+  brace: {type: truss, nodes: [askew, mass], stiffness: 3e5}
+prescribed: [{nodes: [below, aside, askew], move: [x, y]}]
+dofs: [{node: mass, along: x}, {node: mass, along: y}]
+inputs: [{name: w, acceleration: below, along: y}]
+outputs: [{name: y, acceleration: mass, along: y}]
+controller: {legs: [post, strut, brace], damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
+  leak_hz: 0, target_hz: )" +
+                         targets + "}\n",
+                     "three_legs.yaml");
+}
+
+std::string error_of(const std::string& targets) {
+  try {
+    const Scene scene = mass_on_three_legs(targets);
+    make_control_loop(scene, make_model(scene));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// There are as many as dofs then, which reading a scene does not tell.
+TEST(ModeTargets, MoreLegsThanDofsHaveATargetForEachMode) {
+  const Scene scene = mass_on_three_legs("[4, 6]");
+  const ControlLoop loop = make_control_loop(scene, make_model(scene));
+  const VectorXcd poles = closed_loop_poles(loop_plant(loop.plant, loop.n_w, loop.n_y), loop.gains);
+  for (const double hz : {4.0, 6.0}) {
+    const auto root = target_roots(2 * std::numbers::pi * hz, 0.7)[0];
+    // eps times the 45 of X, whose inverse the law's integrators have, and sums of seven states.
+    EXPECT_LE((poles.array() - root).abs().minCoeff<Eigen::PropagateNaN>(), 1e-12 * std::abs(root));
+  }
+  EXPECT_EQ(error_of("[4, 6]"), "");
+  EXPECT_NE(error_of("[4, 6, 8]")
+                .find("target_hz: found 3 numbers, allowed are one, or one for "
+                      "each of the 2 virtual modes"),
+            std::string::npos)
+      << error_of("[4, 6, 8]");
+  EXPECT_NE(error_of("[4, 6, 8, 9]").find("at most 3"), std::string::npos)
+      << error_of("[4, 6, 8, 9]");
 }
 
 }  // namespace
