@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "controller/slow_loops.hpp"
+
 namespace stillframe::controller {
 
 using Eigen::Index;
@@ -25,7 +27,7 @@ constexpr double steady_s = 0.006;
 }  // namespace
 
 CommandWatch::CommandWatch(Index m, double sample_time, double force_limit, double limited_part)
-    : keep_(std::exp(-sample_time / share_s)),
+    : keep_(std::exp(-sample_time / slowed(share_s, 1 / sample_time))),
       keep_hurried_(std::exp(-1 / hurried_samples)),
       force_limit_(force_limit),
       limited_part_(limited_part),

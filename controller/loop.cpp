@@ -77,7 +77,9 @@ Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const Loo
       checkpoints_(places(telemetry_s / checkpoint_s, 1) + 1, checkpoint_),
       flight_(std::make_shared<FlightRecorder>(
           places(policy.record_s, setting.sample_rate_hz),
-          places(policy.record_s / checkpoint_s, 1) + 1,
+          places(policy.record_s, setting.sample_rate_hz) /
+                  places(checkpoint_s, setting.sample_rate_hz) +
+              1,
           samples(policy.fade_s + after_fault_s, setting.sample_rate_hz), record_, checkpoint_)) {
   if (setting.now_ns > deadlines_.next_ns()) deadlines_.wake_up(setting.now_ns);
   counters_.state = supervisor_.state();

@@ -1,5 +1,7 @@
 #include "controller/loop_thread.hpp"
 
+#include <algorithm>
+
 #include "controller/realtime.hpp"
 #include "msgs/clock.hpp"
 
@@ -8,6 +10,8 @@ namespace stillframe::controller {
 namespace {
 
 constexpr std::int64_t ms = 1'000'000;
+// Beyond what ramps take, and what is held; or so many periods, where those are longer.
+constexpr double overdue_s = 0.5, overdue_periods = 5, silence_s = 0.1, fewest_periods = 2;
 
 std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * ns_per_s); }
 
@@ -15,8 +19,10 @@ std::int64_t ns(double seconds) { return static_cast<std::int64_t>(seconds * ns_
 
 LoopThread::LoopThread(Loop& loop, const Policy& policy, double sample_rate_hz)
     : loop_(loop),
-      most_ns_(ns(policy.ramp_out_s + policy.fade_s + 0.5)),
-      silence_ns_(ns(static_cast<double>(policy.hold_periods) / sample_rate_hz) + 100 * ms),
+      most_ns_(ns(policy.ramp_out_s + policy.fade_s +
+                  std::max(overdue_s, overdue_periods / sample_rate_hz))),
+      silence_ns_(ns(std::max(static_cast<double>(policy.hold_periods) / sample_rate_hz + silence_s,
+                              fewest_periods / sample_rate_hz))),
       thread_([this, realtime = policy.realtime, priority = policy.priority, cpu = policy.cpu] {
         if (realtime != Policy::Realtime::off) prepare_thread(priority, cpu);
         run_periodic(loop_, stop_);

@@ -15,7 +15,8 @@ class LoopThread {
  public:
   /// loop outlives the thread. Asks for real time as the policy says.
   LoopThread(Loop& loop, const Policy& policy, double sample_rate_hz);
-  /// Lets go, unless the thread has ended before; takes no longer than ramp_out_s + fade_s + 0.5 s.
+  /// Lets go, unless the thread has ended before; takes no longer than ramp_out_s + fade_s and 0.5
+  /// s or five periods.
   ~LoopThread();
   LoopThread(const LoopThread&) = delete;
   LoopThread& operator=(const LoopThread&) = delete;
@@ -23,7 +24,7 @@ class LoopThread {
   /// Asks for a ramp to no force.
   void let_go() noexcept;
   /// After let_go: true once there is no force any more, or nobody to be let go: no measurement has
-  /// come for hold_periods and 0.1 s, or the ramp is overdue.
+  /// come for hold_periods and 0.1 s, and for two periods, or the ramp is overdue.
   bool has_let_go() noexcept;
   /// Ends the thread as the loop is.
   void end() noexcept;

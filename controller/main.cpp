@@ -289,11 +289,11 @@ class WallClock {
 };
 
 /// policy_text: that of the file, which is read once.
-Policy policy_of(const Options& options, std::string& policy_text) {
-  Policy policy;
+Policy policy_of(const Options& options, double sample_rate_hz, std::string& policy_text) {
+  Policy policy = default_policy(sample_rate_hz);
   if (options.policy) {
     policy_text = YamlReader::from_file(*options.policy).source_text();
-    policy = parse_policy(policy_text, options.policy->string());
+    policy = parse_policy(policy_text, options.policy->string(), sample_rate_hz);
   }
   if (!options.realtime) return policy;
   policy.realtime = *options.realtime == "off"       ? Policy::Realtime::off
@@ -372,7 +372,7 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
 int run(const Options& options, Outside& outside) {
   const Gains gains = read_gains(options.gains);
   std::string policy_text;
-  const Policy policy = policy_of(options, policy_text);
+  const Policy policy = policy_of(options, gains.sample_rate_hz, policy_text);
   const double radius = require_stable(gains);
   if (!gains.plant_is_as_designed) {
     spdlog::warn(

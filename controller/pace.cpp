@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "controller/slow_loops.hpp"
 #include "core/linear/smooth_step.hpp"
 #include "core/worst.hpp"
 
@@ -29,6 +30,9 @@ constexpr std::int64_t fewest_differences = 50;
 constexpr std::int64_t longest_loss = 10;
 // Below a tenth of a hertz floors move frames by next to nothing; sensors tilt and drift.
 constexpr double rest_s = 3;
+// What is remembered of the floor is of so many samples at least: with a fifth of them loops of
+// slow targets met floors that moved slowly, and took what they had forgotten for a fault.
+constexpr double fewest_samples = 3000;
 constexpr int most_samples = 50'000;
 // A sensor is as good as its neighbours, or it is another's, or broken.
 constexpr double noisier = 10;
@@ -84,20 +88,23 @@ MatrixXd changes_by_offset(DesignedLoop& loop, Index m, Index k, Index ramp) {
 
 Pace::Pace(const Gains& gains, const Settings& settings)
     : designed_(gains),
-      keep_(std::exp(-gains.sample_time() / forgotten_s)),
-      sample_time_(gains.sample_time()) {
+      keep_(std::exp(-gains.sample_time() /
+                     std::max(forgotten_s, fewest_samples * gains.sample_time()))),
+      rests_(gains.sample_time() / std::max(rest_s, fewest_samples * gains.sample_time())) {
   const Index m = gains.n_legs(), p = designed_.n_floor();
   for (const double memory : memories_s) {
-    const double keep = memory > 0 ? std::exp(-gains.sample_time() / memory) : 0;
+    const double memory_s = slowed(memory, gains.sample_rate_hz);
+    const double keep = memory > 0 ? std::exp(-gains.sample_time() / memory_s) : 0;
     scales_.emplace_back(m, p, keep);
   }
   const double slowest_hz = gains.target_hz.empty()
                                 ? std::numeric_limits<double>::infinity()
                                 : *std::min_element(gains.target_hz.begin(), gains.target_hz.end());
   const auto piece = std::max<Index>(
-      1,
-      static_cast<Index>(std::min<double>(
-          most_samples / 2, std::max(piece_s, piece_periods / slowest_hz) * gains.sample_rate_hz)));
+      1, static_cast<Index>(std::min<double>(
+             most_samples / 2,
+             std::max(slowed(piece_s, gains.sample_rate_hz), piece_periods / slowest_hz) *
+                 gains.sample_rate_hz)));
   MatrixXd squares(m, p + m);
   for (Index j = 0; j < p + m; ++j) {
     const MatrixXd changes = changes_of(designed_, m, j, piece, squares.col(j));
@@ -202,7 +209,7 @@ void Pace::floor(const Ref<const VectorXd>& measured) noexcept {
   if (!floor_known_) return;
   // At first the mean of all there were.
   ++n_rest_;
-  rest_ += std::max(sample_time_ / rest_s, 1 / static_cast<double>(n_rest_)) * (measured - rest_);
+  rest_ += std::max(rests_, 1 / static_cast<double>(n_rest_)) * (measured - rest_);
   moves_ = measured - rest_;
   const VectorXd& w = moves_;
   largest_ = largest_.cwiseMax(w.cwiseAbs().cwiseMin(before_));

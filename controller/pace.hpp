@@ -96,8 +96,8 @@ class Pace {
   const Eigen::VectorXd* known_floor() const noexcept { return floor_known_ ? &largest_ : nullptr; }
 
   DesignedLoop designed_;
-  std::vector<PaceScale> scales_;  ///< the first: of single changes
-  double keep_, sample_time_;
+  std::vector<PaceScale> scales_;       ///< the first: of single changes
+  double keep_, rests_;                 ///< what a sample leaves of W, and adds of w to rest_
   Eigen::VectorXd rest_;                ///< p, m/s^2, what the floor's sensors read at rest
   Eigen::VectorXd largest_, before_;    ///< p, m/s^2, W and the last |w|
   Eigen::VectorXd moves_;               ///< p, m/s^2, the floor without that

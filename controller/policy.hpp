@@ -38,7 +38,7 @@ std::string_view to_text(Defect defect) noexcept;
 std::string_view to_text(Fault fault) noexcept;
 
 /// The numbers of the fault policy of wall-clock runs, docs/safety.md; a policy file states those
-/// that differ from these.
+/// that differ from default_policy, which at 200 Hz and more is what stands here.
 struct Policy {
   enum class Realtime { off, best_effort, enforce };
 
@@ -58,8 +58,8 @@ struct Policy {
   double limited_part = 0.25;           ///< of the commands of about a second, at the force limit
   std::optional<double> force_limit_n;  ///< N, of every leg; the lower of it and gains
   std::optional<double> rate_limit_n_per_s;  ///< N/s, of every leg
-  /// N/s, of every leg, beside what the floor asks for; none: a tenth of the force limit in a second,
-  /// or what a floor of 0.1 mm/s^2 asks for, if that is less
+  /// N/s, of every leg, beside what the floor asks for; none: a tenth of the force limit in a
+  /// second, or what a floor of 0.1 mm/s^2 asks for, if that is less
   std::optional<double> free_rate_n_per_s;
   std::optional<double> power_limit_w;               ///< W, of every leg
   std::optional<double> actuator_stiffness_n_per_m;  ///< N/m, with a power limit
@@ -72,10 +72,14 @@ struct Policy {
   double record_mb = 1000;          ///< MB, in all
 };
 
-/// Reads a policy file. Errors: InputError (missing file, unknown key, value that is not allowed).
-Policy read_policy(const std::filesystem::path& path);
+/// The policy of a loop without a policy file: slower loops take longer.
+Policy default_policy(double sample_rate_hz);
+
+/// Reads the policy file of a loop. Errors: InputError (missing file, unknown key, value that is
+/// not allowed, or too short at this rate).
+Policy read_policy(const std::filesystem::path& path, double sample_rate_hz);
 
 /// Reads a policy from text; source_name stands for the file in messages. Errors: InputError.
-Policy parse_policy(const std::string& text, const std::string& source_name);
+Policy parse_policy(const std::string& text, const std::string& source_name, double sample_rate_hz);
 
 }  // namespace stillframe::controller

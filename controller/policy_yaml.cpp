@@ -1,4 +1,6 @@
+#include "controller/arming.hpp"
 #include "controller/policy.hpp"
+#include "controller/slow_loops.hpp"
 #include "core/yaml/ranges.hpp"
 
 namespace stillframe::controller {
@@ -13,8 +15,10 @@ constexpr double shortest_ramp_s = 0.01, longest_ramp_s = 60;
 // A fade of 10 ms was measured to move the frame 2.8 times as much as it does without control, one
 // of 0.1 s no more than a longer one does (docs/safety.md).
 constexpr double shortest_fade_s = 0.1;
-// Twenty samples at 100 Hz, the slowest loop; the checks need sixteen.
 constexpr double shortest_arming_s = 0.2;
+// A ramp of fewer samples is a flight of steps; the shortest one has as many at 1 kHz.
+constexpr std::int64_t fewest_of_a_ramp = 10;
+constexpr double longest_record_s = 120;
 
 // Of whatever has no bound of its own: a stiffness of steel as thick as an arm is 1e9 N/m.
 constexpr double largest_number = 1e12;
@@ -27,6 +31,18 @@ void read(const YamlReader& block, const char* key, Range range, double& into) {
   if (const auto value = block.find(key)) {
     into = number_within(*value, range.lowest, range.highest);
   }
+}
+
+/// A time of so many samples at least.
+void read(const YamlReader& block, const char* key, Range range, std::int64_t fewest,
+          double rate_hz, double& into) {
+  read(block, key, {range.lowest, slowed(range.highest, rate_hz)}, into);
+  const auto value = block.find(key);
+  const double shortest = static_cast<double>(fewest) / rate_hz;
+  if (!value || into >= shortest) return;
+  value->fail("found '" + value->text() + "', allowed at " + shortest_digits(rate_hz) +
+              " Hz is a number from " + shortest_digits(shortest) + " on, " +
+              std::to_string(fewest) + " samples");
 }
 
 void read_positive(const YamlReader& block, const char* key, double highest, double& into) {
@@ -51,23 +67,26 @@ void read(const YamlReader& block, const char* key, WholeRange range, std::int64
   }
 }
 
-void read_arming(const YamlReader& block, Policy& policy) {
+void read_arming(const YamlReader& block, double rate_hz, Policy& policy) {
   block.allow_only({"duration_s", "require_motion", "offset_limit_n"});
-  read(block, "duration_s", Range{shortest_arming_s, longest_ramp_s}, policy.arming_s);
+  read(block, "duration_s", Range{shortest_arming_s, longest_ramp_s}, Arming::n_batches, rate_hz,
+       policy.arming_s);
   if (const auto value = block.find("require_motion")) policy.require_motion = value->boolean();
   read_positive(block, "offset_limit_n", policy.offset_limit_n);
 }
 
-void read_ramp(const YamlReader& block, Policy& policy) {
+void read_ramp(const YamlReader& block, double rate_hz, Policy& policy) {
   block.allow_only({"in_s", "out_s"});
-  read(block, "in_s", Range{shortest_ramp_s, longest_ramp_s}, policy.ramp_in_s);
-  read(block, "out_s", Range{shortest_ramp_s, longest_ramp_s}, policy.ramp_out_s);
+  const Range range{shortest_ramp_s, longest_ramp_s};
+  read(block, "in_s", range, fewest_of_a_ramp, rate_hz, policy.ramp_in_s);
+  read(block, "out_s", range, fewest_of_a_ramp, rate_hz, policy.ramp_out_s);
 }
 
-void read_measurements(const YamlReader& block, Policy& policy) {
+void read_measurements(const YamlReader& block, double rate_hz, Policy& policy) {
   block.allow_only({"hold_periods", "fade_s", "missing_part", "late_periods", "sigma_limit_n"});
   read(block, "hold_periods", WholeRange{0, most_held_periods}, policy.hold_periods);
-  read(block, "fade_s", Range{shortest_fade_s, longest_ramp_s}, policy.fade_s);
+  read(block, "fade_s", Range{shortest_fade_s, longest_ramp_s}, fewest_of_a_ramp, rate_hz,
+       policy.fade_s);
   read_positive(block, "missing_part", 1, policy.missing_part);
   read_positive(block, "late_periods", 100, policy.late_periods);
   read_positive(block, "sigma_limit_n", policy.sigma_limit_n);
@@ -103,16 +122,16 @@ void read_realtime(const YamlReader& block, Policy& policy) {
   if (block.find("cpu")) read(block, "cpu", WholeRange{0, 1023}, policy.cpu.emplace());
 }
 
-Policy read(const YamlReader& root) {
+Policy read(const YamlReader& root, double rate_hz) {
   root.allow_only({"start", "arming", "ramp", "measurements", "watch", "rejoin", "limits",
                    "realtime", "flight_record"});
-  Policy policy;
+  Policy policy = default_policy(rate_hz);
   if (const auto value = root.find("start")) {
     policy.start_at_once = value->one_of({"at_once", "on_request"}) == "at_once";
   }
-  if (const auto block = root.find("arming")) read_arming(*block, policy);
-  if (const auto block = root.find("ramp")) read_ramp(*block, policy);
-  if (const auto block = root.find("measurements")) read_measurements(*block, policy);
+  if (const auto block = root.find("arming")) read_arming(*block, rate_hz, policy);
+  if (const auto block = root.find("ramp")) read_ramp(*block, rate_hz, policy);
+  if (const auto block = root.find("measurements")) read_measurements(*block, rate_hz, policy);
   if (const auto block = root.find("watch")) read_watch(*block, policy);
   if (const auto block = root.find("rejoin")) {
     block->allow_only({"a_minute"});
@@ -122,7 +141,7 @@ Policy read(const YamlReader& root) {
   if (const auto block = root.find("realtime")) read_realtime(*block, policy);
   if (const auto block = root.find("flight_record")) {
     block->allow_only({"duration_s", "most_files", "most_mb"});
-    read_positive(*block, "duration_s", 120, policy.record_s);
+    read_positive(*block, "duration_s", slowed(longest_record_s, rate_hz), policy.record_s);
     read(*block, "most_files", WholeRange{1, 100000}, policy.record_files);
     read_positive(*block, "most_mb", policy.record_mb);
   }
@@ -131,10 +150,22 @@ Policy read(const YamlReader& root) {
 
 }  // namespace
 
-Policy read_policy(const std::filesystem::path& path) { return read(YamlReader::from_file(path)); }
+Policy default_policy(double sample_rate_hz) {
+  Policy policy;
+  for (double* seconds : {&policy.arming_s, &policy.ramp_in_s, &policy.ramp_out_s, &policy.fade_s,
+                          &policy.record_s}) {
+    *seconds = slowed(*seconds, sample_rate_hz);
+  }
+  return policy;
+}
 
-Policy parse_policy(const std::string& text, const std::string& source_name) {
-  return read(YamlReader::from_text(text, source_name));
+Policy read_policy(const std::filesystem::path& path, double sample_rate_hz) {
+  return read(YamlReader::from_file(path), sample_rate_hz);
+}
+
+Policy parse_policy(const std::string& text, const std::string& source_name,
+                    double sample_rate_hz) {
+  return read(YamlReader::from_text(text, source_name), sample_rate_hz);
 }
 
 }  // namespace stillframe::controller

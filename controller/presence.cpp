@@ -1,10 +1,16 @@
 #include "controller/presence.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "controller/slow_loops.hpp"
+#include "msgs/clock.hpp"
 
 namespace stillframe::controller {
 
 namespace {
+
+constexpr double overruled_s = 0.2;
 
 bool holds_the_frame(State state) {
   return state == State::ramp_in || state == State::active || state == State::fading ||
@@ -12,6 +18,12 @@ bool holds_the_frame(State state) {
 }
 
 }  // namespace
+
+bool is_overruled(std::int64_t since_ns, std::int64_t now_ns, double sample_rate_hz) noexcept {
+  const double held_s = static_cast<double>(amplifiers_hold) / sample_rate_hz;
+  return since_ns != 0 &&
+         static_cast<double>(now_ns - since_ns) > std::max(overruled_s, held_s) * ns_per_s;
+}
 
 std::optional<std::string> Presence::gives_way(
     State own, const stillframe_msgs::controller_status_t& other) const {

@@ -9,6 +9,10 @@
 
 namespace stillframe::controller {
 
+/// Whether a plant has said since then (CLOCK_MONOTONIC, ns; 0: it does not) that it obeys another
+/// controller, and for longer than it does of one that is gone, whose force its amplifiers hold.
+bool is_overruled(std::int64_t since_ns, std::int64_t now_ns, double sample_rate_hz) noexcept;
+
 /// Which of two controllers of one run gives way: who holds the frame stays; where both do, or
 /// none, who began first, and of two that began at one instant the one with the smaller number.
 /// Set-up.

@@ -19,9 +19,8 @@ namespace {
 constexpr int wait_ms = 10;        // between looks at the loop
 constexpr int most_messages = 64;  // between two looks at it
 constexpr std::int64_t ms = 1'000'000, status_every_ns = 100 * ms, lost_after_ns = 1000 * ms;
-// A plant says for some samples more that it obeys a controller that is gone.
-constexpr std::int64_t overruled_after_ns = 200 * ms;
 constexpr std::int64_t asleep_ns = 50 * ms;  // no other could begin in that time
+constexpr double late_samples = 3;           // in a row, of a plant that is there
 // A controller that comes to a run which has gone on for longer than this was not there before.
 constexpr std::int64_t late_start_ns = 500 * ms;
 
@@ -99,9 +98,12 @@ bool Session::is_over(LoopThread& thread) {
 // is said or judged before the loop has woken up, which begins with finding out that it slept.
 bool Session::knows_the_loop() const {
   const std::int64_t woke_ns = loop_.counters().woke_ns;
-  const double hold_s = static_cast<double>(policy_.hold_periods) / sample_rate_hz_;
-  return woke_ns == 0 ||
-         monotonic_ns() - woke_ns < asleep_ns + static_cast<std::int64_t>(hold_s * ns_per_s);
+  const auto most_periods = static_cast<double>(std::max<std::int64_t>(1, policy_.hold_periods));
+  return woke_ns == 0 || monotonic_ns() - woke_ns < asleep_ns + samples_ns(most_periods);
+}
+
+std::int64_t Session::samples_ns(double n) const {
+  return static_cast<std::int64_t>(n / sample_rate_hz_ * ns_per_s);
 }
 
 // Told at once, because the state may be the same as before.
@@ -126,7 +128,9 @@ void Session::listen() {
     const bool another = heard.other_plant || (heard.other_run && options_.any_run);
     // A plant that says it is there is not left for another one, however late its measurements are.
     const std::int64_t heard_ns = std::max(alive_ns_, io_.last_heard_ns());
-    if (another && monotonic_ns() - heard_ns > lost_after_ns) end(Outcome::began_anew);
+    if (another && monotonic_ns() - heard_ns > std::max(lost_after_ns, samples_ns(late_samples))) {
+      end(Outcome::began_anew);
+    }
     // Whoever asks repeats it until the status names it.
     if (heard.request && io_.admits_request()) {
       requests_.hear(static_cast<Request>(io_.request().request), io_.request().nonce);
@@ -221,8 +225,7 @@ void Session::look_for_end() {
   if (count != alive_count_) alive_ns_ = now;
   alive_count_ = count;
   if (stop_requested()) end(Outcome::interrupted);
-  const std::int64_t overruled_ns = stream_.obeys_another_since_ns();
-  if (overruled_ns != 0 && now - overruled_ns > overruled_after_ns) {
+  if (is_overruled(stream_.obeys_another_since_ns(), now, sample_rate_hz_)) {
     reason_ = "the plant obeys another controller; end that one first";
     end(Outcome::refused);
   }

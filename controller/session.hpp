@@ -65,6 +65,7 @@ class Session {
   void end(Outcome outcome);
   bool is_over(LoopThread& thread);
   bool knows_the_loop() const;
+  std::int64_t samples_ns(double n) const;
 
   LcmIo& io_;
   const Policy& policy_;

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "controller/slow_loops.hpp"
 #include "controller/start_check.hpp"
 #include "core/linear/smooth_step.hpp"
 
@@ -18,8 +19,10 @@ namespace {
 // At first the loop listens so long before it commands: another controller may serve the run.
 constexpr double quiet_s = 0.35;
 // Amplifiers that hear nothing let go of a force within about a second. It is theirs until then:
-// what acts is known from a read-back alone, which may lie.
+// what acts is known from a read-back alone, which may lie. What they hold lasts longer in a slow
+// loop.
 constexpr double let_go_s = 1.5;
+constexpr double missing_s = 1;  // over which the share of missing measurements is a mean
 // Where the policy does not say what may push a frame beside its floor: a tenth of the force limit
 // in a second, as a person or a stage does, but no more than a floor asks for that is too quiet to
 // be measured. A limit that stands for none is no permission to do anything.
@@ -30,9 +33,15 @@ constexpr double step_kept = 0.7;
 Pace::Settings pace_settings(const Gains& gains, const Policy& policy) {
   Pace::Settings settings{.ramp_in_s = policy.ramp_in_s, .force_limit = force_limit(gains, policy)};
   if (!policy.free_rate_n_per_s) settings.beside = free_floor;
-  settings.free =
-      policy.free_rate_n_per_s.value_or(free_part * settings.force_limit) * gains.sample_time();
+  const double free_rate =
+      free_part * settings.force_limit / slowed(1, gains.sample_rate_hz);  // N/s
+  settings.free = policy.free_rate_n_per_s.value_or(free_rate) * gains.sample_time();
   return settings;
+}
+
+std::int64_t let_go_samples(double sample_time) {
+  const double held = static_cast<double>(amplifiers_hold);
+  return std::llround(std::max(let_go_s / sample_time, held + amplifiers_fade_s / sample_time));
 }
 
 template <class T>
@@ -132,9 +141,11 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
       pace_(gains, pace_settings(gains, policy)),
       sample_time_(gains.sample_time()),
+      forgets_(sample_time_ / slowed(missing_s, gains.sample_rate_hz)),
+      let_go_(let_go_samples(sample_time_)),
       active_(active),
       wanted_(active && policy.start_at_once),
-      quiet_(std::llround(let_go_s / sample_time_)) {
+      quiet_(let_go_) {
   change_ = asked_ = asked_before_ = base_ = step_ = force_ = u_ = offset_ = sigma_ =
       VectorXd::Zero(law_.n_legs());
   Counter counter;
@@ -268,7 +279,7 @@ void Supervisor::count_missing(const Event& event) noexcept {
   const bool have = event.measurement != nullptr;
   // While nothing is held nothing can be lost: each arming begins with a clean sheet.
   const double share = have ? (n - 1) / n : 1.0;
-  missing_part_ += std::min(1.0, n * sample_time_) * (share - missing_part_);
+  missing_part_ += std::min(1.0, n * forgets_) * (share - missing_part_);
   rejoins_ = std::max(
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
   gap_ = have ? missing_ : 0;
@@ -316,7 +327,7 @@ void Supervisor::fall_silent(std::int64_t n_elapsed) noexcept {
   base_.setZero();
   step_.setZero();
   q_ = 0;
-  quiet_ = std::llround(let_go_s / sample_time_) + n_elapsed;
+  quiet_ = let_go_ + n_elapsed;
 }
 
 // Nothing is sent. A loop that held nothing need not wait for amplifiers that hold nothing either,
@@ -325,7 +336,7 @@ void Supervisor::listen(const Event& event) noexcept {
   quiet_ = std::max<std::int64_t>(0, quiet_ - event.n_elapsed);
   if (event.measurement != nullptr) {
     const bool acts = (event.measurement->applied.array().abs() > pace_.free().array()).any();
-    const auto n_listened = std::llround(let_go_s / sample_time_) - quiet_;
+    const std::int64_t n_listened = let_go_ - quiet_;
     if (!acts && !held_ && n_listened >= std::llround(quiet_s / sample_time_)) quiet_ = 0;
     if (acts && state_ == State::arming) restart_arming();
   }

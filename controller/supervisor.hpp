@@ -96,6 +96,8 @@ class Supervisor {
   CommandWatch watch_;
   Pace pace_;
   double sample_time_;
+  double forgets_;       ///< of missing_part_, in a period
+  std::int64_t let_go_;  ///< periods in which amplifiers that hear nothing let go of a force
   bool active_;
 
   State state_ = State::idle;

@@ -99,12 +99,13 @@ ControlLoop make_control_loop(const Scene& scene, const Model& model) {
   loop.gains.leak = two_pi * controller.leak_hz;
   loop.gains.high_pass = two_pi * controller.high_pass_hz;
   loop.gains.roll_off = two_pi * controller.roll_off_hz.value_or(0.0);
-  loop.gains.lead =
-      continuous_lead(controller.lead_samples, {.sample_time = 1 / controller.sample_rate_hz,
-                                                .delay_samples = controller.delay_samples,
-                                                .instruments = scene.instruments,
-                                                .leg_gains = {},
-                                                .leg_delays = {}});
+  LoopSettings settings;
+  settings.feedback = loop.gains;
+  settings.law.lead_samples = controller.lead_samples;
+  settings.sampling.sample_time = 1 / controller.sample_rate_hz;
+  settings.sampling.delay_samples = controller.delay_samples;
+  settings.sampling.instruments = scene.instruments;
+  loop.gains = continuous_law(settings);
   return loop;
 }
 

@@ -10,7 +10,7 @@ stillframe_msgs::run_info_t describe_run(const Scene& scene, const RunDescriptio
   info.program_version = run.program_version;
   info.scene_name = scene.title;
   info.scene_hash = scene.hash;
-  info.scene_text = scene.text;
+  info.scene_text = text_with_full_paths(scene);
   info.floor_text = run.floor_text;
   info.gains_text = run.gains_text;
   info.mode = run.mode;

@@ -104,6 +104,10 @@ std::string table_of(const Options& options, const std::vector<StudyCase>& cases
                  outcome, peak, speed});
       scene = controller = floor = outcome = peak = speed = "";
     }
+    // A scene that compares nothing ran all the same.
+    if (result.verdict.axes.empty()) {
+      table.add({scene, controller, floor, "-", "-", "-", "-", "-", outcome, peak, speed});
+    }
   }
   return table.print();
 }

@@ -81,8 +81,7 @@ std::string cause(const Range& range, const Eigen::VectorXcd& poles) {
 std::vector<std::string> amplification_warnings(const LoopSettings& settings, double target_hz) {
   const LoopPlant& plant = settings.plant;
   const SampledPlant sampled = sample_and_hold(plant, settings.sampling);
-  ForceFeedback feedback = settings.feedback;
-  feedback.lead = continuous_lead(settings.law.lead_samples, settings.sampling);
+  const ForceFeedback feedback = continuous_law(settings);
   const Eigen::VectorXcd poles = closed_loop_poles(plant, feedback);
   const Index n_w = plant.B_w.cols();
   LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, law_of(settings))),

@@ -132,7 +132,7 @@ struct Window {
 /// `from`: the leak that holds it at standstill. None if no leak does; to: infinity if any that is
 /// larger does.
 std::optional<Window> leaks_that_hold(const LoopDesign& design, double from) {
-  ForceFeedback feedback = design.settings.feedback;
+  ForceFeedback feedback = continuous_law(design.settings);
   feedback.high_pass = 0;
   const double omega_d = two_pi * design.scene.controller->lowest_target_hz();
   const auto holds = [&](double leak) {

@@ -85,7 +85,7 @@ void sample(LoopDesign& design) {
                      .feedback = design.gains.feedback(),
                      .law = design.gains.law_sampling(),
                      .sampling = design.gains.sampling()};
-  design.loop.gains.lead = continuous_lead(design.gains.lead_samples, design.settings.sampling);
+  design.loop.gains = continuous_law(design.settings);
   design.sampled = sample_and_hold(plant, design.gains.sampling());
   design.open = open_loop(design.sampled);
   design.closed = close_loop(design.sampled, controller::law_from_gains(design.gains));

@@ -23,16 +23,16 @@ controller::Gains gains_of(const Options& options, const ReplayLog& log) {
   return controller::parse_gains(log.info.gains_text, options.log.string() + ": gains_text");
 }
 
-controller::Policy policy_of(const Options& options, const ReplayLog& log) {
-  if (options.policy) return controller::read_policy(*options.policy);
+controller::Policy policy_of(const Options& options, const ReplayLog& log, double rate_hz) {
+  if (options.policy) return controller::read_policy(*options.policy, rate_hz);
   for (const LoopSession& session : log.sessions) {
     if (session.checkpoints.empty()) continue;
     const std::string& text = session.checkpoints.begin()->second.policy_text;
     if (!text.empty()) {
-      return controller::parse_policy(text, options.log.string() + ": policy_text");
+      return controller::parse_policy(text, options.log.string() + ": policy_text", rate_hz);
     }
   }
-  return {};
+  return controller::default_policy(rate_hz);
 }
 
 Json to_json(const ReplayLog& log, const ReplayResult& result) {
@@ -98,7 +98,7 @@ std::string to_text(const ReplayLog& log, const ReplayResult& result) {
 int run(const Options& options) {
   const ReplayLog log = read_replay_log(options.log, options.run_id);
   const controller::Gains gains = gains_of(options, log);
-  const controller::Policy policy = policy_of(options, log);
+  const controller::Policy policy = policy_of(options, log, gains.sample_rate_hz);
   const bool wall_clock = log.info.mode == "wall_clock";
   const ReplayResult result =
       wall_clock ? replay_wall_clock(log, gains, policy) : replay_lock_step(log, gains);

@@ -14,6 +14,7 @@
 #include "plant_sim/run_length.hpp"
 #include "report/page/write_page.hpp"
 #include "report/table.hpp"
+#include "tools/analysis/loop_between.hpp"
 #include "tools/analysis/page_of.hpp"
 #include "tools/exit_code.hpp"
 #include "tools/loop_design.hpp"
@@ -94,11 +95,24 @@ void require_clocked(const Options& options, const LoopDesign& design,
   if (options.loop != "passive") controller::require_stable_ramp(design.gains);
 }
 
+/// What no one refuses, as it depends on the floor: a loop that answers to a push changes its
+/// forces faster than its floor asks for, as one that runs away does.
+void warn_of_pushes(const Options& options, const Scene& scene, const controller::Policy& policy) {
+  if (options.mode != "wall_clock" || options.loop == "passive") return;
+  if (policy.free_rate_n_per_s || !has_forces(scene)) return;
+  std::cerr << "stillframe: warning: the scene's disturbances push the frame beside its floor, and "
+               "no --policy states limits.free_rate_n_per_s: if one makes the loop change a leg's "
+               "force faster than the floor and the default leave room for, the loop lets go of "
+               "the frame with the latched fault restless (docs/safety.md)\n";
+}
+
 /// Everything that a person may have got wrong is found before anything is started or written.
 Checked check_input(const Options& options) {
   LoopDesign design = make_loop_design(options.scene, options.controller, options.design_scene);
-  const controller::Policy policy =
-      options.policy ? controller::read_policy(*options.policy) : controller::Policy{};
+  const double rate_hz = design.gains.sample_rate_hz;
+  const controller::Policy policy = options.policy
+                                        ? controller::read_policy(*options.policy, rate_hz)
+                                        : controller::default_policy(rate_hz);
   controller::require_stable(design.gains);
   if (options.mode == "wall_clock") require_clocked(options, design, policy);
   const auto block = read_floor(design.scene, options.floor);
@@ -114,6 +128,7 @@ Checked check_input(const Options& options) {
   std::optional<std::string> policy_text;
   if (options.policy) policy_text = text_again(*options.policy, options.mode);
   if (options.mode != "single_process") open_lcm(lcm_url(options.lcm_url));
+  warn_of_pushes(options, design.scene, policy);
   return {.design = std::move(design),
           .spec = std::move(spec),
           .floor_text = block->text,

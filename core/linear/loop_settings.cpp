@@ -32,8 +32,11 @@ double lateness(const Sampling& sampling) {
   return sampling.delay_samples + 0.5 + (lag > 0 ? 1 / (lag * sampling.sample_time) : 0.0);
 }
 
-double continuous_lead(double lead_samples, const Sampling& sampling) {
-  return std::max(lead_samples - lateness(sampling), 0.0) * sampling.sample_time;
+ForceFeedback continuous_law(const LoopSettings& settings) {
+  const Sampling& sampling = settings.sampling;
+  ForceFeedback law = settings.feedback;
+  law.lead = std::max(settings.law.lead_samples - lateness(sampling), 0.0) * sampling.sample_time;
+  return law;
 }
 
 SampledLoop close_loop(const LoopSettings& settings) {

@@ -12,8 +12,8 @@ namespace stillframe {
 /// Everything that decides how a loop behaves, from which it can be sampled anew.
 struct LoopSettings {
   LoopPlant plant;
-  ForceFeedback feedback;
-  LawSampling law;  ///< its sample time and sensor filter are taken from `sampling`
+  ForceFeedback feedback;  ///< its lead is not asked for: see continuous_law
+  LawSampling law;         ///< its sample time and sensor filter are taken from `sampling`
   Sampling sampling;
 };
 
@@ -24,9 +24,9 @@ DiscreteLaw law_of(const LoopSettings& settings);
 /// actuators.
 double lateness(const Sampling& sampling);
 
-/// The lead of the continuous law (s): what the sampled law's lead is beyond the lateness that it
-/// makes up for, 0 if it is less.
-double continuous_lead(double lead_samples, const Sampling& sampling);
+/// The continuous law of a loop. Its lead (s) is what the sampled law's lead is beyond the lateness
+/// that it makes up for, 0 if it is less: other settings, another lead.
+ForceFeedback continuous_law(const LoopSettings& settings);
 
 /// The closed loop as it is sampled. Errors: as close_loop, sample_and_hold and sample_law.
 SampledLoop close_loop(const LoopSettings& settings);

@@ -38,17 +38,32 @@ Eigen::PermutationMatrix<Eigen::Dynamic> exogenous_first(Index n, Index n_exogen
   return Eigen::PermutationMatrix<Eigen::Dynamic>(target);
 }
 
-/// The same system in balanced states, the exogenous ones first. Unbalanced, a frame that moves
+/// Balanced states of a system, the exogenous ones first. Unbalanced, a frame that moves
 /// micrometres under forces of newtons has a spectral radius wrong in the second digit.
+class Arrangement {
+ public:
+  Arrangement(const SampledLoop& loop, Index n_plant)
+      : P_(exogenous_first(n_plant, loop.n_exogenous, loop.A.rows())),
+        S_(balancing_scales(P_ * loop.A * P_.transpose())) {}
+
+  SampledLoop of(SampledLoop loop) const {
+    const auto S_inverse = S_.cwiseInverse().asDiagonal();
+    loop.A = S_inverse * (P_ * loop.A * P_.transpose()) * S_.asDiagonal();
+    loop.B = S_inverse * (P_ * loop.B);
+    loop.B_v = S_inverse * (P_ * loop.B_v);
+    loop.C = rows(loop.C);
+    return loop;
+  }
+  MatrixXd rows(const MatrixXd& C) const { return C * P_.transpose() * S_.asDiagonal(); }
+
+ private:
+  Eigen::PermutationMatrix<Eigen::Dynamic> P_;
+  Eigen::VectorXd S_;
+};
+
 SampledLoop arranged(SampledLoop loop, Index n_plant) {
-  const auto P = exogenous_first(n_plant, loop.n_exogenous, loop.A.rows());
-  const Eigen::VectorXd S = balancing_scales(P * loop.A * P.transpose());
-  const auto S_inverse = S.cwiseInverse().asDiagonal();
-  loop.A = S_inverse * (P * loop.A * P.transpose()) * S.asDiagonal();
-  loop.B = S_inverse * (P * loop.B);
-  loop.B_v = S_inverse * (P * loop.B_v);
-  loop.C = loop.C * P.transpose() * S.asDiagonal();
-  return loop;
+  const Arrangement arrangement(loop, n_plant);
+  return arrangement.of(std::move(loop));
 }
 
 /// Where the parts of xi stand: plant, law, c_0 (the command that held before t_k), the filtered
@@ -77,9 +92,13 @@ void shift_in(MatrixXd& A, Index begin, Index end, Index m, const MatrixXd& newe
   }
 }
 
-}  // namespace
+/// A closed loop in the states of Layout, and what its law hears of them.
+struct Connected {
+  SampledLoop loop;
+  MatrixXd C_e;
+};
 
-SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
+Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
   check_shapes(plant, law);
   const Layout at(plant, law);
   const Index n = at.n, m = at.m, n_law = law.A.rows();
@@ -147,7 +166,35 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
   loop.C.middleCols(at.held, m) += plant.D_0;
   loop.D = plant.D_yw;
   loop.D_v = plant.D_yu * D_f;
-  return arranged(std::move(loop), n);
+  return {std::move(loop), std::move(C_e)};
+}
+
+}  // namespace
+
+SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
+  return arranged(connected(plant, law).loop, plant.Phi.rows());
+}
+
+GainedLoop gain_loop(const SampledPlant& plant, const DiscreteLaw& law) {
+  DiscreteLaw silent = law;
+  silent.C.setZero();
+  silent.D.setZero();
+  Connected closed = connected(plant, law);
+  const Index n_plant = plant.Phi.rows();
+  const Arrangement arrangement(closed.loop, n_plant);
+  return {.closed = arrangement.of(std::move(closed.loop)),
+          .released = arrangement.of(connected(plant, silent).loop),
+          .C_e = arrangement.rows(closed.C_e),
+          .n_plant = n_plant};
+}
+
+SampledLoop GainedLoop::at(double share) const {
+  SampledLoop loop = closed;
+  loop.A += (1 - share) * (released.A - closed.A);
+  loop.B_v += (1 - share) * (released.B_v - closed.B_v);
+  loop.C += (1 - share) * (released.C - closed.C);
+  loop.D_v += (1 - share) * (released.D_v - closed.D_v);
+  return loop;
 }
 
 SampledLoop open_loop(const SampledPlant& plant) {

@@ -23,6 +23,20 @@ struct SampledLoop {
 /// std::invalid_argument on shapes that do not match.
 SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law);
 
+/// A closed loop whose law may act by a share g of its command: A, B_v, C and D_v are then
+/// (1 - g) released + g closed, B and D are the same.
+struct GainedLoop {
+  SampledLoop closed;        ///< as close_loop
+  SampledLoop released;      ///< in the same states: commands are zero, but the law goes on
+  Eigen::MatrixXd C_e;       ///< what the law hears: e[k] = C_e xi[k] + v[k]
+  Eigen::Index n_plant = 0;  ///< leading states that are the plant's, the exogenous ones with them
+
+  SampledLoop at(double share) const;
+};
+
+/// Errors: as close_loop.
+GainedLoop gain_loop(const SampledPlant& plant, const DiscreteLaw& law);
+
 /// The same system without feedback (zero commands), for the passive prediction.
 SampledLoop open_loop(const SampledPlant& plant);
 

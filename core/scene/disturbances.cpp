@@ -129,4 +129,22 @@ std::vector<SceneDisturbance> read_disturbances(const YamlReader& root, const Sc
   return disturbances;
 }
 
+std::string text_with_full_paths(const Scene& scene) {
+  std::string text = scene.text;
+  for (std::size_t i = 0; i < scene.disturbances.size(); ++i) {
+    const auto* recording = std::get_if<ForceRecording>(&scene.disturbances[i].force);
+    if (!recording) continue;
+    const YamlReader file = YamlReader::from_text(text, scene.file)
+                                .require("disturbances")
+                                .items()[i]
+                                .require("force")
+                                .require("recording")
+                                .require("file");
+    if (!std::filesystem::path(file.text()).is_relative()) continue;
+    text = file.source_text_with(
+        std::filesystem::absolute(recording->file).lexically_normal().string());
+  }
+  return text;
+}
+
 }  // namespace stillframe

@@ -233,6 +233,24 @@ std::filesystem::path YamlReader::folder() const { return source_->folder; }
 
 const std::string& YamlReader::source_text() const { return source_->text; }
 
+std::string YamlReader::source_text_with(const std::string& text) const {
+  std::string all = source_->text;
+  if (!node_->IsScalar() || node_->Mark().is_null()) return all;
+  const std::string byte_order_mark = "\xEF\xBB\xBF";  // which a place does not count
+  const auto at = static_cast<std::size_t>(node_->Mark().pos) +
+                  (all.starts_with(byte_order_mark) ? byte_order_mark.size() : 0);
+  const std::string& own = node_->Scalar();
+  if (at > all.size()) return all;
+  for (const std::string quote : {"", "'", "\""}) {
+    const std::string written = quote + own + quote;
+    if (all.compare(at, written.size(), written) != 0) continue;
+    YAML::Emitter quoted;
+    quoted << YAML::DoubleQuoted << text;
+    return all.replace(at, written.size(), quoted.c_str());
+  }
+  return all;
+}
+
 std::string nearest_name(const std::string& word, const std::vector<std::string>& candidates) {
   std::string best;
   size_t best_distance = word.size() / 2 + 1;

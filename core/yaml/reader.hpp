@@ -81,6 +81,9 @@ class YamlReader {
   std::filesystem::path folder() const;
   /// All of the text that this value is a part of, byte for byte.
   const std::string& source_text() const;
+  /// The same with another text in the place of this scalar, which stands there as it reads, plain
+  /// or in quotes; as it is if the scalar is written in another way, with escapes or over lines.
+  std::string source_text_with(const std::string& text) const;
 
  private:
   struct Source;

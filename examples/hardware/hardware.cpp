@@ -20,7 +20,7 @@ int main(int argc, char** argv) try {
   const std::int64_t start = cards.now_ns();
   RigIo io(cards, gains.sample_rate_hz, start);
 
-  const Policy policy;  // or read_policy("policy.yaml")
+  const Policy policy = default_policy(gains.sample_rate_hz);  // or read_policy of a file
   const Supervisor supervisor(gains, policy, true);
   Loop loop(io, supervisor, policy,
             {.sample_rate_hz = gains.sample_rate_hz, .phase = 0, .start_ns = start});

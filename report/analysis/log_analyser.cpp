@@ -25,18 +25,33 @@ Index column_of(const std::vector<std::string>& names, const std::string& name) 
   return found - names.begin();
 }
 
+/// What forces do to an acceleration, and what is left of it, while the log is read.
+struct ForcesPower {
+  ForcesPower(double rate_hz, double lowest_hz, std::int64_t n)
+      : by_forces(rate_hz, lowest_hz, n), undisturbed(rate_hz, lowest_hz, n) {}
+  RunningPower by_forces, undisturbed;
+
+  void skip(std::int64_t n) {
+    by_forces.skip(n);
+    undisturbed.skip(n);
+  }
+  ForcesPart finish() const { return {by_forces.finish(), undisturbed.finish()}; }
+};
+
 /// One direction while the log is read.
 struct Axis {
   std::string name;
   Index floor_column, frame_column;
   SignalAnalyser floor, frame;
-  RunningPower unexplained, by_forces, undisturbed;
+  RunningPower unexplained;
+  ForcesPower forces;
 };
 
 /// An acceleration by itself while the log is read.
 struct Frame {
   Index column;
   SignalAnalyser motion;
+  ForcesPower forces;
 };
 
 /// What the model makes of the floor, sample by sample, and since when its state is that of the
@@ -193,13 +208,14 @@ class Analyser : public LogVisitor {
                         .forces = {},
                         .shocks = {}};
       if (done.unexplained_missing.empty()) done.unexplained = axis.unexplained.finish();
-      if (forces_) done.forces = ForcesPart{axis.by_forces.finish(), axis.undisturbed.finish()};
+      if (forces_) done.forces = axis.forces.finish();
       if (!plan_.multisine)
         done.shocks = find_shocks(done.floor.levels, done.frame.levels, first_time_s_);
       result.axes.push_back(std::move(done));
     }
     for (std::size_t f = 0; f < frames_.size(); ++f) {
-      result.frames.push_back({plan_.frames[f], frames_[f].motion.finish()});
+      result.frames.push_back({plan_.frames[f], frames_[f].motion.finish(), {}});
+      if (forces_) result.frames.back().forces = frames_[f].forces.finish();
     }
     for (const LegAnalyser& leg : legs_) result.legs.push_back(leg.finish());
     if (matrix_) result.matrix = with_doubt(matrix_->finish(), forces_matrix_.get());
@@ -226,12 +242,12 @@ class Analyser : public LogVisitor {
                        SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n),
                        SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n),
                        RunningPower(rate, plan_.lowest_hz, n),
-                       RunningPower(rate, plan_.lowest_hz, n),
-                       RunningPower(rate, plan_.lowest_hz, n)});
+                       ForcesPower(rate, plan_.lowest_hz, n)});
     }
     for (const std::string& name : plan_.frames) {
       frames_.push_back({column_of(info_.frame_names, name),
-                         SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n)});
+                         SignalAnalyser(rate, first_time_s, plan_.lowest_hz, n),
+                         ForcesPower(rate, plan_.lowest_hz, n)});
     }
     for (const std::string& leg : info_.leg_names) legs_.emplace_back(leg, rate, first_time_s);
   }
@@ -253,6 +269,7 @@ class Analyser : public LogVisitor {
           info.floor_names, {info.frame_names.begin(), info.frame_names.begin() + plan_.n_outputs}};
       if (plan_.multisine) {
         matrix_ = std::make_unique<ResponseAnalyser>(signals, *plan_.multisine);
+        if (forces_) forces_matrix_ = std::make_unique<ResponseAnalyser>(signals, *plan_.multisine);
       } else {
         matrix_ = std::make_unique<ResponseAnalyser>(
             signals, broadband,
@@ -279,10 +296,12 @@ class Analyser : public LogVisitor {
       axis.floor.skip(n);
       axis.frame.skip(n);
       axis.unexplained.skip(n);
-      axis.by_forces.skip(n);
-      axis.undisturbed.skip(n);
+      axis.forces.skip(n);
     }
-    for (Frame& frame : frames_) frame.motion.skip(n);
+    for (Frame& frame : frames_) {
+      frame.motion.skip(n);
+      frame.forces.skip(n);
+    }
     for (LegAnalyser& leg : legs_) leg.skip(n);
   }
 
@@ -308,10 +327,12 @@ class Analyser : public LogVisitor {
   }
 
   void add_forces(const MatrixXd& by_forces, const MatrixXd& undisturbed) {
-    for (Axis& axis : axes_) {
-      axis.by_forces.add(by_forces.col(axis.frame_column));
-      axis.undisturbed.add(undisturbed.col(axis.frame_column));
-    }
+    const auto add = [&](ForcesPower& forces, Index column) {
+      forces.by_forces.add(by_forces.col(column));
+      forces.undisturbed.add(undisturbed.col(column));
+    };
+    for (Axis& axis : axes_) add(axis.forces, axis.frame_column);
+    for (Frame& frame : frames_) add(frame.forces, frame.column);
   }
 
   std::string unexplained_missing(std::size_t axis) const {
@@ -324,6 +345,10 @@ class Analyser : public LogVisitor {
     }
     const auto& leans = plan_.model->leans_on_rigid;
     if (axis >= leans.size() || !leans[axis]) return "";
+    if (plan_.model->moved_apart) {
+      return "the floor moves axes and single inputs at once, and how it moves where no input "
+             "measures it is not known";
+    }
     const double allowed = std::pow(10, largest_input_difference_db / 20) - 1;
     const double strayed = std::sqrt(strayed_power_ / floor_power_);
     if (!(strayed > allowed)) return "";

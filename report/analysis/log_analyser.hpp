@@ -37,6 +37,9 @@ struct RunModel {
   /// that the loop has them move as such a floor. Empty: no axis is.
   Eigen::MatrixXd rigid = {};
   std::vector<bool> leans_on_rigid = {};
+  /// Such an axis is not known at all: the floor's block moves single inputs beside its axes, and
+  /// what of the inputs is which no signal tells.
+  bool moved_apart = false;
 };
 
 /// What is looked for in a log.
@@ -81,6 +84,7 @@ struct AxisAnalysis {
 struct FrameAnalysis {
   std::string name;
   SignalAnalysis motion;
+  std::optional<ForcesPart> forces;  ///< as of an axis
 };
 
 /// Everything that one log tells.

@@ -3,6 +3,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <limits>
+#include <optional>
+#include <utility>
 
 #include "core/linear/sampled_loop.hpp"
 
@@ -17,9 +20,29 @@ class LoopResponse {
   void rest() { state_.setZero(); }
   const SampledLoop& loop() const { return loop_; }
 
+  /// Another system goes on from the same states.
+  void change(SampledLoop loop) { loop_ = std::move(loop); }
+  const Eigen::VectorXd& state() const { return state_; }
+  void rest_behind(Eigen::Index n) { state_.tail(state_.size() - n).setZero(); }
+
  private:
   SampledLoop loop_;
   Eigen::VectorXd state_, next_, input_;
+};
+
+/// When a loop took hold of its frame, which was passive before, by sequence numbers.
+struct Takeover {
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max() / 2;
+
+  std::int64_t from = never;  ///< in the sample behind it the law begins, at rest
+  std::int64_t full = never;  ///< from here on its whole command acts, smooth_step between
+  /// The means of the force sensors over these samples were taken for offsets and are subtracted,
+  /// of those legs (m) that have a 1 in `offset`, not a 0.
+  std::int64_t heard_from = 0, heard_to = -1;
+  Eigen::VectorXd offset = {};
+
+  /// Of the law's command, what acts.
+  double share(std::int64_t seq) const;
 };
 
 /// Forces that act on a frame besides its floor, as its scene has them.
@@ -27,6 +50,12 @@ struct ForceModel {
   SampledLoop loop;  ///< from the forces to accelerations
   /// N, held over sample k, one of each input of the loop; k may be -1, before the run.
   std::function<Eigen::VectorXd(std::int64_t)> at;
+  /// Of a loop that was not closed from the beginning on.
+  struct Late {
+    Takeover when;
+    GainedLoop loop;
+  };
+  std::optional<Late> late = {};
 };
 
 /// What a loop makes of forces whose whole course is known: a log's gaps are none here. Set-up.
@@ -39,9 +68,13 @@ class ForceResponse {
 
  private:
   Eigen::MatrixXd follow(Eigen::Index n);
+  void take_hold(std::int64_t seq);
 
   LoopResponse response_;
   std::function<Eigen::VectorXd(std::int64_t)> forces_;
+  std::optional<ForceModel::Late> late_;
+  Eigen::VectorXd heard_;  ///< m, N, sums
+  double share_ = -1;      ///< none yet
   std::int64_t next_ = 0;
 };
 

@@ -125,7 +125,7 @@ IdentifiedResponse ResponseAnalyser::finish() {
   result.n_left_out = broadband.n_left_out();
   result.n_segments = broadband.n_segments();
   result.resolution_hz = broadband.half_width_hz();
-  result.missing = broadband.missing();
+  result.missing = broadband.missing(result.signals.inputs);
   if (!result.missing.empty()) return result;
   FrequencyResponse response = broadband.estimate();
   std::vector<bool> other_motion(response.T.size(), false);

@@ -232,19 +232,38 @@ void LocalPolynomial::take(Equations& equations, double frequency_hz, const Matr
   equations.factor = joined_factor(equations.factor, free);
 }
 
-bool LocalPolynomial::excited(const Equations& equations) const {
+Eigen::Array<bool, Eigen::Dynamic, 1> LocalPolynomial::excited(const Equations& equations) const {
   // 2 |w|^2 / rate is a density, the mean over segments of the sums over bins is taken on both
   // sides.
   const Eigen::VectorXd density =
       equations.excitation * (2 / plan_.sample_rate_hz / static_cast<double>(equations.n));
   const Eigen::VectorXd power = input_power_ / static_cast<double>(n_segments_);
-  return (density.array() > least_excitation * power.array()).all();
+  return density.array() > least_excitation * power.array();
 }
 
-std::string LocalPolynomial::missing() const {
-  const Index unknowns = n_terms * plan_.n_inputs;
-  const auto enough = [&](const Equations& e) { return e.n >= unknowns + least_dof; };
-  if (std::none_of(equations_.begin(), equations_.end(), enough)) {
+bool LocalPolynomial::enough(const Equations& equations) const {
+  return equations.n >= n_terms * plan_.n_inputs + least_dof;
+}
+
+std::string LocalPolynomial::at_rest(const std::vector<std::string>& inputs) const {
+  std::vector<std::string> still;
+  for (Index i = 0; i < plan_.n_inputs; ++i) {
+    const auto moves = [&](const Equations& e) { return enough(e) && excited(e)(i); };
+    if (std::any_of(equations_.begin(), equations_.end(), moves)) continue;
+    still.push_back(inputs.at(static_cast<std::size_t>(i)));
+  }
+  if (still.empty()) return "at none of the frequencies do all inputs move";
+  std::string names = "the inputs";
+  if (still.size() < inputs.size()) {
+    names = still.front();
+    for (std::size_t i = 1; i < still.size(); ++i) names += ", " + still[i];
+  }
+  return names + (names == still.front() ? " does" : " do") + " not move at any of the frequencies";
+}
+
+std::string LocalPolynomial::missing(const std::vector<std::string>& inputs) const {
+  const auto counts = [&](const Equations& e) { return enough(e); };
+  if (std::none_of(equations_.begin(), equations_.end(), counts)) {
     BroadbandPlan one = plan_;
     one.expected_s = one.segment_s;
     const double needed_s =
@@ -254,10 +273,8 @@ std::string LocalPolynomial::missing() const {
            " has " + cell("%.3g", longest_s) + " s, a response of " +
            std::to_string(plan_.n_inputs) + " inputs needs " + cell("%.3g", needed_s) + " s";
   }
-  const auto moved = [&](const Equations& e) { return enough(e) && excited(e); };
-  if (std::none_of(equations_.begin(), equations_.end(), moved)) {
-    return "the inputs do not move at any of the frequencies";
-  }
+  const auto moved = [&](const Equations& e) { return enough(e) && excited(e).all(); };
+  if (std::none_of(equations_.begin(), equations_.end(), moved)) return at_rest(inputs);
   const auto known = [&](const Equations& e) {
     return moved(e) && condition_of(e) < largest_condition;
   };
@@ -316,7 +333,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
     response.input_weight.push_back(MatrixXcd::Constant(n_w, n_w, missing));
     response.unit_noise_share.push_back(MatrixXcd::Constant(n_w, n_w, missing));
     response.output_power.push_back(e.power / static_cast<double>(std::max<Index>(e.n, 1)));
-    if (e.n < p + least_dof || !excited(e)) continue;
+    if (!enough(e) || !excited(e).all()) continue;
     const auto R = e.factor.topLeftCorner(p, p).triangularView<Eigen::Upper>();
     response.input_condition(l) = condition_of(e);
     if (!(response.input_condition(l) < largest_condition)) continue;

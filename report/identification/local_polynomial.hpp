@@ -64,8 +64,8 @@ class LocalPolynomial {
   FrequencyResponse estimate() const;
 
   double half_width_hz() const { return half_width_hz_; }  ///< of the bins about a frequency
-  /// Why estimate() knows no T at any frequency; empty if it does.
-  std::string missing() const;
+  /// Why estimate() knows no T at any frequency; empty if it does. inputs: their names.
+  std::string missing(const std::vector<std::string>& inputs) const;
   std::int64_t n_segments() const { return n_segments_; }  ///< used
   std::int64_t n_filled() const { return n_filled_; }      ///< samples in them that were put in
   std::int64_t n_left_out() const { return n_left_out_; }  ///< samples in no segment
@@ -87,7 +87,10 @@ class LocalPolynomial {
   /// (1987), chapter 1.
   double filling_share(const Equations& equations) const;
   Eigen::MatrixXcd unit_noise_share(const Equations& equations) const;  ///< FrequencyResponse
-  bool excited(const Equations& equations) const;
+  bool enough(const Equations& equations) const;  ///< more than unknowns, and a few
+  Eigen::Array<bool, Eigen::Dynamic, 1> excited(const Equations& equations) const;  ///< inputs
+  /// Why at no frequency that has enough equations all inputs are excited.
+  std::string at_rest(const std::vector<std::string>& inputs) const;
   double condition_of(const Equations& equations) const;  ///< of the inputs
   void take(Equations& equations, double frequency_hz, const Eigen::MatrixXcd& spectra,
             const Eigen::MatrixXd& filling, double resolution_hz) const;

@@ -61,6 +61,7 @@ void CourseRecorder::take(std::int64_t seq, const double* values, std::size_t fi
     course.highest = std::max(course.highest, value);
     // A value that is no number is another one than any.
     if (value != course.first) ++course.n_other;
+    if (course.n_other > 0) ++course.n_since;
     const double change = std::abs(value - now_[i].value);
     if (change > 0 && std::isfinite(change)) {
       course.smallest_change = std::min(course.smallest_change, change);

@@ -28,6 +28,7 @@ struct Rest {
 struct ChannelCourse {
   double first = 0, lowest = 0, highest = 0;
   std::int64_t n = 0, n_other = 0;  ///< samples, and those that differ from the first
+  std::int64_t n_since = 0;         ///< samples from the first of those on
   Variation moved = {};
   double smallest_change = std::numeric_limits<double>::infinity();
   Rest rest = {};  ///< the one in which most was done by what is followed beside

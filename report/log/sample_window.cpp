@@ -29,6 +29,18 @@ void SeqTally::finish(std::int64_t end) {
 
 namespace {
 
+/// Leaves out what lies behind the last measurement, where there is nothing to answer: a controller
+/// that lets go of its forces says so once more behind the end of a run.
+void cut_gaps(ChannelCount& count, std::int64_t end) {
+  while (!count.gaps.empty() && count.gaps.back().last >= end) {
+    SequenceGap& gap = count.gaps.back();
+    const std::int64_t first = std::max(gap.first, end);
+    count.n_lost -= gap.last - first + 1;
+    gap.last = first - 1;
+    if (gap.last < gap.first) count.gaps.pop_back();
+  }
+}
+
 void require_positive(std::int64_t value, const char* name) {
   if (value < 1) throw std::invalid_argument(std::string(name) + " must be positive");
 }
@@ -201,6 +213,7 @@ void SampleWindow::finish() {
   emit();
   // From the first command on every measurement is to have one.
   commands_.finish(measurements_.next());
+  cut_gaps(commands_.count, measurements_.next());
   measurements_.finish(announced_);
 }
 

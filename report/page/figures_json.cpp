@@ -1,6 +1,7 @@
 #include "report/page/figures_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/yaml/input_error.hpp"
 #include "report/page/thin_spectrum.hpp"
@@ -30,8 +31,14 @@ Json measured_json(const MeasuredValues& measured, const std::string& part) {
   require(measured.values.rows() == static_cast<Eigen::Index>(n), part);
   require(measured.lower.size() == measured.upper.size(), part);
   require(measured.coherence.empty() || measured.coherence.size() == n, part);
+  Eigen::MatrixXd values = measured.values;
+  for (Eigen::Index f = 0; f < values.rows(); ++f) {
+    for (Eigen::Index s = 0; s < values.cols(); ++s) {
+      if (!measured.is_bounded(f, s)) values(f, s) = std::nan("");
+    }
+  }
   return {{"f", rounded(measured.frequencies_hz)},
-          {"values", columns_of(measured.values)},
+          {"values", columns_of(values)},
           {"lower", columns_of(measured.lower)},
           {"upper", columns_of(measured.upper)},
           {"coherence", rounded(measured.coherence)},

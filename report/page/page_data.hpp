@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,12 +16,21 @@
 // heading. Numbers that are not finite count as absent. SI units unless a comment says otherwise.
 namespace stillframe::page {
 
-/// Measured singular values (or |T|) at some frequencies, with the 95 % band of each.
+/// Measured singular values (or |T|) at some frequencies, with the 95 % band of each. A value whose
+/// band has no upper end could be anything: it is counted, and not drawn.
 struct MeasuredValues {
   std::vector<double> frequencies_hz;    ///< n_f, Hz
   Eigen::MatrixXd values, lower, upper;  ///< n_f x n_s; bands may be 0 x 0
   std::vector<double> coherence;         ///< n_f, 0 to 1, or empty
   Eigen::MatrixXd difference_db;         ///< n_f x n_s, measured less predicted, or 0 x 0
+
+  bool has_bands() const {
+    return upper.size() > 0 && lower.rows() == values.rows() && lower.cols() == values.cols() &&
+           upper.rows() == values.rows() && upper.cols() == values.cols();
+  }
+  bool is_bounded(Eigen::Index f, Eigen::Index s) const {
+    return !has_bands() || std::isfinite(upper(f, s));
+  }
 };
 
 /// The deck's figure: singular values over frequency, predicted and measured.

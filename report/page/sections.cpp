@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 
 #include "report/page/html.hpp"
 #include "report/page/tables.hpp"
@@ -50,6 +51,37 @@ std::string numbered(const char* id, std::size_t i) {
   return std::string(id) + "-" + std::to_string(i + 1);
 }
 
+/// What the points of a figure are, and how many of them there are not.
+std::string points_in_words(const std::vector<const MeasuredValues*>& all) {
+  std::int64_t n_values = 0, n_unbounded = 0;
+  bool bands = false, at_zero = false;
+  for (const MeasuredValues* measured : all) {
+    bands = bands || measured->has_bands();
+    for (Eigen::Index f = 0; f < measured->values.rows(); ++f) {
+      for (Eigen::Index s = 0; s < measured->values.cols(); ++s) {
+        if (!std::isfinite(measured->values(f, s))) continue;
+        ++n_values;
+        if (!measured->is_bounded(f, s)) {
+          ++n_unbounded;
+        } else if (measured->has_bands() && measured->lower(f, s) == 0) {
+          at_zero = true;
+        }
+      }
+    }
+  }
+  if (n_values == 0) return "";
+  std::string words = " Points: measured";
+  if (bands) words += ", with their 95 % bands";
+  if (at_zero) words += "; a value whose bar reaches the bottom may as well be zero";
+  words += ".";
+  if (n_unbounded > 0) {
+    words += " Left out: " + std::to_string(n_unbounded) + " of " + std::to_string(n_values) +
+             " measured values, of which noise leaves nothing known (their bands have no upper "
+             "end).";
+  }
+  return words;
+}
+
 std::string singular_values_html(const SingularValueFigure& figure) {
   const bool open = !figure.open_measured.frequencies_hz.empty(),
              closed = !figure.closed_measured.frequencies_hz.empty();
@@ -72,21 +104,24 @@ std::string singular_values_html(const SingularValueFigure& figure) {
       "its floor is above 1 (0 dB) wherever several inputs share its motion. For a floor that "
       "moves "
       "as one, see the transmissibility.";
-  if (open || closed) caption += " Points: measured, with their 95 % bands.";
+  caption += points_in_words({&figure.open_measured, &figure.closed_measured});
   if (error) caption += " Below: measured less predicted.";
   return chart("fig-singular-values", words, error ? 620 : 440, "", caption);
 }
 
 std::string transmissibility_html(const std::vector<TransmissibilityAxis>& axes) {
   std::string figures;
+  std::vector<const MeasuredValues*> measured;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     figures += chart(numbered("fig-transmissibility", i),
                      "Transmissibility of axis " + axes[i].axis + " over frequency", 300,
                      "Axis " + axes[i].axis, "", paper_share(axes.size()));
+    measured.insert(measured.end(), {&axes[i].passive_measured, &axes[i].active_measured});
   }
   return note(
              "Motion of the frame over motion of the floor, axis by axis; below the line at 1 the "
-             "frame is quieter than the floor.") +
+             "frame is quieter than the floor." +
+             points_in_words(measured)) +
          columns(figures, axes.size());
 }
 

@@ -418,6 +418,9 @@ class Judge {
     } else if (a.to_hz - a.from_hz < against.motion->narrowest_hz) {
       open("the range " + range + " is narrower than what the record resolves, " +
            cell("%.3g Hz", against.motion->narrowest_hz));
+    } else if (moves_too_little(*against.motion)) {
+      open("it moves less than " + percent(least_axis_share) +
+           " of what the largest axis does, which says nothing of the loop");
     } else {
       Span span = span_of(*active, *reference);
       if (without_forces) span.undisturbed = *without_forces / reference->most();
@@ -456,8 +459,18 @@ class Judge {
                      " times as much as the " + of + " (" +
                      (std::string(against.measure) == "rms" ? "rms" : "worst third-octave band") +
                      " " + range + "), allowed is " + cell("%.4g", allowed) + ".";
+      // By the floor they are excused above.
+      if (check.outcome == Outcome::failed && verdict_.disturbed && of == "passive frame") {
+        check.reason.back() = ';';
+        check.reason += " forces act on both besides the floor, and a softer frame gives way more.";
+      }
     }
     add(std::move(check));
+  }
+
+  /// What a scene asks for by name it asks of any motion.
+  bool moves_too_little(const AskedMotion& motion) const {
+    return !motion.by_scene && report::moves_too_little(verdict_.axes, motion);
   }
 
   /// What a frame does that rests without its loop is its loop's doing.
@@ -468,6 +481,7 @@ class Judge {
     Check check = open_ratio(against, allowed,
                              "neither frame moves " + range + " so that an instrument could tell");
     if (!(active->least() <= least_acceleration)) {
+      if (moves_too_little(*against.motion)) return false;
       check.outcome = Outcome::failed;
       check.found = cell("%.3g m/s^2, passive 0", active->value);
       check.reason =

@@ -47,7 +47,8 @@ std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::stri
 
 /// Everything that is asked of a run, in the order in which it is to be read: the records, what
 /// limited the loop, how the frame moved, and how the loop meets its prediction (`prediction`).
-/// verdict: all but its judgement. NaN passes nothing.
+/// An axis that is not asked for by name is judged where it moves beside the others
+/// (moves_too_little). verdict: all but its judgement. NaN passes nothing.
 Judgement judge(const Verdict& verdict, const SceneAcceptance& accept,
                 std::vector<Check> prediction);
 

@@ -1,11 +1,30 @@
 #include "report/verdict/motion_level.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "report/spectra/vibration_criteria.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::report {
+
+namespace {
+
+/// Of any axis. A level within the range is no more than that of all of it.
+double largest(const std::vector<AxisLevels>& axes, const AxisAcceptance& range,
+               std::optional<double> AskedMotion::*level) {
+  double largest = 0;
+  for (const AxisLevels& axis : axes) {
+    for (const AskedMotion& motion : axis.asked) {
+      const bool within =
+          motion.asked.from_hz >= range.from_hz && motion.asked.to_hz <= range.to_hz;
+      if (within && motion.*level && *(motion.*level) > largest) largest = *(motion.*level);
+    }
+  }
+  return largest;
+}
+
+}  // namespace
 
 MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocity, double peak) {
   Eigen::Index band = 0;
@@ -46,6 +65,17 @@ std::string worse_over_all(const AxisLevels& axis) {
              rms, peak) +
          cell("beside %.3g from %.4g to %.4g Hz, the range that is judged.",
               *calm->active / *calm->passive, calm->asked.from_hz, calm->asked.to_hz);
+}
+
+bool moves_too_little(const std::vector<AxisLevels>& axes, const AskedMotion& motion) {
+  const double floor = least_axis_share * largest(axes, motion.asked, &AskedMotion::floor),
+               passive = least_axis_share * largest(axes, motion.asked, &AskedMotion::passive);
+  // What is no number is not said to be little.
+  const auto little = [](const std::optional<double>& level, double least) {
+    return !level || *level <= 0 || *level < least;
+  };
+  return little(motion.floor, floor) && little(motion.passive, passive) && motion.active &&
+         *motion.active < (motion.passive ? passive : floor);
 }
 
 int class_rank(const std::string& vibration_class) {

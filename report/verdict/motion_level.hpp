@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 #include "report/spectra/spectra.hpp"
 #include "report/verdict/verdict.hpp"
@@ -25,6 +26,17 @@ MotionLevel motion_level(const Psd& density, const Eigen::VectorXd& band_velocit
 /// Where all samples of an active run say the opposite of what its range does, in words: more than
 /// the passive frame by rms or peak, and no more than it in every range that is asked of.
 std::string worse_over_all(const AxisLevels& axis);
+
+/// A share of what the passive frame moves along its largest axis. Whoever moves less along another
+/// adds less than 1e-6 to the power of the whole, whatever its ratio to next to nothing; and motion
+/// of the second order, as of legs that turn while the frame moves sideways, is of this size.
+inline constexpr double least_axis_share = 1e-3;
+
+/// Whether neither floor nor passive nor active frame moves along an axis by least_axis_share of
+/// what floor and passive frame (the floor alone where there is no passive run) do along the
+/// largest: what an active frame moves excuses nothing. axes: all that are compared, of which the
+/// levels within the range of `motion` count; rad/s^2 counts as m/s^2 at a metre.
+bool moves_too_little(const std::vector<AxisLevels>& axes, const AskedMotion& motion);
 
 /// How strict a class is: -1 above VC-A (or no class), 0 for VC-A, up to 6 for VC-G.
 int class_rank(const std::string& vibration_class);

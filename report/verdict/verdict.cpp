@@ -15,7 +15,7 @@ using nlohmann::ordered_json;
 Outcome IdentificationSummary::outcome() const {
   if (n_frequencies == 0 || n_compared() == 0) return Outcome::not_judged;
   if (!(beyond_db <= allowed_db) || n_closed_below_open != n_reduction_frequencies) {
-    return Outcome::failed;
+    return forces_unknown ? Outcome::not_judged : Outcome::failed;
   }
   const bool unknown = n_reduction_frequencies == 0 && n_reduction_unknown > 0;
   return n_open_compared > 0 && n_closed_compared > 0 && !unknown ? Outcome::passed

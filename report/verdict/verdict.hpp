@@ -86,11 +86,13 @@ struct IdentificationSummary {
   int n_reduction_frequencies = 0, n_closed_below_open = 0;
   int n_reduction_unknown = 0;  ///< further ones where it is predicted and not known
   double reduction_largest_error_db = 0;
+  bool forces_unknown = false;  ///< act besides the floor, and may be any difference
 
   int n_compared() const { return n_open_compared + n_closed_compared; }
   /// Passed: all predictions within their values' bands and what is allowed beyond, and the closed
   /// loop below the open one wherever it is judged. Not judged where that says nothing of a loop:
-  /// no value of it is compared, or a reduction is predicted and known nowhere.
+  /// no value of it is compared, or a reduction is predicted and known nowhere; or where it would
+  /// fail, and forces may be why.
   Outcome outcome() const;
 };
 

@@ -60,6 +60,24 @@ async function figuresAreThere(page) {
     }
     return counts;
   });
+  // Of 600 measured values one has no band and is not drawn, and one may be zero: its bar, and no other, goes down to
+  // the bottom.
+  const bars = await page.evaluate(() => {
+    const chart = window.stillframe.charts().find((one) => one.getDom().id === 'fig-singular-values');
+    const bottom = chart.convertToPixel({yAxisIndex: 0}, chart.getOption().yAxis[0].min);
+    const counts = {bars: 0, toBottom: 0, points: 0};
+    for (const {type, yAxisIndex, data} of chart.getOption().series) {
+      if (type === 'scatter' && !yAxisIndex) counts.points += data.filter(([, y]) => y !== null).length;
+    }
+    for (const path of chart.getDom().querySelectorAll('svg path')) {
+      const line = /^M([\d.]+) ([\d.]+)L([\d.]+) ([\d.]+)$/.exec(path.getAttribute('d'))?.slice(1).map(Number);
+      if (!line || path.getAttribute('stroke-width') !== '1.2' || line[0] !== line[2]) continue;
+      ++counts.bars;
+      if (Math.abs(Math.max(line[1], line[3]) - bottom) < 1) ++counts.toBottom;
+    }
+    return counts;
+  });
+  check(bars.points === 599 && bars.bars === 599 && bars.toBottom === 1, `bars of points: ${JSON.stringify(bars)}`);
   check(families['#d55e00'] === 6, `six open curves, not ${families['#d55e00']}`);
   check(families['#0072b2'] === 12, `six closed and six continuous curves, not ${families['#0072b2']}`);
   const pictures = new Set();

@@ -94,6 +94,35 @@ TEST_F(BadInput, WallClockWithoutForceLimit) {
   }
 }
 
+// Nobody can tell without its floor whether the loop takes the blow; what may come of it is said.
+TEST_F(BadInput, WallClockWithForcesIsWarnedOf) {
+  fs::create_directories(folder_ / "there");
+  std::string text(text_of(scene()));
+  text = std::regex_replace(text, std::regex("\\.\\./"), config("").string());
+  const auto file = write("scene.yaml", text +
+                                            "\ndisturbances: [{name: blow, node: lens, along: z, "
+                                            "force: {impact: {peak: 20, width_s: 0.02}}}]\n");
+  const auto policy = write("policy.yaml", "limits: {free_rate_n_per_s: 10000}\n");
+  const auto warned = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"run", file, "--out", folder_ / "there"});
+    const Said said = run(arguments);
+    EXPECT_EQ(said.exit_code, 2) << said.error;  // the folder is there
+    return said.error.find("limits.free_rate_n_per_s") != std::string::npos;
+  };
+  EXPECT_TRUE(warned({"--mode", "wall_clock"}));
+  EXPECT_TRUE(warned({"--mode", "wall_clock", "--loop", "active"}));
+  EXPECT_FALSE(warned({"--mode", "wall_clock", "--loop", "passive"}));
+  EXPECT_FALSE(warned({"--mode", "wall_clock", "--policy", policy}));
+  EXPECT_FALSE(warned({"--mode", "lock_step"}));
+}
+
+TEST_F(BadInput, PolicyTooShortForASlowLoop) {
+  const auto file = changed_controller({{"sample_rate_hz: 1000", "sample_rate_hz: 20"}});
+  expect_refused({"run", scene(), "--controller", file, "--mode", "wall_clock", "--policy",
+                  write("policy.yaml", "arming: {duration_s: 0.5}\n")},
+                 2, "policy.yaml:1:22: arming.duration_s: found '0.5', allowed at 20 Hz.* 0.8 ");
+}
+
 TEST_F(BadInput, UnknownLcmProvider) {
   expect_refused({"run", scene(), "--lcm-url", "nonsense://x"}, 2,
                  "LCM cannot be opened at 'nonsense://x'");

@@ -103,11 +103,12 @@ class Rig {
     return loop_.counters().state == state;
   }
 
-  /// Another controller has left so much on every leg (N), and the amplifiers begin to miss it.
-  void leave(double force) {
+  /// Another controller has left so much on every leg (N), and for so many samples the amplifiers
+  /// have held it; after ten they begin to let go.
+  void leave(double force, std::int64_t held = 10) {
     force_.setConstant(force);
     force_before_ = force_;
-    unheard_ = 10;
+    unheard_ = held;
     std::ranges::fill(on_its_way_, force_);
     std::ranges::fill(reports_, force_);
     before_ = force_;

@@ -226,6 +226,22 @@ TEST(Histogram, QuantilesAreThoseOfTheSortedTimes) {
 }
 
 // Of two controllers exactly one gives way, whatever their states, ages and numbers.
+// Of a controller that was killed in sample 0 a plant says that it is obeyed as long as its
+// amplifiers hold, ten samples, and the loop hears it a sample late.
+TEST(Presence, OneThatIsGoneOverrulesNobody) {
+  constexpr std::int64_t since = 5;
+  for (const double rate_hz : {1.0, 10.0, 70.0, 1000.0, 1e5}) {
+    const auto after = [&](double seconds) {
+      return is_overruled(since, since + std::llround(seconds * 1e9), rate_hz);
+    };
+    EXPECT_FALSE(after(12 / rate_hz)) << rate_hz;
+    // One that lives is found within a fifth of a second, or when it would have been let go of.
+    EXPECT_FALSE(after(0.199)) << rate_hz;
+    EXPECT_TRUE(after(std::max(0.201, 15.1 / rate_hz))) << rate_hz;
+  }
+  EXPECT_FALSE(is_overruled(0, 1'000'000'000'000, 1000));
+}
+
 TEST(Presence, ExactlyOneOfTwoGivesWay) {
   using stillframe_msgs::controller_status_t;
   const auto said = [](const Presence& presence, State state) {

@@ -4,13 +4,13 @@
 #include <string>
 
 #include "controller/policy.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/yaml/reader.hpp"
 #include "tests/controller/policy_fields.hpp"
 
 namespace stillframe::controller {
 namespace {
 
-Policy parse(const std::string& text) { return parse_policy(text, "policy.yaml"); }
+Policy parse(const std::string& text) { return parse_policy(text, "policy.yaml", 1000); }
 
 std::string error_of(const std::string& text) {
   try {
@@ -24,7 +24,7 @@ std::string error_of(const std::string& text) {
 TEST(Policy, ANewOneHasTheDefaults) { EXPECT_EQ(fields(parse("{}")), fields(Policy{})); }
 
 TEST(Policy, TheDefaultFileStatesTheDefaults) {
-  const Policy policy = read_policy(STILLFRAME_SOURCE_DIR "/config/policies/default.yaml");
+  const Policy policy = read_policy(STILLFRAME_SOURCE_DIR "/config/policies/default.yaml", 1000);
   EXPECT_EQ(fields(policy), fields(Policy{}));
 }
 
@@ -98,6 +98,58 @@ TEST(Policy, ErrorsSayWhereWhatAndWhatIsAllowed) {
             "without a unit (SI units are understood)");
 }
 
+TEST(Policy, ASlowLoopTakesAsManySamplesAsOneOf200Hz) {
+  for (const double rate_hz : {200.0, 1000.0, 1e6}) {
+    EXPECT_EQ(fields(default_policy(rate_hz)), fields(Policy{})) << rate_hz;
+  }
+  Policy slow;
+  slow.arming_s = 10;
+  slow.ramp_in_s = slow.ramp_out_s = slow.fade_s = 20;
+  slow.record_s = 200;
+  EXPECT_EQ(fields(default_policy(10)), fields(slow));
+  EXPECT_EQ(fields(parse_policy("{}", "policy.yaml", 10)), fields(slow));
+  slow.fade_s = 3;
+  EXPECT_EQ(fields(parse_policy("measurements: {fade_s: 3}", "policy.yaml", 10)), fields(slow));
+}
+
+TEST(Policy, DefaultsAreAllowedAtEveryRate) {
+  for (const double rate_hz : {1.0, 3.3, 10.0, 31.0, 32.0, 199.0, 200.0, 1000.0, 1e6}) {
+    const Policy policy = default_policy(rate_hz);
+    const auto digits = shortest_digits;
+    const std::string text = "arming: {duration_s: " + digits(policy.arming_s) +
+                             "}\nramp: {in_s: " + digits(policy.ramp_in_s) +
+                             ", out_s: " + digits(policy.ramp_out_s) +
+                             "}\nmeasurements: {fade_s: " + digits(policy.fade_s) +
+                             "}\nflight_record: {duration_s: " + digits(policy.record_s) + "}\n";
+    EXPECT_EQ(fields(parse_policy(text, "policy.yaml", rate_hz)), fields(policy)) << text;
+  }
+}
+
+TEST(Policy, WhatIsTooShortForASlowLoopIsRefused) {
+  const auto error = [](const std::string& text, double rate_hz) -> std::string {
+    try {
+      parse_policy(text, "policy.yaml", rate_hz);
+    } catch (const InputError& found) {
+      return found.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error("arming: {duration_s: 0.5}", 10),
+            "policy.yaml:1:22: arming.duration_s: found '0.5', allowed at 10 Hz is a number from "
+            "1.6 on, 16 samples");
+  EXPECT_EQ(error("arming: {duration_s: 1.6}", 10), "");
+  EXPECT_EQ(error("arming: {duration_s: 16}", 1), "");
+  EXPECT_EQ(error("measurements: {fade_s: 0.5}", 10),
+            "policy.yaml:1:24: measurements.fade_s: found '0.5', allowed at 10 Hz is a number from "
+            "1 on, 10 samples");
+  EXPECT_NE(error("ramp: {in_s: 0.9}", 10), "");
+  EXPECT_NE(error("ramp: {out_s: 0.019}", 500), "");
+  EXPECT_EQ(error("ramp: {in_s: 0.02, out_s: 0.02}", 500), "");
+  EXPECT_NE(error("ramp: {in_s: 61}", 200), "");
+  EXPECT_EQ(error("ramp: {in_s: 1200}", 10), "");
+  EXPECT_NE(error("ramp: {in_s: 1201}", 10), "");
+}
+
 TEST(Policy, PowerAndStiffnessNeedEachOther) {
   const std::string reason =
       "found only one of power_w and actuator_stiffness_n_per_m, allowed is both or none";
@@ -108,7 +160,7 @@ TEST(Policy, PowerAndStiffnessNeedEachOther) {
 }
 
 TEST(Policy, AFileThatIsNotThereOrNotAPolicyIsRefused) {
-  EXPECT_THROW(read_policy("no_such_policy.yaml"), InputError);
+  EXPECT_THROW(read_policy("no_such_policy.yaml", 1000), InputError);
   EXPECT_NE(error_of("[1, 2]").find("found a sequence of 2, allowed is a map"), std::string::npos);
   EXPECT_NE(error_of("arming: now").find("arming: found 'now', allowed is a map"),
             std::string::npos);

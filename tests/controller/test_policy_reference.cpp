@@ -67,7 +67,7 @@ std::string document(const std::string& table, const std::string& key, const std
 
 std::string error_of(const std::string& text) {
   try {
-    parse_policy(text, "policy.yaml");
+    parse_policy(text, "policy.yaml", 1000);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -153,7 +153,7 @@ TEST(PolicyReference, DefaultsAreThoseOfAnEmptyPolicy) {
       if (row.allowed == blocks || row.otherwise == "none" || row.otherwise == "any") continue;
       std::string value = row.otherwise;
       std::erase(value, '`');
-      EXPECT_EQ(fields(parse_policy(document(table, key, value), "")), fields(Policy{}))
+      EXPECT_EQ(fields(parse_policy(document(table, key, value), "", 1000)), fields(Policy{}))
           << table << ": " << key;
     }
   }

@@ -89,6 +89,19 @@ TEST_F(ControllerProcess, DisagreementIsToldToThePlantAndExits2) {
   EXPECT_TRUE(contains(controller.err(), "scene_hash")) << controller.err();
 }
 
+// Before a plant is heard, which then is not kept waiting.
+TEST_F(ControllerProcess, APolicyTooShortForASlowLoopIsRefused) {
+  std::ofstream(folder / "policy.yaml") << "measurements: {fade_s: 0.1}\n";
+  // The frame's modes are far above this rate; the target is at a twentieth of it.
+  Gains gains = toy::gains(0.5, 10);
+  ChildProcess controller(command_line(gains, {"--policy", folder / "policy.yaml"}));
+  EXPECT_EQ(controller.wait(), 2);
+  EXPECT_TRUE(contains(controller.err(),
+                       "measurements.fade_s: found '0.1', allowed at 10 Hz is a "
+                       "number from 1 on, 10 samples"))
+      << controller.err();
+}
+
 // Lock-step runs go without, as do those whose policy has one.
 TEST_F(ControllerProcess, WallClockWithoutForceLimitIsToldToThePlantAndExits3) {
   Gains gains = toy::gains(5);

@@ -111,7 +111,7 @@ const Supervisor& supervisor_of(const string& policy) {
   static std::map<string, Supervisor> all;
   const auto found = all.find(policy);
   if (found != all.end()) return found->second;
-  const Policy parsed = policy.empty() ? Policy{} : parse_policy(policy, "policy");
+  const Policy parsed = policy.empty() ? Policy{} : parse_policy(policy, "policy", 1000);
   return all.emplace(policy, Supervisor(slow_gains(), parsed, true)).first->second;
 }
 
@@ -254,7 +254,8 @@ const std::vector<std::pair<string, Defect>> defects{{"not_finite", Defect::not_
 constexpr std::int64_t longest = 11;
 // A frame that stands perfectly still has no force.
 const string at_rest = "arming: {require_motion: false}\n";
-const string soon_losses = "measurements: {missing_part: 0.05}\n";
+// Shares of missing measurements are means over 200 periods at this rate.
+const string soon_losses = "measurements: {missing_part: 0.02}\n";
 const string never_again = "rejoin: {a_minute: 0}\n";
 
 void before_force(std::vector<Scenario>& all) {
@@ -359,7 +360,7 @@ void out_of_a_fade(std::vector<Scenario>& all) {
   late(latched, never_again, Request::none);
 
   // A long period, half of it past the end of the fade, is one loss too many.
-  const string short_fade = "measurements: {fade_s: 0.1, missing_part: 0.2}\n";
+  const string short_fade = "measurements: {fade_s: 0.1, missing_part: 0.1}\n";
   const auto lost = [&](const string& to, const string& policy, Request asked) {
     all.push_back({{"fading", to, "losses"}, short_fade + policy, [asked](Drive& d) {
                      d.reach("fading");
@@ -393,7 +394,7 @@ void faults_of_the_loop(std::vector<Scenario>& all) {
     from_engaged(from, passing, "losses", soon_losses, {.n_elapsed = longest});
     from_engaged(from, passing, "unheard", "ramp: {in_s: 2, out_s: 2}", {.heard = false});
   }
-  from_engaged("fading", passing, "losses", "measurements: {missing_part: 0.15}", missing);
+  from_engaged("fading", passing, "losses", "measurements: {missing_part: 0.07}", missing);
   for (const string from : {"ramp_in", "active", "ramp_out", "fading"}) {
     from_engaged(from, latched, "law_not_finite", "", overflowing);
     from_engaged(from, passing, "suspended", "", {.n_elapsed = longest + 1});
@@ -522,8 +523,8 @@ TEST(States, NoRandomHistoryHasAnotherTransition) {
       "",
       "arming: {duration_s: 1}\nlimits: {free_rate_n_per_s: 0.001}\n",
       quick,
-      quick + "measurements: {fade_s: 0.1, missing_part: 0.2}\nramp: {in_s: 0.2, out_s: 0.2}\n",
-      quick + "measurements: {fade_s: 0.1, missing_part: 0.2}\n" + never_again,
+      quick + "measurements: {fade_s: 0.1, missing_part: 0.1}\nramp: {in_s: 0.2, out_s: 0.2}\n",
+      quick + "measurements: {fade_s: 0.1, missing_part: 0.1}\n" + never_again,
       quick + "measurements: {fade_s: 2, hold_periods: 3}\nramp: {in_s: 0.01, out_s: 0.01}\n",
       quick + "measurements: {fade_s: 2}\nrejoin: {a_minute: 1}\n",
       quick + "measurements: {fade_s: 0.1, hold_periods: 20}\nramp: {in_s: 0.1, out_s: 0.5}\n",
@@ -531,7 +532,7 @@ TEST(States, NoRandomHistoryHasAnotherTransition) {
       quick + soon_losses,
       quick + soon_losses + never_again,
       quick + "limits: {force_n: 10, free_rate_n_per_s: 1.0e+12}\nwatch: {limited_part: 0.01}\n",
-      quick + "start: on_request\nmeasurements: {fade_s: 0.5, missing_part: 0.15}\n"};
+      quick + "start: on_request\nmeasurements: {fade_s: 0.5, missing_part: 0.07}\n"};
   const Table table = documented();
   std::map<Key, int> seen;
   constexpr int n_sequences = 12'000, n_periods = 500;

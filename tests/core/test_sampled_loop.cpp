@@ -218,6 +218,31 @@ TEST(SampledLoops, OpenLoopIsTheRunningPlantWithoutCommands) {
   }
 }
 
+TEST(SampledLoops, AShareOfTheCommandIsALawWithSoMuchLessGain) {
+  for (const bool subtract : {false, true}) {
+    const DiscreteLaw law = some_law(2, subtract);
+    for (const int delay : {0, 1, 3}) {
+      const SampledPlant plant = delayed(two_legged_plant(), delay);
+      const GainedLoop loop = gain_loop(plant, law);
+      EXPECT_EQ(loop.closed.A, close_loop(plant, law).A);
+      EXPECT_EQ(loop.at(1).C, loop.closed.C);
+      DiscreteLaw weaker = law;
+      weaker.C *= 0.3;
+      weaker.D *= 0.3;
+      for (const double omega : {1.0, 30.0, 200.0}) {
+        const auto expect_same = [&](const SampledLoop& a, const SampledLoop& b) {
+          EXPECT_LE((transfer(a, omega) - transfer(b, omega)).norm(),
+                    1e-12 * transfer(b, omega).norm());
+        };
+        expect_same(loop.at(0), open_loop(plant));
+        expect_same(loop.at(0.3), close_loop(plant, weaker));
+        const MatrixXcd v = noise_transfer(close_loop(plant, weaker), omega);
+        EXPECT_LE((noise_transfer(loop.at(0.3), omega) - v).norm(), 1e-12 * v.norm());
+      }
+    }
+  }
+}
+
 TEST(SampledLoops, ResponseToAnImpulseIsTheSameInBothForms) {
   const SampledPlant plant = two_legged_plant();
   const DiscreteLaw law = some_law(2, true);

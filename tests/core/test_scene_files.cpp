@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <variant>
 
 #include "core/scene/scene_reader.hpp"
 #include "core/yaml/input_error.hpp"
@@ -69,6 +70,45 @@ TEST_F(SceneFiles, AControllerInAFileOfItsOwnIsReadAndItsErrorsAreThere) {
   // Gains are stale as soon as the controller block changes, wherever it stands.
   write("law.yaml", changed(law, "5", "7"));
   EXPECT_NE(read_scene(file).hash, read.hash);
+}
+
+// A log keeps the text, and whoever reads it looks from another folder.
+TEST_F(SceneFiles, TheTextWithFullPathsFindsRecordingsFromAnywhere) {
+  const std::string head = std::string(sound_scene) + "disturbances:\n";
+  const auto force = [](const std::string& name, const std::string& file) {
+    return "- {name: " + name + ", node: tip, along: z, force: {recording: {file: " + file +
+           ", column: f}}}  # as measured\n";
+  };
+  const std::string step = "- {name: push, node: tip, along: z, force: {step: {height: 1}}}\n";
+  const std::string own = (folder_ / "a.csv").string(),
+                    up = (folder_.parent_path() / "b \xC3\xA9.csv").string();
+  const auto given = [&](const std::string& begin) {
+    return begin + head + force("plain", "a.csv") + step + force("single", "'../b \xC3\xA9.csv'") +
+           force("double", "\"a.csv\"") + force("full", own) +
+           "- name: block\n  node: tip\n  along: z\n  force:\n    recording:\n"
+           "      file: a.csv  # beside it\n      column: f\n";
+  };
+  const std::string quoted = '"' + own + '"';
+  for (const std::string begin : {"", "# \xC3\xA9\n", "\xEF\xBB\xBF"}) {
+    const Scene scene = read_scene(std::filesystem::relative(write("scene.yaml", given(begin))));
+    const std::string kept = text_with_full_paths(scene);
+    // Nothing but the paths differs.
+    EXPECT_EQ(kept, begin + head + force("plain", quoted) + step + force("single", '"' + up + '"') +
+                        force("double", quoted) + force("full", own) +
+                        "- name: block\n  node: tip\n  along: z\n  force:\n    recording:\n"
+                        "      file: " +
+                        quoted + "  # beside it\n      column: f\n");
+    EXPECT_EQ(scene.text, given(begin));
+    for (const SceneDisturbance& disturbance : parse_scene(kept, "log").disturbances) {
+      const auto* recording = std::get_if<ForceRecording>(&disturbance.force);
+      if (recording) {
+        EXPECT_EQ(recording->file, disturbance.name == "single" ? up : own);
+      }
+    }
+  }
+  // Escapes are read, and left as they are.
+  const std::string escaped = head + force("escaped", R"("\x61.csv")");
+  EXPECT_EQ(text_with_full_paths(read_scene(write("scene.yaml", escaped))), escaped);
 }
 
 TEST(SceneText, HashIsFnv1a) {

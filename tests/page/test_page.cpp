@@ -128,6 +128,28 @@ TEST(Page, DataComeBackFromThePage) {
   EXPECT_NEAR(read["singular_values"]["open"][2][10].get<double>(), value, 1e-5 * value);
 }
 
+// A bare point looks better known than one with a bar.
+TEST(Page, ValuesOfWhichNothingIsKnownAreCountedAndNotDrawn) {
+  PageData data = test::sample_page(2);
+  const auto caption = [&] { return sections(data)[1].body; };
+  const auto value = [&](int line) {
+    return figures_json(data)["singular_values"]["closed_measured"]["values"][5][line];
+  };
+  EXPECT_NE(caption().find("Left out: 1 of 600 measured values"), std::string::npos) << caption();
+  EXPECT_NE(caption().find("reaches the bottom"), std::string::npos);
+  EXPECT_TRUE(value(0).is_null());
+  EXPECT_TRUE(value(1).is_number());
+  MeasuredValues& measured = data.singular_values->closed_measured;
+  measured.upper(0, 5) = 1;
+  EXPECT_TRUE(value(0).is_number());
+  EXPECT_EQ(caption().find("Left out"), std::string::npos);
+  measured.lower(0, 5) = measured.lower(1, 5) = 1e-9;
+  EXPECT_EQ(caption().find("reaches the bottom"), std::string::npos);
+  data.transmissibility[1].active_measured.upper(3, 0) = HUGE_VAL;
+  EXPECT_NE(sections(data)[2].body.find("Left out: 1 of 240 measured values"), std::string::npos)
+      << sections(data)[2].body.substr(0, 400);
+}
+
 TEST(Page, LoadsNothingAndRunsOnlyItsOwnScript) {
   const std::string text = page_text(test::sample_page(2)), body = without_code(text);
   EXPECT_EQ(count(body, "src="), 0);

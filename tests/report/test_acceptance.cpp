@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -205,6 +206,15 @@ TEST(Acceptance, ForcesOnTheFrameExcuseWhatTheyMayHaveDone) {
   EXPECT_EQ(outcome(4, Forces{10, std::hypot(4, 10)}).outcome, Outcome::failed);
   EXPECT_EQ(outcome(4, Forces{1, nan}).outcome, Outcome::failed);
   EXPECT_EQ(outcome(nan, Forces{0, nan}).outcome, Outcome::failed);
+  // Against the passive frame nothing is excused, but what may be the reason is named.
+  MadeUp softer;
+  softer.verdict.disturbed = true;
+  softer.ask();
+  softer.asked()[0].active = 40;
+  const Judgement of_softer = softer.judged();
+  EXPECT_EQ(of_softer.outcome, Outcome::failed);
+  EXPECT_NE(of_softer.reason.find("a softer frame gives way more."), std::string::npos)
+      << of_softer.reason;
   // What a scene asks for by name it asks of all that acts.
   MadeUp named({.axes = {{.axis = "z", .rms_of_floor = 1}}});
   named.verdict.disturbed = true;
@@ -300,6 +310,63 @@ TEST(Acceptance, AFrameThatOnlyItsLoopShakesFails) {
   EXPECT_EQ(judged(1, 0.5).outcome, Outcome::passed);
   EXPECT_EQ(judged(0, 1, {.axis = "z", .rms_of_passive = 0.5}).outcome, Outcome::failed);
   EXPECT_EQ(judged(0, 1, {.axis = "z", .band_of_passive = 0.5}).outcome, Outcome::failed);
+}
+
+// What moves by the second order only, as a frame above a step along x does along z: 1.4e-8 m/s^2,
+// with control 1.9e-8, beside 2e-4 along x.
+TEST(Acceptance, AnAxisThatHardlyMovesBesideTheLargestIsNotJudgedByDefault) {
+  struct Levels {
+    std::optional<double> floor, passive, active;
+  };
+  const auto judged = [](const Levels& x, const Levels& z, const SceneAcceptance& accept = {}) {
+    MadeUp m(accept);
+    if (!x.passive) m.verdict.runs.erase(m.verdict.runs.begin());
+    for (AxisLevels& axis : m.verdict.axes) {
+      const Levels& levels = axis.axis == "x" ? x : z;
+      axis.floor->rms_acceleration = levels.floor.value_or(0);
+      for (AskedMotion& motion : axis.asked) {
+        motion.floor = levels.floor;
+        motion.passive = levels.passive;
+        motion.active = levels.active;
+      }
+    }
+    return m.judged();
+  };
+  const Levels x{2e-4, 2.25e-4, 1.8e-4};
+  const Judgement little = judged(x, {0, 1.4e-8, 1.9e-8});
+  EXPECT_EQ(little.outcome, Outcome::passed) << little.reason;
+  EXPECT_EQ(std::count_if(little.checks.begin(), little.checks.end(),
+                          [](const Check& check) {
+                            return check.reason.find("moves less than 0.1 % of what the largest") !=
+                                   std::string::npos;
+                          }),
+            1);
+  EXPECT_EQ(judged(x, {0, 0, 1.9e-8}).outcome, Outcome::passed) << "without control at rest";
+  // A thousandth of 2.25e-4 is the limit; 3 % is a vibration.
+  EXPECT_EQ(judged(x, {0, 1.4e-8, 2.2e-7}).outcome, Outcome::passed);
+  EXPECT_EQ(judged(x, {0, 1.4e-8, 2.3e-7}).outcome, Outcome::failed);
+  EXPECT_EQ(judged(x, {0, 0, 2.3e-7}).outcome, Outcome::failed);
+  EXPECT_EQ(judged(x, {0, 1.4e-8, 0.03 * 2.25e-4}).outcome, Outcome::failed);
+  EXPECT_EQ(judged(x, {0, 1.4e-8, nan}).outcome, Outcome::failed);
+  // What the passive frame or the floor does there of itself is judged, ...
+  EXPECT_EQ(judged(x, {0, 2.3e-7, 2.4e-7}).outcome, Outcome::failed);
+  EXPECT_EQ(judged(x, {2.1e-7, 1.4e-8, 1.9e-8}).outcome, Outcome::failed);
+  EXPECT_EQ(judged(x, {nan, 1.4e-8, 1.9e-8}).outcome, Outcome::failed);
+  // ... and so is what stands by name, of which the scene may ask another range.
+  EXPECT_EQ(judged(x, {0, 1.4e-8, 1.9e-8}, {.axes = {{.axis = "z", .rms_of_passive = 1}}}).outcome,
+            Outcome::failed);
+  const auto x_by_name = [](double from_hz) {
+    return SceneAcceptance{
+        .axes = {{.axis = "x", .from_hz = from_hz, .to_hz = 50, .rms_of_passive = 1e6}}};
+  };
+  EXPECT_EQ(judged(x, {0, 1.4e-8, 1.9e-8}, x_by_name(2)).outcome, Outcome::passed);
+  EXPECT_EQ(judged(x, {0, 1.4e-8, 1.9e-8}, x_by_name(0.1)).outcome, Outcome::failed)
+      << "what it moves below the range is nothing in it";
+  // An active frame that runs away along x excuses nothing.
+  EXPECT_EQ(judged({2e-4, 2.25e-4, 1}, {0, 1.4e-8, 2.3e-7}, x_by_name(2)).outcome, Outcome::failed);
+  // Without a passive run it is the floor: a direction across it moves by rounding.
+  EXPECT_EQ(judged({2e-4, {}, 1.8e-4}, {1e-20, {}, 1.9e-8}).outcome, Outcome::passed);
+  EXPECT_EQ(judged({2e-4, {}, 1.8e-4}, {1e-20, {}, 2.1e-7}).outcome, Outcome::failed);
 }
 
 // What lies beside a range and may reach into it neither passes nor fails a run.

@@ -238,7 +238,7 @@ TEST_F(Broadband, LostSamplesExciteNothing) {
       EXPECT_LE(((response.T[at] - exact).cwiseAbs() - allowed).maxCoeff(), 0)
           << estimator.n_filled() << " lost, " << response.frequencies_hz[at] << " Hz";
     }
-    EXPECT_EQ(estimator.missing(), "");
+    EXPECT_EQ(estimator.missing({"x", "y", "z"}), "");
   }
   EXPECT_EQ(n_known[0], 10);
   EXPECT_EQ(n_known[1], 9);  // nothing tells the impulse from the floor at 150 Hz

@@ -131,6 +131,11 @@ TEST(Verdict, OfEachLoopAndOfItsReductionSomethingHasToBeKnown) {
               id.beyond_db = 0.21;
             }),
             Outcome::failed);
+  EXPECT_EQ(outcome([](Id& id) {
+              id.beyond_db = 0.21;
+              id.forces_unknown = true;
+            }),
+            Outcome::not_judged);
 }
 
 TEST(Verdict, JsonReadsBackToTheSameNumbers) {

@@ -1,3 +1,5 @@
+#include <regex>
+
 #include "tests/tools/verb.hpp"
 
 namespace stillframe::test {
@@ -75,6 +77,23 @@ TEST_F(BatchVerb, FilesOfOneNameAreToldApart) {
   for (const std::string& name : {still.string(), other.string(), std::string(" multisine ")}) {
     EXPECT_NE(said.output.find(name), std::string::npos) << said.output;
   }
+}
+
+// It was left out of the table.
+TEST_F(BatchVerb, ASceneThatComparesNothingHasARowToo) {
+  std::string silent = text_of(config("scenes/metrology_frame.yaml"));
+  const size_t compare = silent.find("\ncompare:"), next = silent.find("\n\n", compare);
+  ASSERT_NE(next, std::string::npos);
+  silent.erase(compare, next - compare);
+  const Said said =
+      run({"batch", write("silent.yaml", silent), config("scenes/metrology_frame.yaml"),
+           "--controller", config("controllers/force_feedback_5hz.yaml"), "--floor",
+           write("still.yaml", "still: {duration_s: 0.1}\n")});
+  EXPECT_EQ(said.exit_code, 0) << said.error;
+  std::smatch row;
+  ASSERT_TRUE(std::regex_search(said.output, row, std::regex("\n( *silent .*)\n"))) << said.output;
+  EXPECT_TRUE(std::regex_search(row[1].str(), std::regex(R"( (- +){5}not judged +\S+ +\d+ *$)")))
+      << row[1];
 }
 
 }  // namespace

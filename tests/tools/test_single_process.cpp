@@ -36,5 +36,33 @@ TEST_F(SingleProcess, TheControllersTimeIsItsOwn) {
   EXPECT_LT(least, 1.0 / 3);
 }
 
+// What a recorded force does is taken off wherever the run is started and its logs are read. It was
+// looked for in the working directory then, and the levels of a run from elsewhere were not judged.
+TEST_F(SingleProcess, ARecordedForceIsFoundFromAnyFolder) {
+  std::string csv = "# units=N\n# fs_hz=100\n# n=500\nF\n";
+  for (int k = 0; k < 500; ++k) csv += k == 250 ? "0.1\n" : "0\n";
+  write("blow.csv", csv);
+  std::string scene = text_of(config("scenes/metrology_frame.yaml"));
+  scene = std::regex_replace(scene, std::regex("\\.\\./"), config("").string());
+  write("scene.yaml", scene +
+                          "\ndisturbances: [{name: blow, node: lens, along: z, force: {recording: "
+                          "{file: blow.csv, column: F}}}]\n");
+  std::filesystem::create_directory(folder_ / "other");
+  const auto judged = [&](const std::string& from, const std::string& arguments) {
+    const Said said = shell("cd '" + (folder_ / from).string() + "'\nexec $BIN/stillframe " +
+                            arguments + " --json");
+    EXPECT_EQ(said.exit_code, 0) << from << ": " << said.error;
+    auto verdict = nlohmann::json::parse(said.output);
+    verdict.erase("timing");
+    for (auto& run : verdict.at("runs")) run.erase("real_time_factor");
+    return verdict.dump();
+  };
+  const std::string run = " --mode single_process --duration 12 --run-id 3 --out ",
+                    beside = judged("", "run scene.yaml" + run + "a");
+  EXPECT_EQ(beside.find("no such file"), std::string::npos);
+  EXPECT_TRUE(judged("other", "run ../scene.yaml" + run + "../b") == beside);
+  EXPECT_TRUE(judged("other", "report ../a") == beside);
+}
+
 }  // namespace
 }  // namespace stillframe::test

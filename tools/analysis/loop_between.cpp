@@ -18,8 +18,10 @@ namespace stillframe::tools {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
-                         const std::vector<std::string>& outputs, bool active) {
+namespace {
+
+SampledPlant plant_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
+                           const std::vector<std::string>& outputs) {
   std::vector<SceneSignal> in = inputs, out;
   for (const std::string& name : outputs) out.push_back(signal_of(design.scene, name));
   for (const SceneSignal& leg : leg_signals(*design.scene.controller)) {
@@ -28,9 +30,18 @@ SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal
   }
   const LoopPlant plant =
       loop_plant(linearise(design.model, in, out), std::ssize(inputs), std::ssize(outputs));
-  const SampledPlant sampled = sample_and_hold(plant, design.gains.sampling());
-  return active ? close_loop(sampled, controller::law_from_gains(design.gains))
-                : open_loop(sampled);
+  return sample_and_hold(plant, design.gains.sampling());
+}
+
+SampledLoop loop_around(const SampledPlant& plant, const LoopDesign& design, bool active) {
+  return active ? close_loop(plant, controller::law_from_gains(design.gains)) : open_loop(plant);
+}
+
+}  // namespace
+
+SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
+                         const std::vector<std::string>& outputs, bool active) {
+  return loop_around(plant_between(design, inputs, outputs), design, active);
 }
 
 namespace {
@@ -74,7 +85,8 @@ MatrixXd directions_of(const std::vector<SceneSignal>& signals) {
 }  // namespace
 
 FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::string>& outputs,
-                             bool active, const std::vector<double>& frequencies_hz) {
+                             bool active, FloorNodes nodes,
+                             const std::vector<double>& frequencies_hz) {
   // What is left in a bound of noise of a thousandth of the motion is no harm to it.
   constexpr double least_share = 1e-3;
   const std::vector<SceneSignal>& measured = design.scene.inputs;
@@ -84,7 +96,7 @@ FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::st
   const MatrixXd to_floor = D_w.completeOrthogonalDecomposition().pseudoInverse();
   FollowedFloor result{loop_between(design, measured, outputs, active), D_w * to_floor,
                        std::vector<bool>(outputs.size(), false)};
-  if (n_u == 0) return result;
+  if (n_u == 0 || nodes == FloorNodes::rest) return result;
   std::vector<SceneSignal> all = measured;
   all.insert(all.end(), beside.begin(), beside.end());
   SampledLoop loop = loop_between(design, all, outputs, active);
@@ -128,7 +140,7 @@ bool has_forces(const Scene& scene) {
 }
 
 report::ForceModel force_model(const LoopDesign& design, const std::vector<std::string>& outputs,
-                               bool active) {
+                               bool active, const std::optional<report::Takeover>& takeover) {
   auto courses = std::make_shared<std::vector<ForceCourse>>();
   std::vector<SceneSignal> inputs;
   for (const SceneDisturbance& disturbance : design.scene.disturbances) {
@@ -141,13 +153,18 @@ report::ForceModel force_model(const LoopDesign& design, const std::vector<std::
     signal.direction = disturbance.direction;
     inputs.push_back(signal);
   }
-  return {.loop = loop_between(design, inputs, outputs, active), .at = [courses](std::int64_t k) {
-            Eigen::VectorXd forces(std::ssize(*courses));
-            for (Index i = 0; i < forces.size(); ++i) {
-              forces(i) = (*courses)[static_cast<std::size_t>(i)].at(k);
-            }
-            return forces;
-          }};
+  const SampledPlant plant = plant_between(design, inputs, outputs);
+  report::ForceModel model{loop_around(plant, design, active), [courses](std::int64_t k) {
+                             Eigen::VectorXd forces(std::ssize(*courses));
+                             for (Index i = 0; i < forces.size(); ++i) {
+                               forces(i) = (*courses)[static_cast<std::size_t>(i)].at(k);
+                             }
+                             return forces;
+                           }};
+  if (active && takeover) {
+    model.late = {*takeover, gain_loop(plant, controller::law_from_gains(design.gains))};
+  }
+  return model;
 }
 
 }  // namespace stillframe::tools

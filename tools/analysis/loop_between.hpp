@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "report/analysis/loop_response.hpp"
+#include "tools/analysis/floor_nodes.hpp"
 #include "tools/loop_design.hpp"
 
 namespace stillframe::tools {
@@ -16,28 +17,31 @@ namespace stillframe::tools {
 SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
                          const std::vector<std::string>& outputs, bool active);
 
-/// A loop from its scene's inputs that also knows what these say of floor nodes that they do not
-/// measure.
+/// A loop from its scene's inputs that also knows what floor nodes do where these do not measure
+/// them.
 struct FollowedFloor {
   /// All prescribed translations across the inputs of their node go with a floor that does not turn
-  /// and moves as the inputs say, a = D_w^+ w.
+  /// and moves as the inputs say, a = D_w^+ w, or rest.
   SampledLoop loop;
   /// D_w D_w^+: what the inputs would be on such a floor.
   Eigen::MatrixXd rigid;
-  /// Of the outputs: more than a thousandth of them may come of nodes that no input measures.
+  /// Of the outputs: more than a thousandth of them may come of nodes that no input measures, and
+  /// that do not rest.
   std::vector<bool> leans_on_rigid;
 };
 
-/// frequencies_hz: at which outputs are weighed. Errors: as loop_between.
+/// nodes: unless they rest the loop has them follow. frequencies_hz: at which outputs are weighed.
+/// Errors: as loop_between.
 FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::string>& outputs,
-                             bool active, const std::vector<double>& frequencies_hz);
+                             bool active, FloorNodes nodes,
+                             const std::vector<double>& frequencies_hz);
 
 /// Whether a scene has a disturbance that is not zero at all times.
 bool has_forces(const Scene& scene);
 
-/// What a scene's disturbances do to outputs and monitors by name. Errors: as loop_between and
-/// ForceCourse.
+/// What a scene's disturbances do to outputs and monitors by name. takeover: of an active loop that
+/// was not closed from the beginning on. Errors: as loop_between and ForceCourse.
 report::ForceModel force_model(const LoopDesign& design, const std::vector<std::string>& outputs,
-                               bool active);
+                               bool active, const std::optional<report::Takeover>& takeover = {});
 
 }  // namespace stillframe::tools

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <tuple>
 
 #include "report/table.hpp"
+#include "report/verdict/motion_level.hpp"
 #include "tools/analysis/verdict_of.hpp"
 
 namespace stillframe::tools {
@@ -20,13 +21,13 @@ namespace {
 /// Of the lines of two responses in a range: what an output makes of the inputs, with control over
 /// without, and by how much noise may have changed that.
 struct MultisineGain {
+  double passive = 0, active = 0;  ///< of the lines together
   double found = 0, least = 0, most = 0;
 };
 
 MultisineGain gain_of(const report::FrequencyResponse& open,
                       const report::FrequencyResponse& closed, Eigen::Index output, double from_hz,
                       double to_hz) {
-  MultisineGain gain;
   double power[2] = {0, 0}, noise[2] = {0, 0};
   for (Eigen::Index l = 0; l < open.n_frequencies(); ++l) {
     const auto at = static_cast<std::size_t>(l);
@@ -42,6 +43,7 @@ MultisineGain gain_of(const report::FrequencyResponse& open,
   const double passive = std::sqrt(power[0]), active = std::sqrt(power[1]);
   // Twice the standard deviation, as a 95 % band has.
   const double of_passive = 2 * std::sqrt(noise[0]), of_active = 2 * std::sqrt(noise[1]);
+  MultisineGain gain{.passive = passive, .active = active};
   gain.found = active / passive;
   gain.least = (active - of_active) / (passive + of_passive);
   gain.most = passive > of_passive ? (active + of_active) / (passive - of_passive)
@@ -49,11 +51,11 @@ MultisineGain gain_of(const report::FrequencyResponse& open,
   return gain;
 }
 
-const report::SignalAnalysis* frame_of(const std::optional<RunAnalysis>& run,
-                                       const std::string& name) {
+const report::FrameAnalysis* frame_of(const std::optional<RunAnalysis>& run,
+                                      const std::string& name) {
   if (!run) return nullptr;
   for (const report::FrameAnalysis& frame : run->data.frames) {
-    if (frame.name == name) return &frame.motion;
+    if (frame.name == name) return &frame;
   }
   return nullptr;
 }
@@ -106,7 +108,11 @@ void add_multisine_levels(const SceneAcceptance& accept, const RunAnalyses& runs
                *active = frame_of(runs.active, compared.frame),
                *floor = frame_of(runs.active, compared.floor);
     if (active == nullptr || (passive == nullptr && floor == nullptr)) continue;
-    add_levels(accept, compared.name, floor, passive, active, nullptr, verdict);
+    const auto motion = [](const report::FrameAnalysis* frame) {
+      return frame != nullptr ? &frame->motion : nullptr;
+    };
+    add_levels(accept, compared.name, motion(floor), motion(passive), motion(active),
+               active->forces ? &*active->forces : nullptr, verdict);
     verdict.axes.back().resting = resting_in(verdict, compared);
   }
 }
@@ -129,15 +135,26 @@ std::optional<Check> multisine_motion(const SceneAcceptance& accept, const RunAn
   const double from_hz = levels ? judged.lowest_hz : 0,
                to_hz = levels ? judged.highest_hz : std::numeric_limits<double>::infinity();
   const auto& design = runs.any().run.design;
+  std::vector<MultisineGain> gains;
+  double largest = 0;
+  for (std::size_t i = 0; i < open.signals.outputs.size(); ++i) {
+    gains.push_back(
+        gain_of(*open.response, *closed.response, static_cast<Eigen::Index>(i), from_hz, to_hz));
+    largest = std::max(largest, gains.back().passive);
+  }
+  // As of the levels (moves_too_little): lines of the one may be products of what others move.
+  const double too_little = report::least_axis_share * largest;
   std::optional<MultisineGain> worst;
   std::string of;
   for (std::size_t i = 0; i < open.signals.outputs.size(); ++i) {
     if (design && is_asked_by_name(accept, design->scene, open.signals.outputs[i])) continue;
-    const auto gain =
-        gain_of(*open.response, *closed.response, static_cast<Eigen::Index>(i), from_hz, to_hz);
-    // One that is known to be worse is not hidden by one of which that is not known.
-    if (worst && std::pair(gain.least > 1, gain.found) <= std::pair(worst->least > 1, worst->found))
-      continue;
+    const MultisineGain& gain = gains[i];
+    if (gain.passive <= too_little && gain.active <= too_little) continue;
+    // One that is no number, or known to be worse, is not hidden by one of which that is not known.
+    const auto rank = [](const MultisineGain& g) {
+      return std::tuple(std::isnan(g.found), g.least > 1, g.found);
+    };
+    if (worst && rank(gain) <= rank(*worst)) continue;
     worst = gain;
     of = open.signals.outputs[i];
   }

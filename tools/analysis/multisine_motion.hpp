@@ -11,7 +11,8 @@ namespace stillframe::tools {
 /// On a multisine every floor input moves on its own, so no axis is compared: how much every output
 /// of the frame makes of all inputs of one size, root of the sum of |T|^2 over inputs and lines
 /// in the range that is judged (all lines where none lies there), active against passive. Frames
-/// of which a scene asks something else by name are left out. Nothing where either loop was not
+/// of which a scene asks something else by name are left out, and outputs that make less than
+/// least_axis_share of what the largest does without control. Nothing where either loop was not
 /// identified on the same multisine.
 std::optional<report::Check> multisine_motion(const SceneAcceptance& accept,
                                               const RunAnalyses& runs,

@@ -140,7 +140,8 @@ std::vector<page::TransmissibilityAxis> transmissibility_figures(const RunAnalys
   if (any.axes && any.run.design) {
     try {
       grid = picture_frequencies(*any.run.design, axis_of(*any.run.design));
-      const ResponsePrediction prediction(*any.run.design, any.axes->measured.signals);
+      const ResponsePrediction prediction(*any.run.design, any.axes->measured.signals,
+                                          any.run.nodes);
       passive = prediction.at(grid, false);
       active = prediction.at(grid, true);
     } catch (const std::exception&) {

@@ -63,6 +63,7 @@ std::string reason_of(const report::IdentificationSummary& id) {
 
 Check check_of(report::IdentificationSummary id, std::optional<double> prediction_db) {
   if (prediction_db) id.allowed_db = *prediction_db;
+  id.forces_unknown = false;  // prediction_checks says so of all
   return {.subject = Subject::prediction,
           .what = "singular values of both loops against the prediction",
           .asked = cell("within their bands and %.3g dB, reduced above %.3g Hz", id.allowed_db,
@@ -142,10 +143,9 @@ Check default_check_of(const report::ResponseSummary& response) {
       .is_proof = false};
 }
 
-}  // namespace
-
-std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verdict& verdict,
-                                     std::optional<double> prediction_db) {
+/// Of all that was or should have been compared, whatever made a difference.
+std::vector<Check> comparisons(const RunAnalyses& runs, const report::Verdict& verdict,
+                               std::optional<double> prediction_db) {
   std::vector<Check> checks;
   if (verdict.identification) checks.push_back(check_of(*verdict.identification, prediction_db));
   if (prediction_db) {
@@ -186,6 +186,29 @@ std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verd
                       .reason = "The multisine of the " + (*run)->data.scan.info.loop +
                                 " run shows nothing of the loop: " +
                                 (why.empty() ? "the other loop did not run on it" : why) + "."});
+  }
+  return checks;
+}
+
+}  // namespace
+
+std::string forces_in_doubt(const report::Verdict& verdict) {
+  if (verdict.forces_unknown.empty()) return {};
+  return "forces act on the frame besides the floor and may be the difference (what they do is not "
+         "known: " +
+         verdict.forces_unknown + ")";
+}
+
+std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verdict& verdict,
+                                     std::optional<double> prediction_db) {
+  std::vector<Check> checks = comparisons(runs, verdict, prediction_db);
+  const std::string doubt = forces_in_doubt(verdict);
+  for (Check& check : checks) {
+    // What cannot be taken off may be taken for the floor's doing, and by any number of dB.
+    if (doubt.empty() || check.outcome != Outcome::failed) continue;
+    check.outcome = Outcome::not_judged;
+    check.reason.pop_back();
+    check.reason += ", but " + doubt + ".";
   }
   return checks;
 }

@@ -2,7 +2,6 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,6 +15,7 @@
 #include "tools/analysis/loop_between.hpp"
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/response_prediction.hpp"
+#include "tools/analysis/takeover_of.hpp"
 
 namespace stillframe::tools {
 
@@ -41,32 +41,8 @@ std::string with_controller(const std::string& scene_text, const controller::Gai
   return YAML::Dump(scene);
 }
 
-/// How the scene's inputs move on a floor that does not turn and moves floor signals by one each,
-/// and nowhere across them: D_w D_m^+, inputs x names. D: rows of directions.
-Eigen::MatrixXd inputs_of_floors(const Scene& scene, const std::vector<std::string>& names) {
-  const auto direction_of = [&](const std::string& name) -> Eigen::Vector3d {
-    for (const auto* list : {&scene.outputs, &scene.monitors}) {
-      for (const SceneSignal& signal : *list) {
-        if (signal.name == name) return signal.direction;
-      }
-    }
-    return Eigen::Vector3d::Zero();
-  };
-  Eigen::MatrixXd D_m(std::ssize(names), 3), D_w(std::ssize(scene.inputs), 3);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    D_m.row(static_cast<Eigen::Index>(i)) = direction_of(names[i]).transpose();
-  }
-  for (std::size_t i = 0; i < scene.inputs.size(); ++i) {
-    const SceneSignal& input = scene.inputs[i];
-    const bool translation = input.quantity == Quantity::acceleration;
-    D_w.row(static_cast<Eigen::Index>(i)) =
-        translation ? Eigen::RowVector3d(input.direction.transpose()) : Eigen::RowVector3d::Zero();
-  }
-  return D_w * D_m.completeOrthogonalDecomposition().pseudoInverse();
-}
-
 /// The model of a run's loop and what it predicts of the plan's frequencies.
-void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
+void add_model(report::AnalysisPlan& plan, const LoopDesign& design, FloorNodes nodes,
                const stillframe_msgs::run_info_t& info) {
   const bool active = info.loop == "active";
   report::ResponseSignals all{
@@ -84,13 +60,15 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design,
   }
   std::vector<Eigen::MatrixXcd> predicted;
   try {
-    FollowedFloor followed = followed_floor(design, all.outputs, active, plan.frequencies_hz);
+    FollowedFloor followed =
+        followed_floor(design, all.outputs, active, nodes, plan.frequencies_hz);
     plan.model = report::RunModel{.loop = std::move(followed.loop), .matrix = {}, .axes = {}};
     for (const double f : plan.frequencies_hz) {
       predicted.push_back(transfer(plan.model->loop, 2 * std::numbers::pi * f));
       plan.model->matrix.emplace_back(predicted.back().topRows(plan.n_outputs));
     }
     plan.model->rigid = std::move(followed.rigid);
+    plan.model->moved_apart = nodes == FloorNodes::unknown;
     for (const Eigen::Index output : plan.axis_signals.output) {
       plan.model->leans_on_rigid.push_back(
           followed.leans_on_rigid[static_cast<std::size_t>(plan.n_outputs + output)]);
@@ -174,8 +152,10 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::str
   }
   try {
     const auto block = YamlReader::from_text(info.floor_text, source_name + ": floor_text");
-    run.multisine = multisine_in(
-        floor::read_floor_block(block, info.sample_rate_hz, floor::FloorInputs(info.floor_names)));
+    const floor::FloorSpec spec =
+        floor::read_floor_block(block, info.sample_rate_hz, floor::FloorInputs(info.floor_names));
+    run.multisine = multisine_in(spec);
+    run.nodes = floor_nodes(spec);
   } catch (const std::exception& error) {
     if (run.unreadable.empty()) run.unreadable = error.what();
   }
@@ -204,8 +184,8 @@ FrequencyRange shown(const RecordedRun& run, const stillframe_msgs::run_info_t& 
 
 }  // namespace
 
-report::AnalysisPlan analysis_plan(const RecordedRun& run,
-                                   const stillframe_msgs::run_info_t& info) {
+report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info,
+                                   const std::filesystem::path& log) {
   report::AnalysisPlan plan;
   plan.multisine = run.multisine;
   const FrequencyRange range = shown(run, info);
@@ -244,12 +224,13 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
   }
   if (has_forces(run.design->scene)) {
     try {
-      plan.forces = force_model(*run.design, info.frame_names, info.loop == "active");
+      plan.forces =
+          force_model(*run.design, info.frame_names, info.loop == "active", takeover_of(log, info));
     } catch (const std::exception& error) {
       plan.forces_unknown = error.what();
     }
   }
-  if (!run.multisine) add_model(plan, *run.design, info);
+  if (!run.multisine) add_model(plan, *run.design, run.nodes, info);
   return plan;
 }
 

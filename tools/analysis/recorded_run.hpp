@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include "plant_sim/floor/floor_block.hpp"
 #include "report/analysis/log_analyser.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
+#include "tools/analysis/floor_nodes.hpp"
 #include "tools/loop_design.hpp"
 
 namespace stillframe::tools {
@@ -18,6 +20,7 @@ struct RecordedRun {
   std::optional<LoopDesign> design;        ///< the scene with the gains that were used
   std::string unreadable;                  ///< why there is none
   std::optional<MultisinePlan> multisine;  ///< that moved the floor, alone or beside other motions
+  FloorNodes nodes = FloorNodes::follow;   ///< by the log's own floor block, if it is readable
 };
 
 /// The loop of a scene with gains that are given, whatever they were designed for. Errors:
@@ -37,6 +40,7 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::str
 /// What there is to look for in the log of a run: the scene's comparisons (on a multisine their
 /// signals and the outputs, each by itself), the matrix from floor inputs to the scene's outputs,
 /// the lines of a multisine or else frequencies from 0.5 to 200 Hz (below 0.4 of the rate).
-report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info);
+report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info,
+                                   const std::filesystem::path& log);
 
 }  // namespace stillframe::tools

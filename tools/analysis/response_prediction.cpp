@@ -32,9 +32,11 @@ bool are_the_inputs(const Scene& scene, const std::vector<std::string>& names) {
       [](const std::string& name, const SceneSignal& signal) { return name == signal.name; });
 }
 
+/// Of accelerations; nothing of another signal.
 MatrixXd directions_of(const std::vector<SceneSignal>& signals) {
-  MatrixXd directions(static_cast<Index>(signals.size()), 3);
+  MatrixXd directions = MatrixXd::Zero(static_cast<Index>(signals.size()), 3);
   for (std::size_t i = 0; i < signals.size(); ++i) {
+    if (signals[i].quantity != Quantity::acceleration) continue;
     directions.row(static_cast<Index>(i)) = signals[i].direction.transpose();
   }
   return directions;
@@ -107,17 +109,18 @@ report::AxisSignals signals_by_motion(const Scene& scene,
 }
 
 MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names) {
-  MatrixXd D_w = directions_of(scene.inputs);
-  for (Index i = 0; i < D_w.rows(); ++i) {
-    const Quantity quantity = scene.inputs[static_cast<std::size_t>(i)].quantity;
-    if (quantity != Quantity::acceleration) D_w.row(i).setZero();
-  }
   return directions_of(floor_signals(scene, names)) *
-         D_w.completeOrthogonalDecomposition().pseudoInverse();
+         directions_of(scene.inputs).completeOrthogonalDecomposition().pseudoInverse();
+}
+
+MatrixXd inputs_of_floors(const Scene& scene, const std::vector<std::string>& names) {
+  return directions_of(scene.inputs) * directions_of(floor_signals(scene, names))
+                                           .completeOrthogonalDecomposition()
+                                           .pseudoInverse();
 }
 
 ResponsePrediction::ResponsePrediction(const LoopDesign& design,
-                                       const report::ResponseSignals& signals) {
+                                       const report::ResponseSignals& signals, FloorNodes nodes) {
   Scene scene = design.scene;
   std::vector<SceneSignal> outputs;
   for (const std::string& name : signals.outputs) outputs.push_back(signal_of(scene, name));
@@ -132,8 +135,8 @@ ResponsePrediction::ResponsePrediction(const LoopDesign& design,
       throw InputError("'" + signals.inputs[static_cast<std::size_t>(other - independent.begin())] +
                        "' moves as the other floor signals say, and is no input of its own");
     }
-    scene.inputs = prescribed_translations(scene);
-    E_ = directions_of(scene.inputs) * D.completeOrthogonalDecomposition().pseudoInverse();
+    if (nodes != FloorNodes::rest) scene.inputs = prescribed_translations(scene);
+    E_ = inputs_of_floors(scene, signals.inputs);
   }
   scene.outputs = outputs;
   loop_ = design.loop;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "report/analysis/axis_signals.hpp"
+#include "tools/analysis/floor_nodes.hpp"
 #include "tools/loop_design.hpp"
 
 namespace stillframe::tools {
@@ -25,6 +26,10 @@ report::AxisSignals signals_by_motion(const Scene& scene,
 /// names x inputs: D_m D_w^+, D the rows of their directions. Errors: as ResponsePrediction.
 Eigen::MatrixXd floors_of_inputs(const Scene& scene, const std::vector<std::string>& names);
 
+/// The scene's inputs on a floor that does not turn, moves these accelerations of its nodes by one
+/// each, and does not move across them, inputs x names: D_w D_m^+. Errors: as ResponsePrediction.
+Eigen::MatrixXd inputs_of_floors(const Scene& scene, const std::vector<std::string>& names);
+
 /// Errors: InputError if no output and no monitor has that name.
 const SceneSignal& signal_of(const Scene& scene, const std::string& name);
 
@@ -33,13 +38,15 @@ std::vector<SceneSignal> prescribed_translations(const Scene& scene);
 
 /// Predicts T between accelerations of a loop's scene. Inputs are either the scene's inputs, all of
 /// them in their order, or accelerations of floor nodes; the latter speak for a floor that does not
-/// turn, whose translation a follows from them, m = D a, D the rows of their directions. Set-up.
+/// turn, whose translation a follows from them, m = D a, D the rows of their directions: all of its
+/// nodes move by a, or where they rest the scene's inputs alone. Set-up.
 class ResponsePrediction {
  public:
   /// Errors: InputError for a signal that the scene has not, for an input that is no acceleration
   /// of a prescribed node, and for inputs whose directions depend on each other: no response tells
   /// what each of them does.
-  ResponsePrediction(const LoopDesign& design, const report::ResponseSignals& signals);
+  ResponsePrediction(const LoopDesign& design, const report::ResponseSignals& signals,
+                     FloorNodes nodes = FloorNodes::follow);
 
   /// With the law, or with zero commands.
   PredictedResponse at(const std::vector<double>& frequencies_hz, bool active) const;

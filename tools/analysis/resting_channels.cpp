@@ -58,19 +58,20 @@ VectorXd frequencies(const RunAnalysis& run) {
 void add_floor(const RunAnalysis& run, const Candidates& candidates, std::vector<Cause>& causes) {
   const VectorXd hz = frequencies(run);
   const LoopDesign& design = *run.run.design;
-  // A multisine moves its inputs, each on its own, and nothing follows them.
-  const SampledLoop loop =
-      run.run.multisine ? loop_between(design, design.scene.inputs, candidates.names, run.active())
-                        : followed_floor(design, candidates.names, run.active(),
-                                         std::vector<double>(hz.begin(), hz.end()))
-                              .loop;
+  // What may rest is not said to be dead.
+  const FloorNodes nodes =
+      run.run.nodes == FloorNodes::follow ? FloorNodes::follow : FloorNodes::rest;
+  const SampledLoop loop = followed_floor(design, candidates.names, run.active(), nodes,
+                                          std::vector<double>(hz.begin(), hz.end()))
+                               .loop;
   const Eigen::MatrixXd T = largest_gain(loop, hz);
   const auto& inputs = run.data.scan.faults.floor;
   for (Index j = 0; j < std::min<Index>(T.cols(), std::ssize(inputs)); ++j) {
     const auto k = static_cast<std::size_t>(j);
     Cause cause{T.col(j), 0.5 * (inputs[k].highest - inputs[k].lowest), inputs[k].moved, {}};
     for (const ChannelCourse* course : candidates.courses) {
-      cause.during.push_back(course->rests() ? Variation{inputs[k].moved.sum, inputs[k].n_other}
+      // What a knock leaves behind is longer than the knock.
+      cause.during.push_back(course->rests() ? Variation{inputs[k].moved.sum, inputs[k].n_since}
                                              : course->rest.during[k]);
     }
     causes.push_back(std::move(cause));
@@ -95,7 +96,8 @@ void add_forces(const RunAnalysis& run, const Candidates& candidates, std::vecto
       for (std::size_t i = 0; i < candidates.courses.size(); ++i) {
         const ChannelCourse& course = *candidates.courses[i];
         const bool inside = k >= course.rest.first_seq + Rest::settled && k < course.rest.last_seq;
-        if (!course.rests() && (!inside || change == 0)) continue;
+        // From its first change on: what a blow leaves behind is longer than the blow.
+        if (!course.rests() && (!inside || (change == 0 && cause.during[i].n == 0))) continue;
         cause.during[i].sum += change;
         ++cause.during[i].n;
       }

@@ -22,7 +22,7 @@ std::optional<JudgedResponse> judged(std::optional<report::IdentifiedResponse>& 
   }
   if (!response) return result;
   try {
-    result.predicted = ResponsePrediction(*run.design, result.measured.signals)
+    result.predicted = ResponsePrediction(*run.design, result.measured.signals, run.nodes)
                            .at(response->frequencies_hz, active);
     PredictionErrors errors;
     errors.sampled_values = report::singular_values(result.predicted->sampled);
@@ -47,7 +47,7 @@ RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings
   scan.progress = settings.progress;
   result.data = report::analyse_log(log, scan, [&](const stillframe_msgs::run_info_t& info) {
     result.run = recorded_run(info, log.string());
-    report::AnalysisPlan plan = analysis_plan(result.run, info);
+    report::AnalysisPlan plan = analysis_plan(result.run, info, log);
     plan.segment_s = settings.segment_s;
     return plan;
   });

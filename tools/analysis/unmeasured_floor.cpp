@@ -92,11 +92,11 @@ Shifts shifts_of(const std::vector<double>& sizes, const PredictionErrors& error
 }  // namespace
 
 UnmeasuredFloor unmeasured_floor(const LoopDesign& design, const JudgedResponse& response,
-                                 bool active, bool inputs_are_floors) {
+                                 bool active, bool inputs_are_floors, FloorNodes nodes) {
   UnmeasuredFloor result;
-  if (!response.errors) return result;
-  const std::vector<SceneSignal> inputs =
-      unmeasured(design.scene, response.measured.signals, inputs_are_floors);
+  if (!response.errors || nodes == FloorNodes::rest) return result;
+  const std::vector<SceneSignal> inputs = unmeasured(
+      design.scene, response.measured.signals, inputs_are_floors && nodes == FloorNodes::follow);
   result.n_directions = std::ssize(inputs);
   if (inputs.empty()) return result;
   const Shifts shifts = shifts_of(sizes(design, inputs, response, active), *response.errors);

@@ -15,9 +15,10 @@ struct UnmeasuredFloor {
   double largest_db = 0, broadly_db = 0;
 };
 
-/// Of a response with a prediction; nothing of any other. inputs_are_floors: they are axes' floors,
-/// with which all nodes are predicted to move, and not the scene's inputs.
+/// Of a response with a prediction; nothing of any other, nor on a floor whose nodes rest.
+/// inputs_are_floors: they are axes' floors, with which all nodes that follow are predicted to
+/// move, and not the scene's inputs.
 UnmeasuredFloor unmeasured_floor(const LoopDesign& design, const JudgedResponse& response,
-                                 bool active, bool inputs_are_floors);
+                                 bool active, bool inputs_are_floors, FloorNodes nodes);
 
 }  // namespace stillframe::tools

@@ -92,7 +92,7 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
     summary.repeats = of_axes && run.matrix && repeats(*run.axes, *run.matrix);
     if (run.run.design) {
       const UnmeasuredFloor floor =
-          unmeasured_floor(*run.run.design, **response, run.active(), of_axes);
+          unmeasured_floor(*run.run.design, **response, run.active(), of_axes, run.run.nodes);
       summary.n_unmeasured = floor.n_directions;
       summary.unmeasured_largest_db = floor.largest_db;
       summary.unmeasured_broadly_db = floor.broadly_db;
@@ -169,6 +169,9 @@ void add_warnings(report::Verdict& verdict) {
                   "would shift a value by up to %.3g dB.",
                   response.unmeasured_largest_db);
     }
+    if (const std::string doubt = forces_in_doubt(verdict); !doubt.empty()) {
+      text += " But " + doubt + ".";
+    }
     verdict.warnings.push_back(std::move(text));
   }
 }
@@ -199,8 +202,11 @@ std::optional<report::IdentificationSummary> judged(const RunAnalyses& runs,
   const auto &open = runs.passive->matrix->errors, &closed = runs.active->matrix->errors;
   const auto reduction = reduction_check(runs, above_hz);
   if (!open || !closed || !reduction) return std::nullopt;
-  return report::summarise(open->sampled, closed->sampled, *reduction,
-                           runs.active->matrix->measured.response->frequencies_hz, above_hz);
+  auto summary =
+      report::summarise(open->sampled, closed->sampled, *reduction,
+                        runs.active->matrix->measured.response->frequencies_hz, above_hz);
+  summary.forces_unknown = !runs.any().data.forces_unknown.empty();
+  return summary;
 }
 
 }  // namespace

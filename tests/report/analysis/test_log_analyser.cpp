@@ -275,9 +275,20 @@ TEST_F(ToyLog, WhyNothingIsIdentifiedIsTrue) {
   EXPECT_EQ(missing([](Index k) { return k >= 1100 || (k >= 400 && k < 600); }),
             "the longest stretch of the log without a gap has 1 s, a response of 3 inputs needs "
             "6.25 s");
-  record_.inputs.setZero();
-  EXPECT_EQ(missing([](Index) { return false; }),
-            "the inputs do not move at any of the frequencies");
+  const auto still = [&](Index first, Index n) {
+    record_.inputs.middleCols(first, n).setZero();
+    return missing([](Index) { return false; });
+  };
+  // Bursts about 5 and 40 Hz, whose spectra end within 5 Hz (1e-12 of the power, 0.2 s wide).
+  for (Index k = 0; k < record_.inputs.rows(); ++k) {
+    const double t = static_cast<double>(k) / rate - 20, burst = std::exp(-t * t / 0.08);
+    record_.inputs(k, 0) = burst * std::sin(2 * toy::pi * 5 * t);
+    record_.inputs(k, 1) = burst * std::sin(2 * toy::pi * 40 * t);
+  }
+  EXPECT_EQ(still(2, 0), "at none of the frequencies do all inputs move");
+  EXPECT_EQ(still(1, 1), "leg_2 does not move at any of the frequencies");
+  EXPECT_EQ(still(1, 2), "leg_2, leg_3 do not move at any of the frequencies");
+  EXPECT_EQ(still(0, 3), "the inputs do not move at any of the frequencies");
 }
 
 TEST_F(ToyLog, PeriodsWhoseMeasurementWasRejectedAreCounted) {

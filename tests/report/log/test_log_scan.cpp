@@ -148,6 +148,20 @@ TEST_F(LogScanTest, CommandsStandInTheRowThatTheyAnswer) {
   EXPECT_EQ(read_run_log(file_).command_seq, (Numbers{0, 2, 3}));
 }
 
+// One that lets go of its forces says so behind the end of a run, where it has nothing to answer.
+TEST_F(LogScanTest, BehindTheLastMeasurementNothingIsUnanswered) {
+  const LogScan s = scan([](LogWriter& w) {
+    w.write(channels::run_info, sample_info(1, 6));
+    for (int seq = 0; seq < 6; ++seq) w.write(channels::measurement, sample_measurement(1, seq));
+    for (const int seq : {0, 2, 3, 15}) w.write(channels::command, sample_command(1, seq));
+  });
+  EXPECT_EQ(s.commands.n_received, 4);
+  EXPECT_EQ(s.commands.n_lost, 3) << "1, 4 and 5";
+  ASSERT_EQ(s.commands.gaps.size(), 2u);
+  EXPECT_EQ(s.commands.gaps.back().first, 4);
+  EXPECT_EQ(s.commands.gaps.back().last, 5);
+}
+
 TEST_F(LogScanTest, TheWholeLogIsWhatTheBlocksSay) {
   Numbers order(20'000);
   std::iota(order.begin(), order.end(), 0);

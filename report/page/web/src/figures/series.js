@@ -31,18 +31,19 @@ export function pointSeries(name, f, values, colour, ground, symbol = 'circle', 
   };
 }
 
-/** 95 % bands as upright strokes with ends. */
+/** 95 % bands as upright strokes with ends; one without a lower end, of what may be zero, reaches the bottom. */
 export function bandSeries(name, f, lower, upper, colour) {
   return {
     type: 'custom', name, z: 4, silent: true, color: colour, encode: {x: 0, y: [1, 2]}, clip: true,
-    data: f.map((frequency, i) => [log10(frequency), lower[i], upper[i]]).filter((item) => !item.includes(null)),
-    renderItem(_, api) {
-      const x = api.value(0);
-      const [left, low] = api.coord([x, api.value(1)]), [, high] = api.coord([x, api.value(2)]);
+    data: f.map((frequency, i) => [log10(frequency), lower[i], upper[i]]).filter(([, , high]) => high !== null),
+    renderItem({coordSys}, api) {
+      const x = api.value(0), ends = Number.isFinite(api.value(1));
+      const [left, high] = api.coord([x, api.value(2)]);
+      const low = ends ? api.coord([x, api.value(1)])[1] : coordSys.y + coordSys.height;
       const style = {stroke: colour, lineWidth: 1.2, fill: null};
       const stroke = (x1, y1, x2, y2) => ({type: 'line', shape: {x1, y1, x2, y2}, style});
-      return {type: 'group', children: [stroke(left, low, left, high), stroke(left - 3, low, left + 3, low),
-        stroke(left - 3, high, left + 3, high)]};
+      return {type: 'group', children: [stroke(left, low, left, high), stroke(left - 3, high, left + 3, high),
+        ...(ends ? [stroke(left - 3, low, left + 3, low)] : [])]};
     },
   };
 }

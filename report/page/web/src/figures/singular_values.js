@@ -42,8 +42,11 @@ function readout(data, c, x) {
     shown = measured.f[j];
     lines.push({name, colour, values: measured.values.map((column) => number(decibel(column[j]), 4))});
     if (measured.lower.length) {
-      const half = measured.values.map((column, s) =>
-        number((decibel(measured.upper[s][j]) - decibel(measured.lower[s][j])) / 2, 2));
+      const half = measured.values.map((_, s) => {
+        const low = decibel(measured.lower[s][j]), high = decibel(measured.upper[s][j]);
+        if (high === null) return number(null);
+        return low === null ? `below ${number(high, 4)}` : number((high - low) / 2, 2);
+      });
       lines.push({name: '\u00b1 95 % band', colour: 'transparent', values: half});
     }
     if (measured.difference_db.length) {

@@ -19,7 +19,8 @@ function readout(axis, c, x) {
     if (!measured) continue;
     const j = nearest(measured.f, f);
     if (Math.abs(Math.log(measured.f[j] / f)) > 0.06) continue;
-    const band = measured.lower.length ? ` (${number(measured.lower[0][j])} to ${number(measured.upper[0][j])})` : '';
+    const known = measured.lower.length && measured.values[0][j] !== null;
+    const band = known ? ` (${number(measured.lower[0][j])} to ${number(measured.upper[0][j])})` : '';
     lines.push({name: `${loop}, measured`, colour: c[loop], values: [number(measured.values[0][j]) + band]});
     if (measured.coherence.length) {
       lines.push({name: 'coherence', colour: 'transparent', values: [number(measured.coherence[j], 5)]});

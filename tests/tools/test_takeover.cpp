@@ -1,0 +1,226 @@
+#include <random>
+
+#include "controller/law.hpp"
+#include "core/yaml/input_error.hpp"
+#include "tests/report/sample_log.hpp"
+#include "tests/tools/replay_logs.hpp"
+#include "tests/tools/verb.hpp"
+#include "tools/analysis/run_analysis.hpp"
+#include "tools/analysis/takeover_of.hpp"
+
+namespace stillframe::test {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using report::Takeover;
+using stillframe_msgs::loop_record_t;
+using stillframe_msgs::loop_records_t;
+using stillframe_msgs::run_info_t;
+
+/// A wall-clock loop on a frame of which all that pushes it is known: noise that stays, a blow
+/// while the frame is passive still, and a mean, which the loop takes for an offset of its sensors.
+class TakingHold : public testing::Test {
+ protected:
+  double force(std::int64_t k) const {
+    if (k < 0) return 0;
+    return mean_ + noise_[static_cast<std::size_t>(k)] + (k >= 100 && k < 110 ? blow_ : 0);
+  }
+
+  /// What is read in n samples from 0 on, a row each.
+  MatrixXd run(int n) {
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> normal;
+    double last = 0;
+    for (int k = 0; k < n; ++k) noise_.push_back(last += 0.06 * (1e-3 * normal(random) - last));
+    auto& rig = rig_.rig();
+    rig.floor = [this](std::int64_t k, VectorXd& w) { w.setConstant(force(k)); };
+    MatrixXd y = MatrixXd::Zero(n, plant_.C_y.rows());
+    for (Index k = 0; k < n; ++k) {
+      if (k > 0) y.row(k) = rig.y.transpose();
+      rig_.steps(1);
+      if (from_ < 0 && rig.state() == controller::State::ramp_in) from_ = k;
+      if (full_ < 0 && rig.state() == controller::State::active) full_ = k;
+    }
+    EXPECT_EQ(rig.state(), controller::State::active);
+    EXPECT_EQ(rig.loop().counters().n_saturated, 0);  // the model knows no limits
+    return y;
+  }
+
+  Takeover takeover(const Log& log) const {
+    write_log(folder_ / "run.lcm", log);
+    return *tools::takeover_of(folder_ / "run.lcm",
+                               info_of(gains_, LoggedRig::run_id, "wall_clock"));
+  }
+
+  /// In blocks, as a log is read: one of them holds the end of the ramp.
+  MatrixXd modelled(const std::optional<Takeover>& when, Index n) const {
+    const DiscreteLaw law = law_from_gains(gains_);
+    report::ForceModel model{close_loop(plant_, law), [this](std::int64_t k) {
+                               return VectorXd(VectorXd::Constant(1, force(k)));
+                             }};
+    if (when) model.late = {*when, gain_loop(plant_, law)};
+    report::ForceResponse response(std::move(model));
+    MatrixXd y(n, plant_.C_y.rows());
+    for (Index k = 0; k < n; k += 700) {
+      const Index block = std::min<Index>(700, n - k);
+      y.middleRows(k, block) = response.at(k, block);
+    }
+    return y;
+  }
+
+  report::ScratchFolder folder_;
+  controller::Gains gains_ = wall_clock_gains();
+  SampledPlant plant_ = sample_and_hold(gains_.loop_plant(), gains_.sampling());
+  LoggedRig rig_;
+  std::vector<double> noise_;
+  double mean_ = 0, blow_ = 0;
+  std::int64_t from_ = -1, full_ = -1;  ///< of the rig
+};
+
+constexpr int n_samples = 4000;
+// Balanced states and products in another order over thousands of samples: 6e-15 was seen.
+constexpr double rounding = 1e-12;
+
+TEST_F(TakingHold, IsFollowedFromTheRecordsOfTheController) {
+  blow_ = 0.02;
+  const MatrixXd y = run(n_samples);
+  const Takeover when = takeover(rig_.log());
+  EXPECT_EQ(when.from, from_);
+  EXPECT_EQ(when.full, full_);
+  EXPECT_EQ(when.full - when.from, 1000);  // ramp.in_s
+  EXPECT_LT((modelled(when, n_samples) - y).norm(), rounding * y.norm());
+  // As if it had been closed from the beginning: what it was before, and most of the motion.
+  EXPECT_GT((modelled({}, n_samples) - y).norm(), 0.5 * y.norm());
+}
+
+TEST_F(TakingHold, AForceThatStoodBeforeIsAnOffsetToTheLoop) {
+  mean_ = 0.01;
+  const MatrixXd y = run(n_samples);
+  const Takeover when = takeover(rig_.log());
+  ASSERT_EQ(when.offset, VectorXd::Ones(4));
+  EXPECT_LT((modelled(when, n_samples) - y).norm(), rounding * y.norm());
+  Takeover other = when;
+  other.offset.setZero();
+  // Most of y is the mean itself.
+  EXPECT_GT((modelled(other, n_samples) - y).norm(), 0.05 * y.norm());
+}
+
+TEST_F(TakingHold, ThatNeverHappenedIsAPassiveFrame) {
+  blow_ = 0.02;
+  run(n_samples);
+  Takeover never;
+  never.offset.setZero(4);
+  const SampledLoop open = open_loop(plant_);
+  MatrixXd forces(n_samples, 1);
+  for (Index k = 0; k < n_samples; ++k) forces(k, 0) = force(k - 1);
+  const MatrixXd y = report::LoopResponse(open).follow(forces);
+  EXPECT_LT((modelled(never, n_samples) - y).norm(), rounding * y.norm());
+}
+
+TEST_F(TakingHold, ThatWasGivenUpIsNone) {
+  auto& rig = rig_.rig();
+  rig_.steps(900);
+  ASSERT_EQ(rig.state(), controller::State::ramp_in);
+  rig.loop().request(controller::Request::stop);
+  rig_.steps(600);
+  ASSERT_EQ(rig.state(), controller::State::idle);
+  rig.loop().request(controller::Request::start);
+  std::int64_t from = 0;
+  for (int k = 0; k < 2000 && rig.state() != controller::State::active; ++k) {
+    rig_.steps(1);
+    if (rig.state() == controller::State::arming) from = rig.k();
+  }
+  const Takeover when = takeover(rig_.log());
+  EXPECT_EQ(when.from, from);
+  EXPECT_EQ(when.full, from + 1000);
+}
+
+TEST_F(TakingHold, IsNotKnownWithoutRecords) {
+  run(n_samples);
+  Log log = rig_.log();
+  std::erase_if(log,
+                [](const LoggedMessage& message) { return message.channel == channels::loop; });
+  EXPECT_THROW(takeover(log), InputError);
+  const auto of = [&](const std::string& mode) {
+    return tools::takeover_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, mode));
+  };
+  EXPECT_FALSE(of("lock_step"));
+  EXPECT_FALSE(of("single_process"));
+}
+
+class ByTheClock : public Verb {
+ protected:
+  /// The log of a passive run as one of an active loop by the clock whose controller has said
+  /// `records`.
+  std::filesystem::path said_to_be_active(const std::filesystem::path& log,
+                                          const std::vector<loop_record_t>& records) const {
+    Log messages;
+    lcm::LogFile from(log.string(), "r");
+    std::int64_t run_id = 0;
+    while (const lcm::LogEvent* event = from.readNextEvent()) {
+      const auto* bytes = static_cast<const std::uint8_t*>(event->data);
+      if (run_info_t info; event->channel == channels::run_info) {
+        EXPECT_GE(info.decode(bytes, 0, event->datalen), 0);
+        info.mode = "wall_clock";
+        info.loop = "active";
+        run_id = info.run_id;
+        add(messages, channels::run_info, info);
+      } else {
+        messages.push_back({event->channel, {bytes, bytes + event->datalen}});
+      }
+    }
+    loop_records_t batch{};
+    batch.run_id = run_id;
+    batch.n_records = static_cast<std::int32_t>(records.size());
+    batch.records = records;
+    if (!records.empty()) add(messages, channels::loop, batch);
+    write_log(folder_ / "edited.lcm", messages);
+    return folder_ / "edited.lcm";
+  }
+};
+
+// A controller that only listened has left the frame passive, and what a blow does to such a one is
+// taken off.
+TEST_F(ByTheClock, WhatForcesDoBeforeTheLoopTakesHoldIsThePassiveFramesDoing) {
+  const auto scene = write("scene.yaml", R"(title: A mass on a shaking table
+nodes: {table: {position: [0, 0, 0]}, mass: {position: [0, 0, 0.1]}}
+masses: [{node: mass, mass: 10}]
+elements: {leg: {type: truss, nodes: [table, mass], stiffness: 4e5, damping: 20}}
+supports: [{nodes: [table, mass], fix: [x, y]}]
+prescribed: [{nodes: [table], move: [z]}]
+dofs: [{element: leg}]
+inputs: [{name: table, acceleration: table, along: z}]
+outputs: [{name: mass, acceleration: mass, along: z}]
+monitors: [{name: tab, acceleration: table, along: z}]
+compare: {z: {floor: tab, frame: mass}}
+controller: {legs: [leg], target_hz: 5, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
+  lead_samples: 1.5, leak_hz: 0.05}
+floor: {noise: {psd: [[1, 1e-16], [100, 1e-16]], duration_s: 12}}
+disturbances: [{name: blow, node: mass, along: z, force: {impact: {peak: 1, width_s: 0.02,
+  at_s: 0.3}}}]
+)");
+  const auto out = folder_ / "run";
+  run({"run", scene, "--mode", "single_process", "--loop", "passive", "--out", out});
+  loop_record_t listening{};
+  listening.n_legs = 1;
+  listening.sigma = listening.applied = listening.force = {0};
+  const auto forces_of = [&](const std::vector<loop_record_t>& records) {
+    return tools::analyse_run(said_to_be_active(out / "passive.lcm", records)).data;
+  };
+  const report::LogAnalysis passive = forces_of({listening});
+  EXPECT_EQ(passive.forces_unknown, "");
+  const auto power = [](const report::Psd& psd) { return psd.density.sum(); };
+  ASSERT_TRUE(passive.axes.at(0).forces);
+  // A simulation errs by 3e-4 of its motion at most, 30 times its tolerance.
+  EXPECT_LT(power(passive.axes[0].forces->undisturbed),
+            3e-4 * 3e-4 * power(passive.axes[0].forces->by_forces));
+  const report::LogAnalysis unknown = forces_of({});
+  EXPECT_FALSE(unknown.axes.at(0).forces);
+  EXPECT_NE(unknown.forces_unknown.find("records are missing"), std::string::npos)
+      << unknown.forces_unknown;
+}
+
+}  // namespace
+}  // namespace stillframe::test
