@@ -1,4 +1,5 @@
 #include "tests/tools/damaged_log.hpp"
+#include "tests/tools/three_feet.hpp"
 #include "tests/tools/verb.hpp"
 #include "tools/analysis/floor_nodes.hpp"
 
@@ -41,25 +42,10 @@ TEST(FloorNodes, GoByWhatTheFloorMoves) {
 class FeetApart : public Verb {
  protected:
   Json judged(const std::string& floor) const {
-    const std::string scene = R"(title: Three feet
-planar: true
-gravity: [0, -9.81]
-nodes: {fl: {position: [-0.6, 0]}, fr: {position: [0.6, 0]}, fs: {position: [-0.9, 0.25]},
-  pl: {position: [-0.6, 0.25]}, pr: {position: [0.6, 0.25]}, c: {position: [0.05, 0.25]}}
-masses: [{node: c, mass: 180, inertia: 25}]
-elements:
-  left: {type: truss, nodes: [fl, pl], stiffness: 2e6, damping: 150}
-  right: {type: truss, nodes: [fr, pr], stiffness: 2e6, damping: 150}
-  side: {type: truss, nodes: [fs, pl], stiffness: 1e6, damping: 100}
-  arm_l: {type: rigid_beam, nodes: [c, pl]}
-  arm_r: {type: rigid_beam, nodes: [c, pr]}
-prescribed: [{nodes: [fl, fr, fs], move: [x, y]}]
-dofs: [{element: left}, {element: right}, {element: side}]
+    const std::string scene = three_feet("0.05") + R"(gravity: [0, -9.81]
 inputs: [{name: fl_y, acceleration: fl, along: y}, {name: fs_x, acceleration: fs, along: x}]
-outputs: [{name: c_x, acceleration: c, along: x}, {name: c_y, acceleration: c, along: y}]
 monitors: [{name: g_x, acceleration: fs, along: x}, {name: g_y, acceleration: fl, along: y},
   {name: l_x, acceleration: fl, along: x}, {name: r_y, acceleration: fr, along: y}]
-compare: {x: {floor: g_x, frame: c_x}, y: {floor: g_y, frame: c_y}}
 controller: {legs: [left, right, side], target_hz: 3, damping_ratio: 0.7, sample_rate_hz: 1000,
   delay_samples: 1, leak_hz: 0.6}
 floor: {)";

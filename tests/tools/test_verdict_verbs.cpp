@@ -11,6 +11,7 @@
 #include "stillframe_msgs/measurement_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "tests/tools/damaged_log.hpp"
+#include "tests/tools/three_feet.hpp"
 #include "tests/tools/verb.hpp"
 #include "tools/analysis/page_tables_of.hpp"
 #include "tools/analysis/prediction_checks.hpp"
@@ -276,24 +277,9 @@ TEST_F(VerdictVerbs, AFrameThatRestsWithoutItsLoopHasToRestWithIt) {
 
 /// A table on two legs and a third beside it, which all turn a little as it moves along x.
 std::string table_on_three_feet(const std::string& floor) {
-  return R"(title: Three feet
-planar: true
-gravity: [0, -9.81]
-nodes: {fl: {position: [-0.6, 0]}, fr: {position: [0.6, 0]}, fs: {position: [-0.9, 0.25]},
-  pl: {position: [-0.6, 0.25]}, pr: {position: [0.6, 0.25]}, c: {position: [0, 0.25]}}
-masses: [{node: c, mass: 180, inertia: 25}]
-elements:
-  left: {type: truss, nodes: [fl, pl], stiffness: 2e6, damping: 150}
-  right: {type: truss, nodes: [fr, pr], stiffness: 2e6, damping: 150}
-  side: {type: truss, nodes: [fs, pl], stiffness: 1e6, damping: 100}
-  arm_l: {type: rigid_beam, nodes: [c, pl]}
-  arm_r: {type: rigid_beam, nodes: [c, pr]}
-prescribed: [{nodes: [fl, fr, fs], move: [x, y]}]
-dofs: [{element: left}, {element: right}, {element: side}]
+  return three_feet("0") + R"(gravity: [0, -9.81]
 inputs: [{name: fs_x, acceleration: fs, along: x}]
-outputs: [{name: c_x, acceleration: c, along: x}, {name: c_y, acceleration: c, along: y}]
 monitors: [{name: g_x, acceleration: fs, along: x}, {name: g_y, acceleration: fl, along: y}]
-compare: {x: {floor: g_x, frame: c_x}, y: {floor: g_y, frame: c_y}}
 controller: {legs: [left, right, side], target_hz: 3, damping_ratio: 0.7, sample_rate_hz: 1000,
   delay_samples: 1, leak_hz: 0.6}
 floor: )" +
@@ -422,23 +408,23 @@ TEST_F(VerdictVerbs, AForceExcusesNoMoreThanItDoes) {
   }
 }
 
-// The model of a force is right to some 1e-4 of it, which at a line may be as much as the line.
+// The model of a force is right to some 1e-4 of it, which at a line may be as much as the line: the
+// 41 % by which it is doubted are 170 times what the frame makes of this one.
 TEST_F(VerdictVerbs, AForceAtALineOfAMultisineIsNotTakenForTheFloorsDoing) {
-  for (const char* amplitude : {"1e2", "1e4"}) {
+  for (const auto& [frequency, n_known] : {std::pair("20", 6), std::pair("22", 7)}) {
     const auto scene =
         write("scene.yaml",
               mass_on_a_table("target_hz: 5, sample_rate_hz: 1000",
                               "floor: {multisine: {frequencies_hz: [1, 2, 5, 10, 20, 50, 100], "
                               "amplitude: 0.01, ramp_s: 4, window_s: 8}}\n"
                               "disturbances: [{name: d, node: mass, along: z, force: {sine: "
-                              "{amplitude: " +
-                                  std::string(amplitude) + ", frequency_hz: 20}}}]\n"));
-    const auto out = folder_ / amplitude;
+                              "{amplitude: 1, frequency_hz: " +
+                                  std::string(frequency) + "}}}]\n"));
+    const auto out = folder_ / frequency;
     run({"run", scene, "--mode", "single_process", "--out", out});
-    const Json check = check_with(out / "verdict.json", "against the prediction");
-    EXPECT_NE(check.at("outcome"), "failed") << check;
-    const Json said = json({"identify", out / "active.lcm"});
-    std::cerr << said.dump(1) << "\n" << check.dump(1);
+    const Json found = Json::parse(text_of(out / "verdict.json")).at("identification");
+    EXPECT_TRUE(found.at("pass").get<bool>()) << found;
+    EXPECT_EQ(found.at("n_closed_compared"), n_known) << frequency << found;
   }
 }
 
@@ -516,26 +502,11 @@ TEST_F(VerdictVerbs, AMultisineLeavesMonitorsAtRest) {
 // A blow is as smooth as a floor below its corner: it was taken for the floor's doing there, and a
 // sound loop failed by 118 dB.
 TEST_F(VerdictVerbs, ABlowIsNotTakenForTheFloorsDoing) {
-  const std::string bench = R"(title: A bench
-planar: true
-nodes: {fl: {position: [-0.6, 0]}, fr: {position: [0.6, 0]}, fs: {position: [-0.9, 0.25]}, pl: {position: [-0.6, 0.25]},
-  pr: {position: [0.6, 0.25]}, c: {position: [0.05, 0.25]}}
-masses: [{node: c, mass: 180, inertia: 25}]
-elements:
-  left: {type: truss, nodes: [fl, pl], stiffness: 2e6, damping: 150}
-  right: {type: truss, nodes: [fr, pr], stiffness: 2e6, damping: 150}
-  side: {type: truss, nodes: [fs, pl], stiffness: 1e6, damping: 100}
-  arm_l: {type: rigid_beam, nodes: [c, pl]}
-  arm_r: {type: rigid_beam, nodes: [c, pr]}
-prescribed: [{nodes: [fl, fr, fs], move: [x, y]}]
-dofs: [{element: left}, {element: right}, {element: side}]
-inputs:
+  const std::string bench = three_feet("0.05") + R"(inputs:
   - {name: fl_y, acceleration: fl, along: y}
   - {name: fr_y, acceleration: fr, along: y}
   - {name: fs_x, acceleration: fs, along: x}
-outputs: [{name: c_x, acceleration: c, along: x}, {name: c_y, acceleration: c, along: y}]
 monitors: [{name: g_x, acceleration: fs, along: x}, {name: g_y, acceleration: fl, along: y}]
-compare: {x: {floor: g_x, frame: c_x}, y: {floor: g_y, frame: c_y}}
 controller: {legs: [left, right, side], target_hz: 3, damping_ratio: 0.7, sample_rate_hz: 2000, delay_samples: 1,
   lead_samples: 1.5, leak_hz: 0.6}
 floor: {noise: {vc: C, axes: [x, y], duration_s: 60, seed: 5, high_pass_hz: 0.5}}
@@ -844,7 +815,7 @@ TEST_F(VerdictVerbs, ASensorThatIsDeadWhenSomethingKnocksPassesNothing) {
     const Json verdict = Json::parse(said.output);
     EXPECT_NE(verdict.at("outcome"), "passed") << knock;
     EXPECT_EQ(verdict.at("runs")[1].at("resting_channels"),
-              Json{dies == 0 ? "mass" : "mass (from 5 to 9.999 s)"})
+              Json{dies == 0 ? "mass" : "mass (from 5 to 10 s)"})
         << knock << said.output;
   }
 }
