@@ -433,6 +433,7 @@ class Judge {
     const std::string of = against.reference, range = hz_range(a), is = cell("%.4g", span.found);
     const std::string too_short_for = too_short(a.from_hz);
     std::string open;
+    bool is_needed = false;
     if (!too_short_for.empty() && span.found <= beyond_doubt * allowed) {
       open = too_short_for;
     } else if (reference.least() <= 0) {
@@ -449,10 +450,12 @@ class Judge {
              ", but forces act on the frame besides the floor and may be the difference";
       if (!verdict_.forces_unknown.empty()) {
         open += " (what they do is not known: " + verdict_.forces_unknown + ")";
+        is_needed = true;
       }
     }
     Check check = open_ratio(against, allowed, open);
     check.found = is;
+    check.is_needed = is_needed;
     if (open.empty()) {
       check.outcome = at_most(span.found, allowed);
       check.reason = "Axis " + against.axis->axis + ": the active frame moves " + is +

@@ -193,6 +193,9 @@ TEST(Acceptance, ForcesOnTheFrameExcuseWhatTheyMayHaveDone) {
   };
   EXPECT_EQ(outcome(0.5, std::nullopt).outcome, Outcome::passed);
   EXPECT_EQ(outcome(4, std::nullopt).outcome, Outcome::not_judged);
+  // Nothing else passes then, as it does where it is known that they did it.
+  EXPECT_TRUE(outcome(4, std::nullopt).checks.back().is_needed);
+  EXPECT_FALSE(outcome(4, Forces{3.9, 0.9}).checks.back().is_needed);
   EXPECT_NE(outcome(4, std::nullopt).checks.back().reason.find("their file is gone"),
             std::string::npos);
   EXPECT_EQ(outcome(4, Forces{3.9, 0.9}).outcome, Outcome::not_judged);

@@ -530,7 +530,8 @@ floor: {noise: {vc: C, axes: [x, y], duration_s: 60, seed: 5, high_pass_hz: 0.5}
     }
     EXPECT_GE(n, 10) << blow;
   }
-  // One whose recording is gone cannot be taken off, and fails no comparison: it did, by 120 dB.
+  // One whose recording is gone cannot be taken off: the comparison failed by 120 dB. It fails
+  // nothing now, but neither does the run pass.
   std::string csv = "# units=N\n# fs_hz=100\n# n=6000\nF\n";
   for (int k = 0; k < 6000; ++k) csv += k < 500 ? "0\n" : "20\n";
   const auto recording = write("blow.csv", csv);
@@ -552,6 +553,15 @@ floor: {noise: {vc: C, axes: [x, y], duration_s: 60, seed: 5, high_pass_hz: 0.5}
     ++n_open;
   }
   EXPECT_EQ(n_open, 2);  // the axes of both loops
+  EXPECT_EQ(verdict.at("outcome"), "not judged");
+  // And a dead sensor is found all the same.
+  damage_log(
+      out / "active.lcm", folder_ / "damaged.lcm",
+      [](stillframe_msgs::measurement_t& m) { m.frame_acceleration.at(0) = 0; },
+      [](const std::string&, int) { return false; });
+  const Json dead =
+      Json::parse(run({"report", out / "passive.lcm", folder_ / "damaged.lcm", "--json"}).output);
+  EXPECT_EQ(dead.at("runs")[1].at("resting_channels"), Json{"c_x"});
 }
 
 // One rule judges a run and a case of a batch, on any floor, whatever a scene asks for.
@@ -1014,6 +1024,7 @@ TEST(PredictionChecks, ARunThatIsBroadlyOffItsPredictionFails) {
   // What forces do that nobody knows may be any difference, but no agreement.
   verdict.forces_unknown = "blow.csv is gone";
   EXPECT_EQ(checks(3.1).front().outcome, Outcome::not_judged);
+  EXPECT_TRUE(checks(3.1).front().is_needed);
   EXPECT_TRUE(checks(3.1).front().reason.ends_with(
       ", but forces act on the frame besides the floor and may be the difference (what they do is "
       "not known: blow.csv is gone)."))

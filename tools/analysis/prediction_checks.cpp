@@ -207,6 +207,7 @@ std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verd
     // What cannot be taken off may be taken for the floor's doing, and by any number of dB.
     if (doubt.empty() || check.outcome != Outcome::failed) continue;
     check.outcome = Outcome::not_judged;
+    check.is_needed = true;
     check.reason.pop_back();
     check.reason += ", but " + doubt + ".";
   }

@@ -140,7 +140,9 @@ void add_frame(const RunAnalysis& run, std::vector<RestingChannel>& result) {
   if (candidates.names.empty()) return;
   std::vector<Cause> causes;
   add_floor(run, candidates, causes);
-  if (has_forces(run.run.design->scene)) add_forces(run, candidates, causes);
+  if (has_forces(run.run.design->scene) && run.data.forces_unknown.empty()) {
+    add_forces(run, candidates, causes);
+  }
   for (std::size_t i = 0; i < candidates.names.size(); ++i) {
     if (should_move(*candidates.courses[i], i, causes)) {
       result.push_back(resting(run, candidates.names[i], *candidates.courses[i]));
