@@ -2,6 +2,7 @@
 
 #include "controller/law.hpp"
 #include "core/yaml/input_error.hpp"
+#include "stillframe_msgs/controller_status_t.hpp"
 #include "tests/report/sample_log.hpp"
 #include "tests/tools/replay_logs.hpp"
 #include "tests/tools/verb.hpp"
@@ -216,6 +217,19 @@ disturbances: [{name: blow, node: mass, along: z, force: {impact: {peak: 1, widt
   // A simulation errs by 3e-4 of its motion at most, 30 times its tolerance.
   EXPECT_LT(power(passive.axes[0].forces->undisturbed),
             3e-4 * 3e-4 * power(passive.axes[0].forces->by_forces));
+  // What is compared is of whole logs, and it is said how much of this one is the loop's.
+  const auto warned = [&](const loop_record_t& record) {
+    const auto log = said_to_be_active(out / "passive.lcm", {record});
+    const Said said = run({"report", log, "--out", folder_ / "page.html", "--json"});
+    return nlohmann::json::parse(said.output).at("warnings").dump();
+  };
+  loop_record_t holding = listening;
+  holding.seq = 1500;
+  holding.state = stillframe_msgs::controller_status_t::ACTIVE;
+  EXPECT_NE(warned(holding).find("The loop held the frame from 1.5 s of 12 s on"),
+            std::string::npos)
+      << warned(holding);
+  EXPECT_NE(warned(listening).find("The loop never held the frame"), std::string::npos);
   const report::LogAnalysis unknown = forces_of({});
   EXPECT_FALSE(unknown.axes.at(0).forces);
   EXPECT_NE(unknown.forces_unknown.find("records are missing"), std::string::npos)

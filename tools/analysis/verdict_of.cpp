@@ -13,6 +13,7 @@
 #include "tools/analysis/multisine_motion.hpp"
 #include "tools/analysis/prediction_checks.hpp"
 #include "tools/analysis/resting_channels.hpp"
+#include "tools/analysis/takeover_of.hpp"
 #include "tools/analysis/unmeasured_floor.hpp"
 
 namespace stillframe::tools {
@@ -184,6 +185,27 @@ void warn_of_plants(const report::LogScan& scan, const std::string& log, report:
       "; what the controller counted over all of them by its end is left out and not judged.");
 }
 
+/// By the clock a frame is passive until its loop has armed and ramped in.
+void warn_of_takeover(const RunAnalysis& run, report::Verdict& verdict) {
+  const auto& info = run.data.scan.info;
+  std::optional<report::Takeover> takeover;
+  try {
+    takeover = takeover_of(run.log, info);
+  } catch (const InputError&) {
+    return;  // nothing tells
+  }
+  if (!takeover) return;
+  const double all_s = static_cast<double>(info.n_samples) / info.sample_rate_hz;
+  const double held_s = static_cast<double>(takeover->full) / info.sample_rate_hz;
+  verdict.warnings.push_back(
+      takeover->full >= info.n_samples
+          ? std::string("The loop never held the frame with its whole command.")
+          : report::cell("The loop held the frame from %.4g s of %.4g s on; levels, ratios, noise "
+                         "and what is identified are of the whole log, with the passive frame "
+                         "before that in it.",
+                         held_s, all_s));
+}
+
 /// Hz, the targets of a loop that is known.
 std::vector<double> targets_of(const LoopDesign& design) {
   if (!design.gains.target_hz.empty()) return design.gains.target_hz;
@@ -205,7 +227,8 @@ std::optional<report::IdentificationSummary> judged(const RunAnalyses& runs,
   auto summary =
       report::summarise(open->sampled, closed->sampled, *reduction,
                         runs.active->matrix->measured.response->frequencies_hz, above_hz);
-  summary.forces_unknown = !runs.any().data.forces_unknown.empty();
+  summary.forces_unknown =
+      !runs.passive->data.forces_unknown.empty() || !runs.active->data.forces_unknown.empty();
   return summary;
 }
 
@@ -254,7 +277,6 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
     accept = acceptance_of(design->scene);
     targets = targets_of(*design);
     verdict.disturbed = has_forces(design->scene);
-    verdict.forces_unknown = runs.any().data.forces_unknown;
     verdict.judged = range = report::judged_range(axis_of(*design));
   }
   if (!targets.empty()) {
@@ -266,8 +288,12 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
         runs.passive->log.filename().string() + ", " + runs.active->log.filename().string() +
         "): each is set against its own floor, and neither against the other.");
   }
+  if (runs.active) warn_of_takeover(*runs.active, verdict);
   for (const auto* run : {&runs.passive, &runs.active}) {
-    if (*run) warn_of_plants((*run)->data.scan, (*run)->log.filename().string(), verdict);
+    if (!*run) continue;
+    warn_of_plants((*run)->data.scan, (*run)->log.filename().string(), verdict);
+    // Those of either stand behind what is set against the other.
+    if (verdict.forces_unknown.empty()) verdict.forces_unknown = (*run)->data.forces_unknown;
   }
   verdict.identification = judged(runs, targets);
   add_axes(verdict, runs, accept);
