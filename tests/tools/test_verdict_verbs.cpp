@@ -812,7 +812,8 @@ TEST_F(VerdictVerbs, ASensorThatIsDeadWhenSomethingKnocksPassesNothing) {
         write("scene.yaml", mass_on_a_table("target_hz: 5, sample_rate_hz: 1000", knock));
     const auto out = folder_ / ("run" + std::to_string(n++));
     run({"run", scene, "--mode", "single_process", "--out", out});
-    for (const Json& of : Json::parse(text_of(out / "verdict.json")).at("runs")) {
+    const Json sound = Json::parse(text_of(out / "verdict.json"));
+    for (const Json& of : sound.at("runs")) {
       EXPECT_TRUE(of.at("resting_channels").empty()) << knock << of;
     }
     damage_log(
