@@ -17,7 +17,7 @@ namespace {
 /// One panel over the whole picture, the legend below it in the given number of rows.
 std::string one_panel(const std::string& title, int n_key_rows) {
   const double key_height = 0.035 * n_key_rows;
-  std::string script = frame_style() + margins(0.09, 0.965, 0.125 + key_height, 0.92);
+  std::string script = frame_style() + margins(0.1, 0.965, 0.125 + key_height, 0.92);
   script += "set key at screen 0.53," + plot_number(0.015 + 0.5 * key_height) + " maxrows " +
             std::to_string(n_key_rows) + "\n";
   if (!title.empty()) script += "set title " + plot_text(title) + " noenhanced font ',22'\n";
