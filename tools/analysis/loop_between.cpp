@@ -73,15 +73,6 @@ std::vector<SceneSignal> unmeasured_translations(const Scene& scene) {
   return result;
 }
 
-MatrixXd directions_of(const std::vector<SceneSignal>& signals) {
-  MatrixXd D = MatrixXd::Zero(std::ssize(signals), 3);
-  for (std::size_t i = 0; i < signals.size(); ++i) {
-    if (signals[i].quantity != Quantity::acceleration) continue;
-    D.row(static_cast<Index>(i)) = signals[i].direction.transpose();
-  }
-  return D;
-}
-
 }  // namespace
 
 FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::string>& outputs,

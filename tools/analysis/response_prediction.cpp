@@ -32,16 +32,6 @@ bool are_the_inputs(const Scene& scene, const std::vector<std::string>& names) {
       [](const std::string& name, const SceneSignal& signal) { return name == signal.name; });
 }
 
-/// Of accelerations; nothing of another signal.
-MatrixXd directions_of(const std::vector<SceneSignal>& signals) {
-  MatrixXd directions = MatrixXd::Zero(static_cast<Index>(signals.size()), 3);
-  for (std::size_t i = 0; i < signals.size(); ++i) {
-    if (signals[i].quantity != Quantity::acceleration) continue;
-    directions.row(static_cast<Index>(i)) = signals[i].direction.transpose();
-  }
-  return directions;
-}
-
 std::vector<SceneSignal> floor_signals(const Scene& scene, const std::vector<std::string>& names) {
   std::set<std::string> on_floor;
   for (const SceneConstraint& constraint : scene.prescribed) on_floor.insert(constraint.node);
@@ -88,6 +78,15 @@ std::vector<SceneSignal> prescribed_translations(const Scene& scene) {
     }
   }
   return inputs;
+}
+
+MatrixXd directions_of(const std::vector<SceneSignal>& signals) {
+  MatrixXd D = MatrixXd::Zero(std::ssize(signals), 3);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    if (signals[i].quantity != Quantity::acceleration) continue;
+    D.row(static_cast<Index>(i)) = signals[i].direction.transpose();
+  }
+  return D;
 }
 
 report::AxisSignals signals_by_motion(const Scene& scene,

@@ -16,6 +16,9 @@ struct PredictedResponse {
   std::vector<Eigen::MatrixXcd> continuous;  ///< of the continuous loop, without sampling
 };
 
+/// The directions of accelerations, n x 3; zero of signals that are none.
+Eigen::MatrixXd directions_of(const std::vector<SceneSignal>& signals);
+
 /// The signals of axes on a floor that does not turn. Floors of which one moves as the others say,
 /// as two feet along one direction do, tell of one motion: those that are named first are the
 /// inputs, the others depend on them. Errors: as ResponsePrediction.
