@@ -65,17 +65,18 @@ int run(const Options& options) {
   require_own_places(read, {{options.out ? "--out" : "the report without --out", place},
                             {"--verdict", options.verdict}});
   Patience patience("reading");
-  RunAnalyses runs;
+  std::vector<LogToAnalyse> to_read;
   for (const auto& log : logs) {
     const std::string name = "reading " + log.filename().string();
-    patience.now(name, 0);
-    runs.add(
-        analyse_run(log, {.run_id = options.run_id,
-                          .plant = options.plant,
-                          .segment_s = options.segment_s,
-                          .comparison = options.comparison,
-                          .progress = [&](double share) { patience.now(name, 100 * share); }}));
+    to_read.push_back(
+        {log,
+         {.run_id = options.run_id,
+          .plant = options.plant,
+          .segment_s = options.segment_s,
+          .comparison = options.comparison,
+          .progress = [&patience, name](double share) { patience.now(name, 100 * share); }}});
   }
+  const RunAnalyses runs = analyse_runs(std::move(to_read));
   patience.now("writing the report");
   const report::Verdict verdict = verdict_of(runs);
   page::write_page(page_of(runs, verdict), place);

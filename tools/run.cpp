@@ -170,10 +170,10 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
                      .realtime = options.realtime};
   if (checked.controller_text) phase.controller = keep("controller.yaml", *checked.controller_text);
   if (checked.policy_text) phase.policy = keep("policy.yaml", *checked.policy_text);
-  RunAnalyses runs;
+  std::vector<LogToAnalyse> logs;
   for (const char* loop : {"passive", "active"}) {
     if (options.loop != "both" && options.loop != loop) continue;
-    if (runs.passive) ++phase.run_id;  // the last number has no next one
+    if (!logs.empty()) ++phase.run_id;  // the last number has no next one
     phase.loop = loop;
     const PhaseResult result =
         options.mode == "single_process"
@@ -185,9 +185,9 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
     }
     if (result.exit_code != exit_done) return fail(directory, result);
     if (!options.json) std::cout << loop << ": " << result.controller_line << "\n";
-    runs.add(analyse_run(directory / (std::string(loop) + ".lcm"),
-                         {.run_id = phase.run_id, .segment_s = 64, .progress = {}}));
+    logs.push_back({directory / (std::string(loop) + ".lcm"), {.run_id = phase.run_id}});
   }
+  const RunAnalyses runs = analyse_runs(std::move(logs));
 
   report::Verdict verdict;
   try {

@@ -58,9 +58,10 @@ struct Frame {
 /// run: from the beginning of a run, which is at rest, or when what it did not know has died away.
 class FloorResponse {
  public:
-  explicit FloorResponse(const SampledLoop& loop) : response_(loop) {
+  explicit FloorResponse(const RunModel& model)
+      : response_(model.late ? LoopResponse(*model.late) : LoopResponse(model.loop)) {
     constexpr double forgotten = 1e-4;  // of the state
-    const double radius = loop.n_exogenous > 0 ? 1 : spectral_radius(loop);
+    const double radius = model.loop.n_exogenous > 0 ? 1 : spectral_radius(model.loop);
     if (radius < 1) settling_ = std::log(forgotten) / std::log(radius);
   }
 
@@ -73,7 +74,7 @@ class FloorResponse {
   /// n samples are missing before a row of inputs: a few are put in as LocalPolynomial does.
   void skip(std::int64_t n, const Eigen::RowVectorXd& behind) {
     if (n > largest_filled_gap || last_.size() == 0) {
-      response_.rest();
+      response_.rest_until(response_.next() + n);
       unknown_ = settling_;
       return;
     }
@@ -142,45 +143,31 @@ class Analyser : public LogVisitor {
     for (const std::string& name : axis_signals().outputs) {
       frame_columns_.push_back(column_of(info.frame_names, name));
     }
-    if (plan_.model && !plan_.multisine) model_.emplace(plan_.model->loop);
+    if (plan_.model && !plan_.multisine) model_.emplace(*plan_.model);
     if (plan_.forces) forces_.emplace(*plan_.forces);
     plan_responses(info);
   }
 
   void samples(const SampleBlock& block) override {
+    // What follows the floor and the forces does so from the beginning on.
     const MatrixXd predicted = predict(block);
+    MatrixXd by_forces;
+    if (forces_) by_forces = forces_->at(block.first_seq, block.n_samples());
     if (!started_) start(block.time_s(0));
     if (block.first_seq > next_seq_ && started_) skip(block.first_seq - next_seq_);
     started_ = true;
     next_seq_ = block.first_seq + block.n_samples();
     floor_.add(block);
-    if (model_) add_unexplained(block, predicted);
-    MatrixXd by_forces, undisturbed;
-    if (forces_) {
-      by_forces = forces_->at(block.first_seq, block.n_samples());
-      undisturbed = block.frame_acceleration - by_forces;
-      add_forces(by_forces, undisturbed);
-    }
-    const MatrixXd& by_floor = forces_ ? undisturbed : block.frame_acceleration;
-    for (Axis& axis : axes_) {
-      axis.floor.add(block.frame_acceleration.col(axis.floor_column));
-      axis.frame.add(block.frame_acceleration.col(axis.frame_column));
-    }
-    for (Frame& frame : frames_) frame.motion.add(block.frame_acceleration.col(frame.column));
-    for (std::size_t leg = 0; leg < legs_.size(); ++leg) {
-      const auto column = static_cast<Index>(leg);
-      legs_[leg].add(block.applied_force.col(column), block.sigma.col(column),
-                     block.command_force.col(column));
-    }
-    if (matrix_) {
-      matrix_->add(block.first_seq, block.floor_acceleration, by_floor.leftCols(plan_.n_outputs),
-                   predicted.leftCols(model_ ? plan_.n_outputs : 0));
-    }
-    if (forces_matrix_) {
-      forces_matrix_->add(block.first_seq, block.floor_acceleration,
-                          by_forces.leftCols(plan_.n_outputs));
-    }
-    if (axis_matrix_) add_axes(block, by_floor, predicted, by_forces);
+    if (model_) look_for_turns(block);
+    const auto n_early = static_cast<Index>(
+        std::clamp<std::int64_t>(plan_.judged_from - block.first_seq, 0, block.n_samples()));
+    if (n_early > 0) show(rows(block, 0, n_early));
+    const Index n = block.n_samples() - n_early;
+    if (n == 0) return;
+    if (n_judged_ == 0) judged_from_s_ = block.time_s(n_early);
+    n_judged_ += n;
+    judge(n_early > 0 ? rows(block, n_early, n) : block, predicted.bottomRows(model_ ? n : 0),
+          by_forces.bottomRows(forces_ ? n : 0));
   }
 
   void period(const stillframe_msgs::loop_record_t& record) override {
@@ -210,7 +197,7 @@ class Analyser : public LogVisitor {
       if (done.unexplained_missing.empty()) done.unexplained = axis.unexplained.finish();
       if (forces_) done.forces = axis.forces.finish();
       if (!plan_.multisine)
-        done.shocks = find_shocks(done.floor.levels, done.frame.levels, first_time_s_);
+        done.shocks = find_shocks(done.floor.levels, done.frame.levels, judged_from_s_);
       result.axes.push_back(std::move(done));
     }
     for (std::size_t f = 0; f < frames_.size(); ++f) {
@@ -219,9 +206,20 @@ class Analyser : public LogVisitor {
     }
     for (const LegAnalyser& leg : legs_) result.legs.push_back(leg.finish());
     if (matrix_) result.matrix = with_doubt(matrix_->finish(), forces_matrix_.get());
+    if (result.matrix && plan_.multisine &&
+        plan_.judged_from > plan_.multisine->window_begin(0) + 1) {
+      result.matrix->response.reset();
+      result.matrix->missing = cell(
+          "the first steady part of the multisine begins at %.4g s, and the loop held the "
+          "frame from %.4g s on",
+          static_cast<double>(plan_.multisine->window_begin(0)) / info_.sample_rate_hz,
+          static_cast<double>(plan_.judged_from) / info_.sample_rate_hz);
+    }
     if (axis_matrix_) {
       result.axis_matrix = with_doubt(axis_matrix_->finish(), forces_axis_matrix_.get());
     }
+    result.judged_from = plan_.judged_from;
+    result.n_judged = n_judged_;
     result.wake_up = std::move(wake_up_);
     result.compute = std::move(compute_);
     result.n_periods = n_periods_;
@@ -231,11 +229,67 @@ class Analyser : public LogVisitor {
   }
 
  private:
+  /// What is announced; 0: not known.
+  std::int64_t n_to_judge() const {
+    return std::max<std::int64_t>(0, info_.n_samples - plan_.judged_from);
+  }
+
+  static SampleBlock rows(const SampleBlock& block, Index first, Index n) {
+    const auto of = [&](const MatrixXd& M) { return M.middleRows(first, n); };
+    return {.first_seq = block.first_seq + first,
+            .time_s = block.time_s.segment(first, n),
+            .floor_acceleration = of(block.floor_acceleration),
+            .sigma = of(block.sigma),
+            .applied_force = of(block.applied_force),
+            .frame_acceleration = of(block.frame_acceleration),
+            .command_force = of(block.command_force)};
+  }
+
+  /// Samples before those that are judged.
+  void show(const SampleBlock& block) {
+    for (Axis& axis : axes_) {
+      axis.floor.show(block.frame_acceleration.col(axis.floor_column));
+      axis.frame.show(block.frame_acceleration.col(axis.frame_column));
+    }
+    for (Frame& frame : frames_) frame.motion.show(block.frame_acceleration.col(frame.column));
+    for (std::size_t leg = 0; leg < legs_.size(); ++leg) {
+      legs_[leg].show(block.applied_force.col(static_cast<Index>(leg)));
+    }
+  }
+
+  void judge(const SampleBlock& block, const MatrixXd& predicted, const MatrixXd& by_forces) {
+    if (model_) add_unexplained(block, predicted);
+    MatrixXd undisturbed;
+    if (forces_) {
+      undisturbed = block.frame_acceleration - by_forces;
+      add_forces(by_forces, undisturbed);
+    }
+    const MatrixXd& by_floor = forces_ ? undisturbed : block.frame_acceleration;
+    for (Axis& axis : axes_) {
+      axis.floor.add(block.frame_acceleration.col(axis.floor_column));
+      axis.frame.add(block.frame_acceleration.col(axis.frame_column));
+    }
+    for (Frame& frame : frames_) frame.motion.add(block.frame_acceleration.col(frame.column));
+    for (std::size_t leg = 0; leg < legs_.size(); ++leg) {
+      const auto column = static_cast<Index>(leg);
+      legs_[leg].add(block.applied_force.col(column), block.sigma.col(column),
+                     block.command_force.col(column));
+    }
+    if (matrix_) {
+      matrix_->add(block.first_seq, block.floor_acceleration, by_floor.leftCols(plan_.n_outputs),
+                   predicted.leftCols(model_ ? plan_.n_outputs : 0));
+    }
+    if (forces_matrix_) {
+      forces_matrix_->add(block.first_seq, block.floor_acceleration,
+                          by_forces.leftCols(plan_.n_outputs));
+    }
+    if (axis_matrix_) add_axes(block, by_floor, predicted, by_forces);
+  }
+
   /// Histories are on plant time, which is known with the first samples.
   void start(double first_time_s) {
-    first_time_s_ = first_time_s;
     const double rate = info_.sample_rate_hz;
-    const std::int64_t n = info_.n_samples;
+    const std::int64_t n = n_to_judge();
     for (const AxisPlan& axis : plan_.axes) {
       axes_.push_back({axis.name, column_of(info_.frame_names, axis.floor),
                        column_of(info_.frame_names, axis.frame),
@@ -253,13 +307,12 @@ class Analyser : public LogVisitor {
   }
 
   void plan_responses(const run_info_t& info) {
-    BroadbandPlan broadband{
-        .sample_rate_hz = info.sample_rate_hz,
-        .n_inputs = info.n_floor,
-        .n_outputs = plan_.n_outputs,
-        .frequencies_hz = plan_.frequencies_hz,
-        .segment_s = plan_.segment_s,
-        .expected_s = static_cast<double>(info.n_samples) / info.sample_rate_hz};
+    BroadbandPlan broadband{.sample_rate_hz = info.sample_rate_hz,
+                            .n_inputs = info.n_floor,
+                            .n_outputs = plan_.n_outputs,
+                            .frequencies_hz = plan_.frequencies_hz,
+                            .segment_s = plan_.segment_s,
+                            .expected_s = static_cast<double>(n_to_judge()) / info.sample_rate_hz};
     if (broadband.expected_s > 0) {
       broadband.segment_s = std::min(broadband.segment_s, broadband.expected_s);
     }
@@ -292,6 +345,7 @@ class Analyser : public LogVisitor {
   }
 
   void skip(std::int64_t n) {
+    if (n_judged_ == 0) return skip_shown(n);
     for (Axis& axis : axes_) {
       axis.floor.skip(n);
       axis.frame.skip(n);
@@ -302,6 +356,15 @@ class Analyser : public LogVisitor {
       frame.motion.skip(n);
       frame.forces.skip(n);
     }
+    for (LegAnalyser& leg : legs_) leg.skip(n);
+  }
+
+  void skip_shown(std::int64_t n) {
+    for (Axis& axis : axes_) {
+      axis.floor.skip_shown(n);
+      axis.frame.skip_shown(n);
+    }
+    for (Frame& frame : frames_) frame.motion.skip_shown(n);
     for (LegAnalyser& leg : legs_) leg.skip(n);
   }
 
@@ -316,8 +379,6 @@ class Analyser : public LogVisitor {
   void add_unexplained(const SampleBlock& block, const MatrixXd& predicted) {
     const Index doubtful = model_->doubtful(block.n_samples()), n = block.n_samples() - doubtful;
     n_explained_ += n;
-    n_samples_ += block.n_samples();
-    look_for_turns(block);
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       axes_[a].unexplained.skip(doubtful);
       const auto column = plan_.n_outputs + plan_.axis_signals.output[a];
@@ -339,7 +400,7 @@ class Analyser : public LogVisitor {
     if (!model_) {
       return plan_.unmodelled.empty() ? "there is no model of a multisine run" : plan_.unmodelled;
     }
-    if (2 * n_explained_ <= n_samples_) {
+    if (2 * n_explained_ <= n_judged_) {
       return "the log has no beginning or has gaps, and what the loop did there it has not "
              "forgotten in over half of what is left";
     }
@@ -395,7 +456,7 @@ class Analyser : public LogVisitor {
   AnalysisPlan plan_;
   std::vector<Index> floor_columns_, frame_columns_;  ///< of the axes' signals
   run_info_t info_;
-  double first_time_s_ = 0;  ///< plant time
+  double judged_from_s_ = 0;  ///< plant time
   FloorSamples floor_;
   std::vector<Axis> axes_;
   std::vector<Frame> frames_;
@@ -404,7 +465,7 @@ class Analyser : public LogVisitor {
   DurationHistogram wake_up_, compute_;
   std::optional<FloorResponse> model_;
   std::optional<ForceResponse> forces_;
-  std::int64_t n_explained_ = 0, n_samples_ = 0;
+  std::int64_t n_explained_ = 0, n_judged_ = 0;
   double strayed_power_ = 0, floor_power_ = 0;  ///< (m/s^2)^2 times samples
   std::int64_t next_seq_ = 0, n_periods_ = 0, n_discarded_ = 0, n_commanded_ = 0;
   bool started_ = false;

@@ -26,6 +26,7 @@ struct RunModel {
   /// From the floor inputs to the first n_outputs frame accelerations and then the outputs of
   /// AnalysisPlan::axis_signals.
   SampledLoop loop;
+  std::optional<LateLoop> late = {};  ///< the same, of one that was not closed from the beginning
   /// T at the frequencies of broadband identification: of the outputs, and of the axes' signals;
   /// none if the floors of the axes do not tell how the floor moves.
   std::vector<Eigen::MatrixXcd> matrix, axes;
@@ -45,6 +46,8 @@ struct RunModel {
 /// What is looked for in a log.
 struct AnalysisPlan {
   std::vector<AxisPlan> axes;
+  /// From this sample on motion is judged; what is read before is in envelopes only.
+  std::int64_t judged_from = 0;
   std::vector<std::string> frames = {};  ///< accelerations that are sought beside those of axes
   AxisSignals axis_signals = {};         ///< of the axes; none: those by name
   /// From the floor inputs to the first n_outputs frame accelerations; none: no matrix is sought.
@@ -98,6 +101,8 @@ struct LogAnalysis {
   std::vector<LegAnalysis> legs;
   std::optional<IdentifiedResponse> matrix;       ///< all floor inputs to the outputs
   std::optional<IdentifiedResponse> axis_matrix;  ///< between axis_signals
+  std::int64_t judged_from = 0;                   ///< of the plan
+  std::int64_t n_judged = 0;                      ///< samples from there on
   DurationHistogram wake_up, compute;             ///< wall-clock runs, of the controller
   /// Wall-clock runs: periods of the controller, those whose measurement it rejected, and those in
   /// which it sent a command.

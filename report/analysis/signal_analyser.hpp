@@ -31,6 +31,9 @@ class SignalAnalyser {
   void add(const Eigen::Ref<const Eigen::VectorXd>& x);
   /// The next n samples are missing.
   void skip(std::int64_t n);
+  /// As these, of samples that are in the envelope only: before all others.
+  void show(const Eigen::Ref<const Eigen::VectorXd>& x) { envelope_.add(x); }
+  void skip_shown(std::int64_t n) { envelope_.skip(n); }
   SignalAnalysis finish() const;
 
  private:
@@ -45,7 +48,7 @@ class SignalAnalyser {
 /// The same of a whole signal.
 SignalAnalysis analyse_signal(const Eigen::VectorXd& x, double sample_rate_hz);
 
-/// What the actuator of one leg did over a run.
+/// What the actuator of one leg did, as SignalAnalysis.
 struct LegAnalysis {
   std::string name;
   double applied_rms = 0, applied_peak = 0;  ///< N, what acted
@@ -63,6 +66,8 @@ class LegAnalyser {
            const Eigen::Ref<const Eigen::VectorXd>& sigma,
            const Eigen::Ref<const Eigen::VectorXd>& command);
   void skip(std::int64_t n);
+  /// In the envelope only.
+  void show(const Eigen::Ref<const Eigen::VectorXd>& applied) { envelope_.add(applied); }
   LegAnalysis finish() const;
 
  private:

@@ -51,6 +51,7 @@ class Judge {
 
   std::vector<Check> checks(std::vector<Check> prediction) {
     for (const RunSummary& run : verdict_.runs) record_of(run);
+    if (active_ != nullptr) hold_of(*active_);
     if (active_ != nullptr) effort_of(*active_);
     motion(std::any_of(prediction.begin(), prediction.end(),
                        [](const Check& check) { return check.is_proof; }));
@@ -198,6 +199,18 @@ class Judge {
          .by_scene = by_scene.has_value()});
   }
 
+  /// A frame that its loop never held shows nothing of it.
+  void hold_of(const RunSummary& run) {
+    if (run.never_held.empty()) return;
+    add({.subject = Subject::effort,
+         .what = "hold of the loop on the frame",
+         .asked = "with its whole command",
+         .found = "never",
+         .outcome = run.fault ? Outcome::failed : Outcome::not_judged,
+         .reason = "The loop never held the frame with its whole command: " + run.never_held + ".",
+         .is_needed = true});
+  }
+
   void effort_of(const RunSummary& run) {
     add_share({.what = "commands with a limited force",
                .n = run.n_saturated,
@@ -257,6 +270,10 @@ class Judge {
     };
     if (active_ == nullptr) {
       open("There is no run of the active loop.", !accept_.axes.empty());
+      return;
+    }
+    if (!active_->never_held.empty()) {
+      open("The loop never held the frame that moved.", !accept_.axes.empty());
       return;
     }
     for (const AxisLevels& axis : verdict_.axes) {
@@ -347,10 +364,12 @@ class Judge {
   std::string too_short(double from_hz) const {
     const double needed_s = least_periods / std::min(from_hz, lowest_judged_hz);
     const double there_s = active_->sample_rate_hz > 0
-                               ? static_cast<double>(active_->n_samples) / active_->sample_rate_hz
+                               ? static_cast<double>(active_->n_judged) / active_->sample_rate_hz
                                : 0;
     if (there_s >= needed_s) return "";
-    return cell("the run of %.3g s is too short for levels, which need %.3g s", there_s, needed_s);
+    const std::string held = active_->judged_from_s > 0 ? " in which the loop held the frame" : "";
+    return cell("the run of %.3g s", there_s) + held +
+           cell(" is too short for levels, which need %.3g s", needed_s);
   }
 
   /// A level, and what of it may be something else than motion in its range.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "controller/in_process_io.hpp"
 #include "controller/loop_thread.hpp"
 #include "core/worst.hpp"
 #include "msgs/clock.hpp"
@@ -104,6 +105,67 @@ TEST(RunPeriodic, EndsThoughItsRunBeginsInAnHour) {
   policy.realtime = Policy::Realtime::off;
   { const LoopThread thread(loop, policy, 1000); }
   EXPECT_EQ(loop.counters().n_periods, 0);
+}
+
+/// A loop that drives its frame in an hour: its thread finds nothing to do, and what is looked at
+/// is the clock of who waits for it.
+class WhoWaits : public testing::Test {
+ protected:
+  WhoWaits() {
+    Measurement m;
+    Command command;
+    m.sigma = m.applied = command.force = Eigen::VectorXd::Zero(4);
+    for (; m.seq < 2000 && !loop_.counters().driving; ++m.seq) {
+      m.time_ns = m.seq * period_ns;
+      m.received_ns = start_ns_ + m.time_ns;
+      m.sigma.setConstant(m.seq % 2 == 0 ? 1 : -1);  // alive
+      io_.put(m);
+      loop_.period(loop_.next_ns());
+      while (io_.take(command)) m.applied = command.force;
+    }
+    EXPECT_TRUE(loop_.counters().driving);
+  }
+
+  /// At once. Times of the policy below zero stand for time that has passed: nobody sleeps here.
+  bool gives_up(Policy policy, double rate_hz) {
+    policy.realtime = Policy::Realtime::off;
+    LoopThread thread(loop_, policy, rate_hz);
+    thread.let_go();
+    const bool has_let_go = thread.has_let_go();
+    thread.end();
+    return has_let_go;
+  }
+
+  Gains gains_ = toy::gains(5, 1000, 1);
+  InProcessIo io_{4};
+  std::int64_t start_ns_ = monotonic_ns() + hour_ns;
+  Loop loop_{io_,
+             Supervisor(gains_, {}, true),
+             {},
+             LoopSetting{.sample_rate_hz = 1000, .start_ns = start_ns_, .now_ns = start_ns_}};
+};
+
+// After half a second, or five periods if they are longer. What is not overdue yet is not for two
+// seconds, however late the machine is.
+TEST_F(WhoWaits, GivesUpARampThatIsOverdue) {
+  const auto gives_up_after = [&](double seconds, double rate_hz) {
+    Policy policy;
+    policy.hold_periods = 1'000'000;  // it is not silent
+    policy.ramp_out_s = -seconds;
+    policy.fade_s = 0;
+    return gives_up(policy, rate_hz);
+  };
+  EXPECT_TRUE(gives_up_after(0.6, 200));
+  EXPECT_TRUE(gives_up_after(0.6, 20));
+  EXPECT_FALSE(gives_up_after(3, 1));
+  EXPECT_TRUE(gives_up_after(5.1, 1));
+}
+
+// One that holds nothing for a plant that is silent: between two measurements there is a second.
+TEST_F(WhoWaits, HearsTwoPeriodsOfASlowLoop) {
+  Policy policy;
+  policy.hold_periods = -1;
+  EXPECT_FALSE(gives_up(policy, 1));
 }
 
 }  // namespace

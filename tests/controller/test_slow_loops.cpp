@@ -4,6 +4,8 @@
 #include <random>
 
 #include "controller/command_watch.hpp"
+#include "controller/pace.hpp"
+#include "controller/slow_loops.hpp"
 #include "core/worst.hpp"
 #include "tests/controller/rig.hpp"
 
@@ -119,6 +121,70 @@ TEST(SlowLoops, FewCommandsAtTheLimitAreNoFault) {
     int n = 0;
     for (; n < 2000 && !watch.limited(); ++n) watch.command(VectorXd::Constant(1, 10), true, -1);
     EXPECT_EQ(n, std::ceil(-std::log(0.75) * window)) << rate_hz;
+  }
+}
+
+// A tenth of the force limit of 200 N in 200 samples, where no floor is measured that asks for
+// less. Who finds more than that on the legs waits until it is gone.
+TEST(SlowLoops, ACommandMayAlwaysChangeByAsMuchASample) {
+  for (const double rate_hz : {1.0, 20.0, 200.0}) {
+    const Gains frame = slow_gains(rate_hz);
+    Gains blind = frame;
+    blind.plant.B_w.resize(8, 0);
+    const auto arms_until = [&](double left) {
+      Rig rig(default_policy(rate_hz), true, blind, frame);
+      EXPECT_TRUE(rig.reaches(State::ramp_in, 1000, [&](Measurement& m) {
+        m.applied.setConstant(left);
+        return true;
+      })) << rate_hz;
+      return rig.k();
+    };
+    const std::int64_t at_rest = arms_until(0);
+    EXPECT_EQ(arms_until(0.09), at_rest) << rate_hz;
+    EXPECT_GT(arms_until(0.11), at_rest) << rate_hz;
+  }
+}
+
+// Changes of which none is too much alone, all one way: they are remembered for as many samples.
+TEST(SlowLoops, CommandsThatGoOneWayAreFoundInAsManySamples) {
+  const auto found_after = [](double rate_hz) {
+    const Gains gains = slow_gains(rate_hz);
+    Pace pace(gains, {.free = 1e-3, .ramp_in_s = slowed(1, rate_hz)});
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    pace.restart();
+    for (std::int64_t k = 0; k < 100; ++k) {
+      pace.listen(k, VectorXd::NullaryExpr(4, [&] { return 1e-3 * normal(random); }));
+    }
+    pace.begin(VectorXd::Zero(4));
+    int n = 0;
+    for (; n < 100; ++n) {
+      pace.forget(1);
+      pace.floor(VectorXd::Constant(1, n < 20 ? 0.1 * normal(random) : 0));
+      pace.expect(1, 1);
+      // By then the loop has answered the floor.
+      const VectorXd change = (n < 40 ? 0 : 0.5) * pace.most(1);
+      if (pace.command(1, change) >= 0) break;
+    }
+    return n;
+  };
+  const int of_200_hz = found_after(200);
+  EXPECT_GT(of_200_hz, 40);
+  EXPECT_LT(of_200_hz, 100);
+  for (const double rate_hz : {1.0, 20.0}) EXPECT_EQ(found_after(rate_hz), of_200_hz) << rate_hz;
+}
+
+// They go as far back as the records, to within the samples between two of them.
+TEST(SlowLoops, AFlightRecordHasTheCheckpointsOfItsRecords) {
+  for (const double rate_hz : {1.0, 20.0, 200.0, 1000.0}) {
+    Policy policy = default_policy(rate_hz);
+    policy.record_s = 100 / rate_hz;
+    Rig rig(policy, true, slow_gains(rate_hz));
+    rig.steps(1000);
+    const auto checkpoints = rig.loop().flight().checkpoints();
+    const std::int64_t first = rig.loop().flight().records().front()->period;
+    const std::int64_t between = checkpoints[1]->period - checkpoints[0]->period;
+    EXPECT_LE(std::abs(checkpoints.front()->period - first), between) << rate_hz;
   }
 }
 

@@ -31,6 +31,7 @@ struct MadeUp {
                               .loop = loop,
                               .sample_rate_hz = 1000,
                               .n_samples = 60001,
+                              .n_judged = 60001,
                               .n_commands = 60001,
                               .n_commands_given = 60001,
                               .n_periods = 60001});
@@ -127,7 +128,7 @@ TEST(Acceptance, WithoutAnythingToJudgeByNothingPasses) {
          for (AxisLevels& axis : m.verdict.axes) axis.active.reset();
          m.ask();
        }},
-      {"is too short", [](MadeUp& m) { m.active().n_samples = 9000; }},
+      {"is too short", [](MadeUp& m) { m.active().n_judged = 9000; }},
       {"No direction is compared", [](MadeUp& m) { m.verdict.axes.clear(); }},
       {"neither frame moves",
        [](MadeUp& m) {
@@ -147,7 +148,7 @@ TEST(Acceptance, WithoutAnythingToJudgeByNothingPasses) {
   EXPECT_EQ(judge({}, {}, {}).outcome, Outcome::not_judged);
   // Too short to pass, but not to fail.
   MadeUp wild;
-  wild.active().n_samples = 5000;
+  wild.active().n_judged = 5000;
   wild.asked()[1].active = 11;
   EXPECT_EQ(wild.judged().outcome, Outcome::failed);
   // A floor that hardly moves where the loop isolates leaves what it does elsewhere.
@@ -619,7 +620,7 @@ MadeUp random_run(std::mt19937& random) {
   if (chance(0.2)) run.verdict.runs.erase(run.verdict.runs.begin() + (chance(0.5) ? 1 : 0));
   for (RunSummary& r : run.verdict.runs) {
     if (chance(0.1)) r.n_damaged = 3;
-    if (chance(0.1)) r.n_samples = 4000;
+    if (chance(0.1)) r.n_judged = 4000;
     if (chance(0.1)) r.n_saturated = 3000;
     if (chance(0.1)) r.n_discarded = 3000;
     if (chance(0.1)) r.unreadable = "gains_text: no \"YAML\" <b>";

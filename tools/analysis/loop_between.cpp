@@ -37,6 +37,12 @@ SampledLoop loop_around(const SampledPlant& plant, const LoopDesign& design, boo
   return active ? close_loop(plant, controller::law_from_gains(design.gains)) : open_loop(plant);
 }
 
+std::optional<report::LateLoop> late_loop(const SampledPlant& plant, const LoopDesign& design,
+                                          const std::optional<report::Takeover>& takeover) {
+  if (!takeover) return std::nullopt;
+  return report::LateLoop{*takeover, gain_loop(plant, controller::law_from_gains(design.gains))};
+}
+
 }  // namespace
 
 SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
@@ -77,7 +83,8 @@ std::vector<SceneSignal> unmeasured_translations(const Scene& scene) {
 
 FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::string>& outputs,
                              bool active, FloorNodes nodes,
-                             const std::vector<double>& frequencies_hz) {
+                             const std::vector<double>& frequencies_hz,
+                             const std::optional<report::Takeover>& takeover) {
   // What is left in a bound of noise of a thousandth of the motion is no harm to it.
   constexpr double least_share = 1e-3;
   const std::vector<SceneSignal>& measured = design.scene.inputs;
@@ -85,29 +92,38 @@ FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::st
   const Index n_w = std::ssize(measured), n_u = std::ssize(beside), n_y = std::ssize(outputs);
   const MatrixXd D_w = directions_of(measured);
   const MatrixXd to_floor = D_w.completeOrthogonalDecomposition().pseudoInverse();
-  FollowedFloor result{loop_between(design, measured, outputs, active), D_w * to_floor,
-                       std::vector<bool>(outputs.size(), false)};
-  if (n_u == 0 || nodes == FloorNodes::rest) return result;
-  std::vector<SceneSignal> all = measured;
-  all.insert(all.end(), beside.begin(), beside.end());
-  SampledLoop loop = loop_between(design, all, outputs, active);
-  Eigen::VectorXd by_measured = Eigen::VectorXd::Zero(n_y), by_others = by_measured;
-  for (const double f : frequencies_hz) {
-    const MatrixXd T = transfer(loop, 2 * std::numbers::pi * f).cwiseAbs();
-    by_measured = by_measured.cwiseMax(T.leftCols(n_w).rowwise().maxCoeff());
-    by_others = by_others.cwiseMax(T.rightCols(n_u).rowwise().maxCoeff());
+  SampledPlant plant = plant_between(design, measured, outputs);
+  FollowedFloor result{.loop = loop_around(plant, design, active),
+                       .late = {},
+                       .rigid = D_w * to_floor,
+                       .leans_on_rigid = std::vector<bool>(outputs.size(), false)};
+  if (n_u > 0 && nodes != FloorNodes::rest) {
+    std::vector<SceneSignal> all = measured;
+    all.insert(all.end(), beside.begin(), beside.end());
+    SampledPlant wide = plant_between(design, all, outputs);
+    const SampledLoop loop = loop_around(wide, design, active);
+    Eigen::VectorXd by_measured = Eigen::VectorXd::Zero(n_y), by_others = by_measured;
+    for (const double f : frequencies_hz) {
+      const MatrixXd T = transfer(loop, 2 * std::numbers::pi * f).cwiseAbs();
+      by_measured = by_measured.cwiseMax(T.leftCols(n_w).rowwise().maxCoeff());
+      by_others = by_others.cwiseMax(T.rightCols(n_u).rowwise().maxCoeff());
+    }
+    bool leans = false;
+    for (Index i = 0; i < n_y; ++i) {
+      const bool leans_here = by_others(i) > least_share * by_measured(i);
+      result.leans_on_rigid[static_cast<std::size_t>(i)] = leans_here;
+      leans = leans || leans_here;
+    }
+    if (leans) {
+      const MatrixXd others = directions_of(beside) * to_floor;
+      for (MatrixXd* M : {&wide.Gamma_w, &wide.D_yw}) {
+        *M = (M->leftCols(n_w) + M->rightCols(n_u) * others).eval();
+      }
+      plant = std::move(wide);
+      result.loop = loop_around(plant, design, active);
+    }
   }
-  bool leans = false;
-  for (Index i = 0; i < n_y; ++i) {
-    result.leans_on_rigid[static_cast<std::size_t>(i)] =
-        by_others(i) > least_share * by_measured(i);
-    leans = leans || by_others(i) > least_share * by_measured(i);
-  }
-  if (!leans) return result;
-  const MatrixXd others = directions_of(beside) * to_floor;
-  loop.B = (loop.B.leftCols(n_w) + loop.B.rightCols(n_u) * others).eval();
-  loop.D = (loop.D.leftCols(n_w) + loop.D.rightCols(n_u) * others).eval();
-  result.loop = std::move(loop);
+  if (active) result.late = late_loop(plant, design, takeover);
   return result;
 }
 
@@ -152,9 +168,7 @@ report::ForceModel force_model(const LoopDesign& design, const std::vector<std::
                              }
                              return forces;
                            }};
-  if (active && takeover) {
-    model.late = {*takeover, gain_loop(plant, controller::law_from_gains(design.gains))};
-  }
+  if (active) model.late = late_loop(plant, design, takeover);
   return model;
 }
 

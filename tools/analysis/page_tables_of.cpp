@@ -335,10 +335,11 @@ void add_tables(const report::Verdict& verdict, page::PageData& page) {
 }
 
 void add_log_tables(const RunAnalyses& runs, page::PageData& page) {
-  page::Table table{"How whole the logs are",
-                    {"log", "samples", "lost", "gaps", "repeated", "out of order", "commands",
-                     "damaged places", "unread bytes", "other channels"},
-                    {}};
+  page::Table table{
+      "How whole the logs are",
+      {"log", "samples", "judged from (s)", "lost", "gaps", "repeated", "out of order", "commands",
+       "damaged places", "unread bytes", "other channels"},
+      {}};
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (!*run) continue;
     const report::LogScan& scan = (*run)->data.scan;
@@ -347,13 +348,14 @@ void add_log_tables(const RunAnalyses& runs, page::PageData& page) {
       foreign +=
           (foreign.empty() ? "" : ", ") + (name.empty() ? "others" : name) + " (" + count(n) + ")";
     }
-    table.rows.push_back({(*run)->log.filename().string(), count(scan.measurements.n_received),
-                          count(scan.measurements.n_lost),
-                          count(static_cast<std::int64_t>(scan.measurements.gaps.size())),
-                          count(scan.measurements.n_duplicates),
-                          count(scan.measurements.n_out_of_order), count(scan.commands.n_received),
-                          count(scan.n_damaged), count(scan.unread_bytes),
-                          foreign.empty() ? "none" : foreign});
+    table.rows.push_back(
+        {(*run)->log.filename().string(), count(scan.measurements.n_received),
+         cell("%.4g", static_cast<double>((*run)->data.judged_from) / scan.info.sample_rate_hz),
+         count(scan.measurements.n_lost),
+         count(static_cast<std::int64_t>(scan.measurements.gaps.size())),
+         count(scan.measurements.n_duplicates), count(scan.measurements.n_out_of_order),
+         count(scan.commands.n_received), count(scan.n_damaged), count(scan.unread_bytes),
+         foreign.empty() ? "none" : foreign});
   }
   page.log.push_back(std::move(table));
 }

@@ -42,8 +42,9 @@ std::string with_controller(const std::string& scene_text, const controller::Gai
 }
 
 /// The model of a run's loop and what it predicts of the plan's frequencies.
-void add_model(report::AnalysisPlan& plan, const LoopDesign& design, FloorNodes nodes,
+void add_model(report::AnalysisPlan& plan, const RecordedRun& run,
                const stillframe_msgs::run_info_t& info) {
+  const LoopDesign& design = *run.design;
   const bool active = info.loop == "active";
   report::ResponseSignals all{
       info.floor_names, {info.frame_names.begin(), info.frame_names.begin() + plan.n_outputs}};
@@ -61,14 +62,17 @@ void add_model(report::AnalysisPlan& plan, const LoopDesign& design, FloorNodes 
   std::vector<Eigen::MatrixXcd> predicted;
   try {
     FollowedFloor followed =
-        followed_floor(design, all.outputs, active, nodes, plan.frequencies_hz);
-    plan.model = report::RunModel{.loop = std::move(followed.loop), .matrix = {}, .axes = {}};
+        followed_floor(design, all.outputs, active, run.nodes, plan.frequencies_hz, run.takeover);
+    plan.model = report::RunModel{.loop = std::move(followed.loop),
+                                  .late = std::move(followed.late),
+                                  .matrix = {},
+                                  .axes = {}};
     for (const double f : plan.frequencies_hz) {
       predicted.push_back(transfer(plan.model->loop, 2 * std::numbers::pi * f));
       plan.model->matrix.emplace_back(predicted.back().topRows(plan.n_outputs));
     }
     plan.model->rigid = std::move(followed.rigid);
-    plan.model->moved_apart = nodes == FloorNodes::unknown;
+    plan.model->moved_apart = run.nodes == FloorNodes::unknown;
     for (const Eigen::Index output : plan.axis_signals.output) {
       plan.model->leans_on_rigid.push_back(
           followed.leans_on_rigid[static_cast<std::size_t>(plan.n_outputs + output)]);
@@ -135,7 +139,9 @@ LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains
   return design;
 }
 
-RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::string& source_name) {
+RecordedRun recorded_run(const stillframe_msgs::run_info_t& info,
+                         const std::filesystem::path& log) {
+  const std::string source_name = log.string();
   RecordedRun run;
   try {
     const controller::Gains gains =
@@ -158,6 +164,11 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::str
     run.nodes = floor_nodes(spec);
   } catch (const std::exception& error) {
     if (run.unreadable.empty()) run.unreadable = error.what();
+  }
+  try {
+    run.takeover = takeover_of(log, info);
+  } catch (const std::exception& error) {
+    run.takeover_unknown = error.what();
   }
   return run;
 }
@@ -184,9 +195,10 @@ FrequencyRange shown(const RecordedRun& run, const stillframe_msgs::run_info_t& 
 
 }  // namespace
 
-report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info,
-                                   const std::filesystem::path& log) {
+report::AnalysisPlan analysis_plan(const RecordedRun& run,
+                                   const stillframe_msgs::run_info_t& info) {
   report::AnalysisPlan plan;
+  plan.judged_from = run.held_from(info);
   plan.multisine = run.multisine;
   const FrequencyRange range = shown(run, info);
   const Eigen::VectorXd frequencies =
@@ -224,13 +236,13 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs
   }
   if (has_forces(run.design->scene)) {
     try {
-      plan.forces =
-          force_model(*run.design, info.frame_names, info.loop == "active", takeover_of(log, info));
+      if (!run.takeover_unknown.empty()) throw InputError(run.takeover_unknown);
+      plan.forces = force_model(*run.design, info.frame_names, info.loop == "active", run.takeover);
     } catch (const std::exception& error) {
       plan.forces_unknown = error.what();
     }
   }
-  if (!run.multisine) add_model(plan, *run.design, run.nodes, info);
+  if (!run.multisine) add_model(plan, run, info);
   return plan;
 }
 

@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #include "core/yaml/input_error.hpp"
+#include "report/log/run_search.hpp"
 
 namespace stillframe::tools {
 
 namespace {
+
+using stillframe_msgs::run_info_t;
 
 std::optional<JudgedResponse> judged(std::optional<report::IdentifiedResponse>& measured,
                                      const RecordedRun& run, bool active,
@@ -36,24 +39,52 @@ std::optional<JudgedResponse> judged(std::optional<report::IdentifiedResponse>& 
   return result;
 }
 
-}  // namespace
+bool same_floor_said(const run_info_t& a, const run_info_t& b) {
+  return a.floor_text == b.floor_text && a.n_samples == b.n_samples &&
+         a.floor_names == b.floor_names && a.frame_names == b.frame_names;
+}
 
-RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings& settings) {
+/// active: that another run is set beside, if it is there.
+RunAnalysis analyse_beside(const std::filesystem::path& log, const AnalysisSettings& settings,
+                           const RunAnalysis* active) {
   RunAnalysis result;
   result.log = log;
   report::ScanSettings scan;
   scan.run_id = settings.run_id;
   scan.plant = settings.plant;
   scan.progress = settings.progress;
-  result.data = report::analyse_log(log, scan, [&](const stillframe_msgs::run_info_t& info) {
-    result.run = recorded_run(info, log.string());
-    report::AnalysisPlan plan = analysis_plan(result.run, info, log);
+  result.data = report::analyse_log(log, scan, [&](const run_info_t& info) {
+    result.run = recorded_run(info, log);
+    report::AnalysisPlan plan = analysis_plan(result.run, info);
     plan.segment_s = settings.segment_s;
+    if (active != nullptr && same_floor_said(info, active->data.scan.info)) {
+      plan.judged_from = active->data.judged_from;
+    }
     return plan;
   });
   result.matrix = judged(result.data.matrix, result.run, result.active(), settings.comparison);
   result.axes = judged(result.data.axis_matrix, result.run, result.active(), settings.comparison);
   return result;
+}
+
+}  // namespace
+
+RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings& settings) {
+  return analyse_beside(log, settings, nullptr);
+}
+
+RunAnalyses analyse_runs(std::vector<LogToAnalyse> logs) {
+  // Its takeover is to be known first.
+  if (logs.size() > 1) {
+    std::stable_partition(logs.begin(), logs.end(), [](const LogToAnalyse& one) {
+      return report::find_run_info(one.log, one.settings.run_id, {}, {}).loop == "active";
+    });
+  }
+  RunAnalyses runs;
+  for (const LogToAnalyse& one : logs) {
+    runs.add(analyse_beside(one.log, one.settings, runs.active ? &*runs.active : nullptr));
+  }
+  return runs;
 }
 
 std::string AxisPair::title(const RunAnalyses& runs) const {
@@ -64,9 +95,7 @@ std::string AxisPair::title(const RunAnalyses& runs) const {
 bool RunAnalyses::same_floor() const {
   if (!passive || !active) return true;
   const auto &a = passive->data.scan.info, &b = active->data.scan.info;
-  return a.floor_text == b.floor_text && a.n_samples == b.n_samples &&
-         a.floor_names == b.floor_names && a.frame_names == b.frame_names &&
-         passive->data.floor.agrees(active->data.floor);
+  return same_floor_said(a, b) && passive->data.floor.agrees(active->data.floor);
 }
 
 std::vector<AxisPair> RunAnalyses::axes() const {

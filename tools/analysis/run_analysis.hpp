@@ -77,7 +77,17 @@ struct AnalysisSettings {
   std::function<void(double)> progress = {};  ///< share of the file, 0 to 1
 };
 
-/// Errors: as scan_log.
+/// A log by itself. Errors: as scan_log.
 RunAnalysis analyse_run(const std::filesystem::path& log, const AnalysisSettings& settings = {});
+
+struct LogToAnalyse {
+  std::filesystem::path log;
+  AnalysisSettings settings = {};
+};
+
+/// One or two logs of a scene. A passive run is judged from the same sample on as the active one
+/// beside it if both are said to have had the same floor: what shook both frames while the loop was
+/// not closed shows nothing of it. Errors: as analyse_run and RunAnalyses::add.
+RunAnalyses analyse_runs(std::vector<LogToAnalyse> logs);
 
 }  // namespace stillframe::tools

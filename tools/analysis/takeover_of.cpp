@@ -63,6 +63,7 @@ class TakeoverSearch {
     if (!done_ && found_.from != found_.never) {
       found_.full = found_.from + std::llround(policy_.ramp_in_s * info_.sample_rate_hz);
     }
+    found_.fault = !done_ && state_ == State::FAULT;
     return found_;
   }
 

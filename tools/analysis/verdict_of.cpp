@@ -13,7 +13,6 @@
 #include "tools/analysis/multisine_motion.hpp"
 #include "tools/analysis/prediction_checks.hpp"
 #include "tools/analysis/resting_channels.hpp"
-#include "tools/analysis/takeover_of.hpp"
 #include "tools/analysis/unmeasured_floor.hpp"
 
 namespace stillframe::tools {
@@ -71,6 +70,18 @@ report::ResponseSummary summary_of(const JudgedResponse& response, const std::st
   return summary;
 }
 
+/// Why there is no sample in which a loop held its frame; empty: there is one.
+std::string never_held(const RunAnalysis& run) {
+  const auto& info = run.data.scan.info;
+  if (!run.run.never_held(info)) return {};
+  const report::Takeover& takeover = *run.run.takeover;
+  if (takeover.fault) return "its controller had a fault before and was in it at the end";
+  if (takeover.full == takeover.never) return "its controller never ended arming";
+  return report::cell("its ramp ends at %.4g s, the log at %.4g s",
+                      static_cast<double>(takeover.full) / info.sample_rate_hz,
+                      static_cast<double>(info.n_samples) / info.sample_rate_hz);
+}
+
 void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   const report::LogAnalysis& log = run.data;
   const std::string& loop = log.scan.info.loop;
@@ -79,6 +90,8 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   };
   verdict.runs.push_back(report::run_summary(log));
   verdict.runs.back().unreadable = run.run.unreadable;
+  verdict.runs.back().never_held = never_held(run);
+  verdict.runs.back().fault = run.run.takeover && run.run.takeover->fault;
   verdict.runs.back().resting_channels = resting_channels(run);
   verdict.runs.back().resting_forces = resting_forces(run);
   append(verdict.timing, report::timing_summaries(log));
@@ -141,6 +154,11 @@ void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcce
   }
 }
 
+bool never_held(const report::Verdict& verdict, const std::string& loop) {
+  return std::any_of(verdict.runs.begin(), verdict.runs.end(),
+                     [&](const auto& run) { return run.loop == loop && !run.never_held.empty(); });
+}
+
 /// What no check fails by default and a customer would want to hear.
 void add_warnings(report::Verdict& verdict) {
   for (const report::AxisLevels& axis : verdict.axes) {
@@ -153,6 +171,7 @@ void add_warnings(report::Verdict& verdict) {
                                worse + ".");
   }
   for (const report::ResponseSummary& response : verdict.responses) {
+    if (never_held(verdict, response.loop)) continue;
     if (response.repeats || response.n_compared == 0 ||
         response.beyond_db <= response.tolerance_db) {
       continue;
@@ -183,27 +202,6 @@ void warn_of_plants(const report::LogScan& scan, const std::string& log, report:
   verdict.warnings.push_back(
       log + ": " + text +
       "; what the controller counted over all of them by its end is left out and not judged.");
-}
-
-/// By the clock a frame is passive until its loop has armed and ramped in.
-void warn_of_takeover(const RunAnalysis& run, report::Verdict& verdict) {
-  const auto& info = run.data.scan.info;
-  std::optional<report::Takeover> takeover;
-  try {
-    takeover = takeover_of(run.log, info);
-  } catch (const InputError&) {
-    return;  // nothing tells
-  }
-  if (!takeover) return;
-  const double all_s = static_cast<double>(info.n_samples) / info.sample_rate_hz;
-  const double held_s = static_cast<double>(takeover->full) / info.sample_rate_hz;
-  verdict.warnings.push_back(
-      takeover->full >= info.n_samples
-          ? std::string("The loop never held the frame with its whole command.")
-          : report::cell("The loop held the frame from %.4g s of %.4g s on; levels, ratios, noise "
-                         "and what is identified are of the whole log, with the passive frame "
-                         "before that in it.",
-                         held_s, all_s));
 }
 
 /// Hz, the targets of a loop that is known.
@@ -288,7 +286,12 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
         runs.passive->log.filename().string() + ", " + runs.active->log.filename().string() +
         "): each is set against its own floor, and neither against the other.");
   }
-  if (runs.active) warn_of_takeover(*runs.active, verdict);
+  if (runs.active && !runs.active->run.takeover_unknown.empty()) {
+    verdict.warnings.push_back(
+        "All of the active log is judged, with the passive frame in it before its loop took "
+        "hold: " +
+        runs.active->run.takeover_unknown + ".");
+  }
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (!*run) continue;
     warn_of_plants((*run)->data.scan, (*run)->log.filename().string(), verdict);
@@ -302,8 +305,11 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
     add_multisine_levels(accept, runs, verdict);
   }
   add_warnings(verdict);
-  std::vector<report::Check> checks = prediction_checks(runs, verdict, accept.prediction_db);
-  if (auto motion = multisine_motion(accept, runs, range)) checks.push_back(std::move(*motion));
+  std::vector<report::Check> checks;
+  if (!never_held(verdict, "active")) {
+    checks = prediction_checks(runs, verdict, accept.prediction_db);
+    if (auto motion = multisine_motion(accept, runs, range)) checks.push_back(std::move(*motion));
+  }
   verdict.judgement = report::judge(verdict, accept, std::move(checks));
   return verdict;
 }

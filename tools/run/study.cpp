@@ -153,6 +153,7 @@ class Case {
                                    .sample_rate_hz = design_.gains.sample_rate_hz,
                                    .delay_samples = design_.gains.delay_samples,
                                    .n_samples = n_,
+                                   .n_judged = n_,
                                    .n_commands = n_,
                                    .n_saturated = active ? loop.answer().n_saturated() : 0});
     return signals;
