@@ -214,6 +214,7 @@ int run(const Options& options) {
                 {"loop", analysis.data.scan.info.loop},
                 {"sample_rate_hz", analysis.data.scan.info.sample_rate_hz},
                 {"n_samples", analysis.data.scan.measurements.n_received},
+                {"n_judged", analysis.data.n_judged},
                 {"n_lost", analysis.data.scan.measurements.n_lost},
                 {"level", options.level},
                 {"warnings", Json::array()}};
@@ -269,7 +270,9 @@ void add_identify(CLI::App& app, int& exit_code) {
       "moves them independently, and the matrix of the scene's comparisons, floor to frame.\n"
       "Errors in dB are the largest of the singular values whose 95 % bands are within 1 dB.\n"
       "Keys of --json:\n"
-      "  scene, loop, sample_rate_hz, n_samples, n_lost, level\n"
+      "  scene, loop, sample_rate_hz, n_samples, n_judged (those while a loop by the clock held "
+      "the\n"
+      "  frame), n_lost, level\n"
       "  warnings: that several plants measured the run\n"
       "  matrix, axes: inputs, outputs, method, missing, unpredicted, n_segments, n_filled,\n"
       "    n_left_out, resolution_hz, and if identified\n"

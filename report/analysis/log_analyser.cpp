@@ -159,15 +159,21 @@ class Analyser : public LogVisitor {
     next_seq_ = block.first_seq + block.n_samples();
     floor_.add(block);
     if (model_) look_for_turns(block);
-    const auto n_early = static_cast<Index>(
-        std::clamp<std::int64_t>(plan_.judged_from - block.first_seq, 0, block.n_samples()));
-    if (n_early > 0) show(rows(block, 0, n_early));
-    const Index n = block.n_samples() - n_early;
-    if (n == 0) return;
-    if (n_judged_ == 0) judged_from_s_ = block.time_s(n_early);
-    n_judged_ += n;
-    judge(n_early > 0 ? rows(block, n_early, n) : block, predicted.bottomRows(model_ ? n : 0),
-          by_forces.bottomRows(forces_ ? n : 0));
+    const auto n_before = [&](std::int64_t seq) {
+      return static_cast<Index>(
+          std::clamp<std::int64_t>(seq - block.first_seq, 0, block.n_samples()));
+    };
+    const Index first = n_before(plan_.judged_from), end = n_before(plan_.judged_until);
+    if (first > 0) show(rows(block, 0, first));
+    if (end > first) {
+      const Index n = end - first;
+      if (n_judged_ == 0) judged_from_s_ = block.time_s(first);
+      n_judged_ += n;
+      judge(n < block.n_samples() ? rows(block, first, n) : block,
+            predicted.middleRows(model_ ? first : 0, model_ ? n : 0),
+            by_forces.middleRows(forces_ ? first : 0, forces_ ? n : 0));
+    }
+    if (end < block.n_samples()) show(rows(block, end, block.n_samples() - end));
   }
 
   void period(const stillframe_msgs::loop_record_t& record) override {
@@ -207,18 +213,24 @@ class Analyser : public LogVisitor {
     for (const LegAnalyser& leg : legs_) result.legs.push_back(leg.finish());
     if (matrix_) result.matrix = with_doubt(matrix_->finish(), forces_matrix_.get());
     if (result.matrix && plan_.multisine &&
-        plan_.judged_from > plan_.multisine->window_begin(0) + 1) {
+        (plan_.judged_from > plan_.multisine->window_begin(0) + 1 ||
+         plan_.judged_until < plan_.multisine->n_samples())) {
+      const auto seconds = [&](std::int64_t seq) {
+        return cell("%.4g s", static_cast<double>(seq) / info_.sample_rate_hz);
+      };
       result.matrix->response.reset();
-      result.matrix->missing = cell(
-          "the first steady part of the multisine begins at %.4g s, and the loop held the "
-          "frame from %.4g s on",
-          static_cast<double>(plan_.multisine->window_begin(0)) / info_.sample_rate_hz,
-          static_cast<double>(plan_.judged_from) / info_.sample_rate_hz);
+      result.matrix->missing =
+          "the steady parts of the multisine begin at " +
+          seconds(plan_.multisine->window_begin(0)) + " and end at " +
+          seconds(plan_.multisine->n_samples()) + ", and the loop held the frame from " +
+          seconds(plan_.judged_from) +
+          (plan_.judged_until < next_seq_ ? " to " + seconds(plan_.judged_until) : " on");
     }
     if (axis_matrix_) {
       result.axis_matrix = with_doubt(axis_matrix_->finish(), forces_axis_matrix_.get());
     }
     result.judged_from = plan_.judged_from;
+    result.judged_until = std::min(plan_.judged_until, next_seq_);
     result.n_judged = n_judged_;
     result.wake_up = std::move(wake_up_);
     result.compute = std::move(compute_);
@@ -231,7 +243,8 @@ class Analyser : public LogVisitor {
  private:
   /// What is announced; 0: not known.
   std::int64_t n_to_judge() const {
-    return std::max<std::int64_t>(0, info_.n_samples - plan_.judged_from);
+    return std::max<std::int64_t>(
+        0, std::min(info_.n_samples, plan_.judged_until) - plan_.judged_from);
   }
 
   static SampleBlock rows(const SampleBlock& block, Index first, Index n) {
@@ -245,7 +258,7 @@ class Analyser : public LogVisitor {
             .command_force = of(block.command_force)};
   }
 
-  /// Samples before those that are judged.
+  /// Samples before or behind those that are judged.
   void show(const SampleBlock& block) {
     for (Axis& axis : axes_) {
       axis.floor.show(block.frame_acceleration.col(axis.floor_column));
@@ -345,7 +358,7 @@ class Analyser : public LogVisitor {
   }
 
   void skip(std::int64_t n) {
-    if (n_judged_ == 0) return skip_shown(n);
+    if (n_judged_ == 0 || next_seq_ >= plan_.judged_until) return skip_shown(n);
     for (Axis& axis : axes_) {
       axis.floor.skip(n);
       axis.frame.skip(n);

@@ -46,8 +46,8 @@ struct RunModel {
 /// What is looked for in a log.
 struct AnalysisPlan {
   std::vector<AxisPlan> axes;
-  /// From this sample on motion is judged; what is read before is in envelopes only.
-  std::int64_t judged_from = 0;
+  /// Motion is judged from this sample on, and before that one; the rest is in envelopes only.
+  std::int64_t judged_from = 0, judged_until = Takeover::never;
   std::vector<std::string> frames = {};  ///< accelerations that are sought beside those of axes
   AxisSignals axis_signals = {};         ///< of the axes; none: those by name
   /// From the floor inputs to the first n_outputs frame accelerations; none: no matrix is sought.
@@ -102,7 +102,8 @@ struct LogAnalysis {
   std::optional<IdentifiedResponse> matrix;       ///< all floor inputs to the outputs
   std::optional<IdentifiedResponse> axis_matrix;  ///< between axis_signals
   std::int64_t judged_from = 0;                   ///< of the plan
-  std::int64_t n_judged = 0;                      ///< samples from there on
+  std::int64_t judged_until = 0;                  ///< of the plan, or of the samples that there are
+  std::int64_t n_judged = 0;                      ///< samples between these two
   DurationHistogram wake_up, compute;             ///< wall-clock runs, of the controller
   /// Wall-clock runs: periods of the controller, those whose measurement it rejected, and those in
   /// which it sent a command.

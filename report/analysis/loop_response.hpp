@@ -17,7 +17,6 @@ struct Takeover {
 
   std::int64_t from = never;  ///< in the sample behind it the law begins, at rest
   std::int64_t full = never;  ///< from here on its whole command acts, smooth_step between
-  bool fault = false;         ///< it never was, as its controller had a fault when its records end
   /// The means of the force sensors over these samples were taken for offsets and are subtracted,
   /// of those legs (m) that have a 1 in `offset`, not a 0.
   std::int64_t heard_from = 0, heard_to = -1;

@@ -31,7 +31,7 @@ class SignalAnalyser {
   void add(const Eigen::Ref<const Eigen::VectorXd>& x);
   /// The next n samples are missing.
   void skip(std::int64_t n);
-  /// As these, of samples that are in the envelope only: before all others.
+  /// As these, of samples that are in the envelope only: before or behind all others.
   void show(const Eigen::Ref<const Eigen::VectorXd>& x) { envelope_.add(x); }
   void skip_shown(std::int64_t n) { envelope_.skip(n); }
   SignalAnalysis finish() const;

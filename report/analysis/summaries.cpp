@@ -47,6 +47,7 @@ RunSummary run_summary(const LogAnalysis& log) {
                  .delay_samples = info.delay_samples,
                  .n_samples = scan.measurements.n_received,
                  .judged_from_s = static_cast<double>(log.judged_from) / info.sample_rate_hz,
+                 .judged_to_s = static_cast<double>(log.judged_until) / info.sample_rate_hz,
                  .n_judged = log.n_judged,
                  .n_lost = scan.measurements.n_lost,
                  .n_duplicates = scan.measurements.n_duplicates,

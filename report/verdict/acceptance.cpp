@@ -199,8 +199,18 @@ class Judge {
          .by_scene = by_scene.has_value()});
   }
 
-  /// A frame that its loop never held shows nothing of it.
+  /// A frame that its loop never held shows nothing of it, and one that it let go of in a fault is
+  /// as good as held only until then.
   void hold_of(const RunSummary& run) {
+    if (!run.let_go.empty()) {
+      const std::string until = cell("%.4g s", run.judged_to_s);
+      add({.subject = Subject::effort,
+           .what = "hold of the loop on the frame",
+           .asked = "until the end, or a stop",
+           .found = "until " + until,
+           .outcome = run.fault ? Outcome::failed : Outcome::passed,
+           .reason = "The loop held the frame until " + until + ", then " + run.let_go + "."});
+    }
     if (run.never_held.empty()) return;
     add({.subject = Subject::effort,
          .what = "hold of the loop on the frame",

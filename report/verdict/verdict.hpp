@@ -32,12 +32,13 @@ struct RunSummary {
   double sample_rate_hz = 0;
   double delay_samples = 0;
   std::int64_t n_samples = 0;  ///< in the log
-  /// By the clock a frame is passive until its loop has armed and ramped in: from which sample on
-  /// motion is judged, s, and how many there are.
-  double judged_from_s = 0;
+  /// By the clock a frame is passive until its loop has armed and ramped in, and once it has let
+  /// go: from when to when motion is judged, s, and how many samples there are.
+  double judged_from_s = 0, judged_to_s = 0;
   std::int64_t n_judged = 0;
   std::string never_held = {};  ///< why there is none that the loop held; empty: it did
-  bool fault = false;           ///< it never did as its controller had a fault
+  std::string let_go = {};      ///< why it held no longer; empty: it held to the end
+  bool fault = false;           ///< by a fault of its controller, either
   std::int64_t n_lost = 0;      ///< measurements that the log should hold and does not
   std::int64_t n_duplicates = 0;
   std::int64_t n_commands = 0;
@@ -233,7 +234,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///     by_scene
 ///   warnings[], isolates_above_hz (null: unknown), disturbed
 ///   runs[]: scene_name scene_hash program_version mode loop sample_rate_hz delay_samples n_samples
-///     judged_from_s n_judged (samples from there on, which motion is judged by) never_held n_lost
+///     judged_from_s judged_to_s n_judged (samples between them, which motion is judged by; the
+///     times are null if there are none) never_held let_go (why; empty: it did not) n_lost
 ///     n_duplicates n_commands n_commands_given (null: unknown) n_not_finite n_repeats n_saturated
 ///     n_damaged unread_bytes n_other_version n_foreign
 ///     n_clock_steps real_time_factor (null if unknown) n_periods n_discarded

@@ -28,10 +28,11 @@ std::string runs_text(const std::vector<RunSummary>& runs) {
                count(run.n_samples), count(run.n_lost), count(run.n_duplicates),
                count(run.n_commands), count(run.n_saturated),
                run.real_time_factor > 0 ? cell("%.2f", run.real_time_factor) : "unknown"});
-    if (run.judged_from_s > 0) {
+    if (run.n_judged > 0 && run.n_judged < run.n_samples) {
       notes += "  the " + run.loop + " run is judged from " + cell("%.4g", run.judged_from_s) +
-               " s on, " +
-               (run.loop == "active" ? "when the loop held the frame" : "as the active one") + "\n";
+               " s to " + cell("%.4g", run.judged_to_s) + " s, " +
+               (run.loop == "active" ? "when the loop held the frame" : "as the active one") +
+               (run.let_go.empty() ? "" : "; then " + run.let_go) + "\n";
     }
     if (run.n_damaged > 0 || run.unread_bytes > 0) {
       notes += "  the log of the " + run.loop + " run is damaged: " + count(run.n_damaged) +

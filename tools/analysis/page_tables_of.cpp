@@ -335,14 +335,14 @@ void add_tables(const report::Verdict& verdict, page::PageData& page) {
 }
 
 void add_log_tables(const RunAnalyses& runs, page::PageData& page) {
-  page::Table table{
-      "How whole the logs are",
-      {"log", "samples", "judged from (s)", "lost", "gaps", "repeated", "out of order", "commands",
-       "damaged places", "unread bytes", "other channels"},
-      {}};
+  page::Table table{"How whole the logs are",
+                    {"log", "samples", "judged, s", "lost", "gaps", "repeated", "out of order",
+                     "commands", "damaged places", "unread bytes", "other channels"},
+                    {}};
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (!*run) continue;
     const report::LogScan& scan = (*run)->data.scan;
+    const double rate_hz = scan.info.sample_rate_hz;
     std::string foreign;
     for (const auto& [name, n] : scan.foreign) {
       foreign +=
@@ -350,7 +350,10 @@ void add_log_tables(const RunAnalyses& runs, page::PageData& page) {
     }
     table.rows.push_back(
         {(*run)->log.filename().string(), count(scan.measurements.n_received),
-         cell("%.4g", static_cast<double>((*run)->data.judged_from) / scan.info.sample_rate_hz),
+         (*run)->data.n_judged > 0
+             ? cell("%.4g", static_cast<double>((*run)->data.judged_from) / rate_hz) +
+                   cell(" to %.4g", static_cast<double>((*run)->data.judged_until) / rate_hz)
+             : "none",
          count(scan.measurements.n_lost),
          count(static_cast<std::int64_t>(scan.measurements.gaps.size())),
          count(scan.measurements.n_duplicates), count(scan.measurements.n_out_of_order),

@@ -123,6 +123,17 @@ bool other_is_checked(const report::Verdict& verdict, const report::ResponseSumm
 Check default_check_of(const report::ResponseSummary& response) {
   const double allowed_db = report::default_broad_prediction_db;
   const report::Outcome outcome = report::at_most(response.broadly_beyond_db, allowed_db);
+  // A tenth of fewer than ten values is none.
+  if (outcome == report::Outcome::passed && response.n_compared < 10) {
+    return {.subject = Subject::prediction,
+            .what = of_broadly(response),
+            .asked = cell("nine in ten values within their bands and %.3g dB", allowed_db),
+            .found = cell("%d values", response.n_compared),
+            .outcome = report::Outcome::not_judged,
+            .reason = cell("The %s loop, %s: only %d singular values are known.",
+                           response.loop.c_str(), response.what.c_str(), response.n_compared),
+            .is_proof = false};
+  }
   return {
       .subject = Subject::prediction,
       .what = of_broadly(response),

@@ -15,7 +15,6 @@
 #include "tools/analysis/loop_between.hpp"
 #include "tools/analysis/loop_target.hpp"
 #include "tools/analysis/response_prediction.hpp"
-#include "tools/analysis/takeover_of.hpp"
 
 namespace stillframe::tools {
 
@@ -62,7 +61,7 @@ void add_model(report::AnalysisPlan& plan, const RecordedRun& run,
   std::vector<Eigen::MatrixXcd> predicted;
   try {
     FollowedFloor followed =
-        followed_floor(design, all.outputs, active, run.nodes, plan.frequencies_hz, run.takeover);
+        followed_floor(design, all.outputs, active, run.nodes, plan.frequencies_hz, run.takeover());
     plan.model = report::RunModel{.loop = std::move(followed.loop),
                                   .late = std::move(followed.late),
                                   .matrix = {},
@@ -166,9 +165,9 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info,
     if (run.unreadable.empty()) run.unreadable = error.what();
   }
   try {
-    run.takeover = takeover_of(log, info);
+    run.hold = hold_of(log, info);
   } catch (const std::exception& error) {
-    run.takeover_unknown = error.what();
+    run.hold_unknown = error.what();
   }
   return run;
 }
@@ -198,7 +197,10 @@ FrequencyRange shown(const RecordedRun& run, const stillframe_msgs::run_info_t& 
 report::AnalysisPlan analysis_plan(const RecordedRun& run,
                                    const stillframe_msgs::run_info_t& info) {
   report::AnalysisPlan plan;
-  plan.judged_from = run.held_from(info);
+  if (run.hold && run.hold->ever) {
+    plan.judged_from = run.hold->from();
+    plan.judged_until = run.hold->until;
+  }
   plan.multisine = run.multisine;
   const FrequencyRange range = shown(run, info);
   const Eigen::VectorXd frequencies =
@@ -236,8 +238,9 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
   }
   if (has_forces(run.design->scene)) {
     try {
-      if (!run.takeover_unknown.empty()) throw InputError(run.takeover_unknown);
-      plan.forces = force_model(*run.design, info.frame_names, info.loop == "active", run.takeover);
+      if (!run.hold_unknown.empty()) throw InputError(run.hold_unknown);
+      plan.forces =
+          force_model(*run.design, info.frame_names, info.loop == "active", run.takeover());
     } catch (const std::exception& error) {
       plan.forces_unknown = error.what();
     }

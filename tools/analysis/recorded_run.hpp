@@ -10,6 +10,7 @@
 #include "report/analysis/log_analyser.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "tools/analysis/floor_nodes.hpp"
+#include "tools/analysis/hold_of.hpp"
 #include "tools/loop_design.hpp"
 
 namespace stillframe::tools {
@@ -22,16 +23,13 @@ struct RecordedRun {
   std::optional<MultisinePlan> multisine;  ///< that moved the floor, alone or beside other motions
   FloorNodes nodes = FloorNodes::follow;   ///< by the log's own floor block, if it is readable
   /// Of an active run by the clock, and why it is not known.
-  std::optional<report::Takeover> takeover;
-  std::string takeover_unknown;
+  std::optional<Hold> hold;
+  std::string hold_unknown;
 
   /// Whether there is no sample that the loop held its frame in, as far as is known.
-  bool never_held(const stillframe_msgs::run_info_t& info) const {
-    return takeover && takeover->full >= info.n_samples;
-  }
-  /// From which sample on the frame moves as its loop has it.
-  std::int64_t held_from(const stillframe_msgs::run_info_t& info) const {
-    return takeover && !never_held(info) ? takeover->full : 0;
+  bool never_held() const { return hold && !hold->ever; }
+  std::optional<report::Takeover> takeover() const {
+    return hold ? std::optional(hold->takeover) : std::nullopt;
   }
 };
 
@@ -46,13 +44,12 @@ std::optional<MultisinePlan> multisine_in(const floor::FloorSpec& spec);
 /// A range of frequencies, and of a multisine that has no line in it all lines, too.
 FrequencyRange with_lines(FrequencyRange range, const MultisinePlan& plan);
 
-/// The log is read up to where its loop took hold.
 RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::filesystem::path& log);
 
 /// What there is to look for in the log of a run: the scene's comparisons (on a multisine their
 /// signals and the outputs, each by itself), the matrix from floor inputs to the scene's outputs,
 /// the lines of a multisine or else frequencies from 0.5 to 200 Hz (below 0.4 of the rate). Judged
-/// from held_from on.
+/// as long as the loop held the frame.
 report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info);
 
 }  // namespace stillframe::tools

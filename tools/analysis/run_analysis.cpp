@@ -44,6 +44,21 @@ bool same_floor_said(const run_info_t& a, const run_info_t& b) {
          a.floor_names == b.floor_names && a.frame_names == b.frame_names;
 }
 
+/// Takes away what a log says of a loop that never held its frame: it is of another one.
+void forget_loop(RunAnalysis& run) {
+  const std::string why = "the loop never held the frame: " + run.run.hold->why;
+  for (auto* response : {&run.data.matrix, &run.data.axis_matrix}) {
+    if (!*response) continue;
+    (*response)->response.reset();
+    (*response)->missing = why;
+  }
+  for (report::AxisAnalysis& axis : run.data.axes) {
+    axis.unexplained.reset();
+    axis.unexplained_missing = why;
+  }
+  run.data.n_judged = 0;
+}
+
 /// active: that another run is set beside, if it is there.
 RunAnalysis analyse_beside(const std::filesystem::path& log, const AnalysisSettings& settings,
                            const RunAnalysis* active) {
@@ -59,9 +74,11 @@ RunAnalysis analyse_beside(const std::filesystem::path& log, const AnalysisSetti
     plan.segment_s = settings.segment_s;
     if (active != nullptr && same_floor_said(info, active->data.scan.info)) {
       plan.judged_from = active->data.judged_from;
+      plan.judged_until = active->data.judged_until;
     }
     return plan;
   });
+  if (result.run.never_held()) forget_loop(result);
   result.matrix = judged(result.data.matrix, result.run, result.active(), settings.comparison);
   result.axes = judged(result.data.axis_matrix, result.run, result.active(), settings.comparison);
   return result;
@@ -83,6 +100,11 @@ RunAnalyses analyse_runs(std::vector<LogToAnalyse> logs) {
   RunAnalyses runs;
   for (const LogToAnalyse& one : logs) {
     runs.add(analyse_beside(one.log, one.settings, runs.active ? &*runs.active : nullptr));
+  }
+  // Of the same words, and not the same samples: each is judged by itself.
+  if (!runs.same_floor() &&
+      runs.passive->data.n_judged < runs.passive->data.scan.measurements.n_received) {
+    runs.passive = analyse_beside(logs.back().log, logs.back().settings, nullptr);
   }
   return runs;
 }

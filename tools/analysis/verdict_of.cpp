@@ -70,18 +70,6 @@ report::ResponseSummary summary_of(const JudgedResponse& response, const std::st
   return summary;
 }
 
-/// Why there is no sample in which a loop held its frame; empty: there is one.
-std::string never_held(const RunAnalysis& run) {
-  const auto& info = run.data.scan.info;
-  if (!run.run.never_held(info)) return {};
-  const report::Takeover& takeover = *run.run.takeover;
-  if (takeover.fault) return "its controller had a fault before and was in it at the end";
-  if (takeover.full == takeover.never) return "its controller never ended arming";
-  return report::cell("its ramp ends at %.4g s, the log at %.4g s",
-                      static_cast<double>(takeover.full) / info.sample_rate_hz,
-                      static_cast<double>(info.n_samples) / info.sample_rate_hz);
-}
-
 void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   const report::LogAnalysis& log = run.data;
   const std::string& loop = log.scan.info.loop;
@@ -90,8 +78,11 @@ void add_run(report::Verdict& verdict, const RunAnalysis& run) {
   };
   verdict.runs.push_back(report::run_summary(log));
   verdict.runs.back().unreadable = run.run.unreadable;
-  verdict.runs.back().never_held = never_held(run);
-  verdict.runs.back().fault = run.run.takeover && run.run.takeover->fault;
+  if (run.run.hold) {
+    verdict.runs.back().fault = run.run.hold->fault;
+    (run.run.hold->ever ? verdict.runs.back().let_go : verdict.runs.back().never_held) =
+        run.run.hold->why;
+  }
   verdict.runs.back().resting_channels = resting_channels(run);
   verdict.runs.back().resting_forces = resting_forces(run);
   append(verdict.timing, report::timing_summaries(log));
@@ -146,17 +137,14 @@ void add_axes(report::Verdict& verdict, const RunAnalyses& runs, const SceneAcce
     return axis != nullptr ? &axis->frame : nullptr;
   };
   for (const AxisPair& pair : runs.axes()) {
-    const auto *passive = frame_of(pair.passive), *active = frame_of(pair.active);
+    const bool held = runs.active && !runs.active->run.never_held();
+    if (!held && pair.passive == nullptr) continue;
+    const auto *passive = frame_of(pair.passive), *active = held ? frame_of(pair.active) : nullptr;
     const bool known = pair.active != nullptr && pair.active->forces;
     add_levels(accept, pair.name, &pair.floor(), passive, active,
                known ? &*pair.active->forces : nullptr, verdict);
     verdict.axes.back().resting = resting_in(runs, verdict, pair);
   }
-}
-
-bool never_held(const report::Verdict& verdict, const std::string& loop) {
-  return std::any_of(verdict.runs.begin(), verdict.runs.end(),
-                     [&](const auto& run) { return run.loop == loop && !run.never_held.empty(); });
 }
 
 /// What no check fails by default and a customer would want to hear.
@@ -171,7 +159,6 @@ void add_warnings(report::Verdict& verdict) {
                                worse + ".");
   }
   for (const report::ResponseSummary& response : verdict.responses) {
-    if (never_held(verdict, response.loop)) continue;
     if (response.repeats || response.n_compared == 0 ||
         response.beyond_db <= response.tolerance_db) {
       continue;
@@ -286,11 +273,11 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
         runs.passive->log.filename().string() + ", " + runs.active->log.filename().string() +
         "): each is set against its own floor, and neither against the other.");
   }
-  if (runs.active && !runs.active->run.takeover_unknown.empty()) {
+  if (runs.active && !runs.active->run.hold_unknown.empty()) {
     verdict.warnings.push_back(
         "All of the active log is judged, with the passive frame in it before its loop took "
         "hold: " +
-        runs.active->run.takeover_unknown + ".");
+        runs.active->run.hold_unknown + ".");
   }
   for (const auto* run : {&runs.passive, &runs.active}) {
     if (!*run) continue;
@@ -302,11 +289,13 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
   add_axes(verdict, runs, accept);
   if (const auto& plan = runs.any().run.multisine) {
     verdict.judged = with_lines(range, *plan);
-    add_multisine_levels(accept, runs, verdict);
+    if (!runs.active || !runs.active->run.never_held()) {
+      add_multisine_levels(accept, runs, verdict);
+    }
   }
   add_warnings(verdict);
   std::vector<report::Check> checks;
-  if (!never_held(verdict, "active")) {
+  if (!runs.active || !runs.active->run.never_held()) {
     checks = prediction_checks(runs, verdict, accept.prediction_db);
     if (auto motion = multisine_motion(accept, runs, range)) checks.push_back(std::move(*motion));
   }

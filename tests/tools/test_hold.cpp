@@ -11,8 +11,8 @@
 #include "tests/report/sample_log.hpp"
 #include "tests/tools/replay_logs.hpp"
 #include "tests/tools/verb.hpp"
+#include "tools/analysis/hold_of.hpp"
 #include "tools/analysis/run_analysis.hpp"
-#include "tools/analysis/takeover_of.hpp"
 
 namespace stillframe::test {
 namespace {
@@ -57,8 +57,11 @@ class TakingHold : public testing::Test {
 
   Takeover takeover(const Log& log) const {
     write_log(folder_ / "run.lcm", log);
-    return *tools::takeover_of(folder_ / "run.lcm",
-                               info_of(gains_, LoggedRig::run_id, "wall_clock"));
+    return hold(log).takeover;
+  }
+  tools::Hold hold(const Log& log) const {
+    write_log(folder_ / "run.lcm", log);
+    return *tools::hold_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, "wall_clock"));
   }
 
   /// Goes on into the ramp: the sample that it began in.
@@ -237,7 +240,95 @@ TEST_F(TakingHold, OfAnotherPlantDoesNotCount) {
     std::ranges::copy(rig->log(), std::back_inserter(log));
   }
   write_log(folder_ / "run.lcm", log);
-  EXPECT_EQ(tools::takeover_of(folder_ / "run.lcm", info)->from, from);
+  EXPECT_EQ(tools::hold_of(folder_ / "run.lcm", info)->takeover.from, from);
+}
+
+/// How it ended, if it did, in a log of measurements up to the sample before `end`.
+class LettingGo : public TakingHold {
+ protected:
+  tools::Hold held_by(LoggedRig& rig, std::int64_t end) const {
+    Log log = rig.log();
+    measurement_t measurement{};
+    measurement.run_id = LoggedRig::run_id;
+    measurement.seq = end - 1;
+    add(log, channels::measurement, measurement);
+    return hold(log);
+  }
+  static void nan(LoggedRig& rig, int n) {
+    rig.steps(n, [](controller::Measurement& m) {
+      m.sigma(1) = std::nan("");
+      return true;
+    });
+  }
+};
+
+TEST_F(LettingGo, IsTheFirstSampleThatTheLoopDoesNotHold) {
+  const struct {
+    const char* what;
+    std::function<void(LoggedRig&)> happens;
+    std::string why;
+    bool fault;
+  } cases[] = {
+      {"nothing", [](LoggedRig& rig) { rig.steps(1000); }, "", false},
+      {"a fade", [](LoggedRig& rig) { rig.steps(40, controller::toy::nothing); }, "", false},
+      {"a stop", [](LoggedRig& rig) { rig.rig().loop().request(controller::Request::stop); },
+       "it was stopped", false},
+      {"a sleep", [](LoggedRig& rig) { rig.steps(30, {}, false); },
+       "its controller had the fault suspended", true},
+      {"silence", [](LoggedRig& rig) { rig.steps(1500, controller::toy::nothing); },
+       "its controller had the fault silence", true},
+      {"no numbers", [](LoggedRig& rig) { nan(rig, 1500); },
+       "its controller had the fault not_finite", true}};
+  for (const auto& [what, happens, why, fault] : cases) {
+    LoggedRig rig;
+    takes_hold(rig);
+    rig.steps(1500);
+    ASSERT_EQ(rig.rig().state(), controller::State::active);
+    const std::int64_t at = rig.rig().k();
+    happens(rig);
+    rig.steps(600);  // the toy meets its limit later
+    const tools::Hold found = held_by(rig, rig.rig().k());
+    EXPECT_EQ(found.until, why.empty() ? Takeover::never : at) << what;
+    EXPECT_EQ(found.why, why) << what;
+    EXPECT_EQ(found.fault, fault) << what;
+    // What comes behind the last measurement ends nothing.
+    EXPECT_EQ(held_by(rig, at).until, Takeover::never) << what;
+  }
+}
+
+TEST_F(LettingGo, OfAControllerThatWasKilledIsWhereItsRecordsEnd) {
+  LoggedRig rig;
+  takes_hold(rig);
+  rig.steps(1500);
+  const std::int64_t end = rig.rig().k();
+  EXPECT_EQ(held_by(rig, end + 900).until, Takeover::never);
+  const tools::Hold found = held_by(rig, end + 1200);
+  EXPECT_EQ(found.until, end);
+  EXPECT_NE(found.why.find("records"), std::string::npos);
+}
+
+TEST_F(LettingGo, IsSaidOfALoopThatNeverHeld) {
+  const auto why = [&](int n, const std::function<void(LoggedRig&)>& happens) {
+    LoggedRig rig;
+    rig.steps(n);
+    happens(rig);
+    const tools::Hold found = held_by(rig, 3000);
+    EXPECT_FALSE(found.ever);
+    EXPECT_EQ(found.fault, found.why.find("fault") != std::string::npos);
+    return found.why;
+  };
+  const auto nothing = [](LoggedRig&) {};
+  EXPECT_EQ(why(300, nothing), "its controller never ended arming");
+  // Killed in its ramp: nobody knows that it would have ended.
+  EXPECT_NE(why(900, nothing).find("did not come to its end"), std::string::npos);
+  const auto broken = [](LoggedRig& rig) { nan(rig, 1500); };
+  EXPECT_EQ(why(900, broken), "its controller had the fault not_finite");
+  const auto broken_and_reset = [](LoggedRig& rig) {
+    nan(rig, 1500);
+    rig.rig().loop().request(controller::Request::reset);
+    rig.steps(10);
+  };
+  EXPECT_EQ(why(900, broken_and_reset), "its controller had the fault not_finite");
 }
 
 TEST_F(TakingHold, IsNotKnownWithoutRecords) {
@@ -247,7 +338,7 @@ TEST_F(TakingHold, IsNotKnownWithoutRecords) {
                 [](const LoggedMessage& message) { return message.channel == channels::loop; });
   EXPECT_THROW(takeover(log), InputError);
   const auto of = [&](const std::string& mode) {
-    return tools::takeover_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, mode));
+    return tools::hold_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, mode));
   };
   EXPECT_FALSE(of("lock_step"));
   EXPECT_FALSE(of("single_process"));
@@ -367,25 +458,33 @@ floor:
 )");
   const auto out = folder_ / "run";
   run({"run", scene, "--mode", "single_process", "--loop", "both", "--out", out});
-  // What a passive log says of itself, as that of a loop that took hold at `held`, or never.
-  const auto judged = [&](std::int32_t state) {
-    loop_record_t record{};
-    record.n_legs = 1;
-    record.sigma = record.applied = record.force = {0};
-    record.seq = 3000;
-    record.state = state;
-    const auto log = said_to_be_active(out / "passive.lcm", {record});
+  using State = stillframe_msgs::controller_status_t;
+  // A passive log as that of an active loop whose controller was in these states from these
+  // samples on.
+  const auto judged = [&](const std::vector<std::pair<std::int64_t, std::int32_t>>& states) {
+    std::vector<loop_record_t> records;
+    for (std::int64_t seq = 0; seq < 24'000; ++seq) {
+      loop_record_t record{};
+      record.n_legs = 1;
+      record.sigma = record.applied = record.force = {0};
+      record.seq = record.period = seq;
+      for (const auto& [from, state] : states) {
+        if (seq >= from) record.state = state;
+        if (record.state == State::FAULT) record.fault = 1;
+      }
+      records.push_back(record);
+    }
+    const auto log = said_to_be_active(out / "passive.lcm", records);
     return nlohmann::json::parse(
         run({"report", log, "--out", folder_ / "page.html", "--json"}).output);
   };
-  using State = stillframe_msgs::controller_status_t;
   const VectorXd all = motion_in(out / "passive.lcm", "mass");
   const auto rms = [](const VectorXd& x) {
     return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
   };
   const VectorXd held = all.tail(all.size() - 3000);
   ASSERT_GT(rms(all), 3 * rms(held));
-  const auto active = judged(State::ACTIVE);
+  const auto active = judged({{0, State::ARMING}, {3000, State::ACTIVE}});
   EXPECT_EQ(active["runs"][0]["judged_from_s"], 3);
   EXPECT_EQ(active["runs"][0]["n_judged"], held.size());
   const auto& level = active["axes"][0]["active"];
@@ -393,14 +492,43 @@ floor:
   EXPECT_NEAR(level["whole_rms"].get<double>(), rms(held), 1e-12 * rms(held));
   EXPECT_EQ(level["peak_acceleration"], held.cwiseAbs().maxCoeff());
   EXPECT_TRUE(active["shocks"].empty());
+  // Stopped, it has done its work until then.
+  const auto stopped =
+      judged({{0, State::ARMING}, {3000, State::ACTIVE}, {15'000, State::RAMP_OUT}});
+  EXPECT_EQ(stopped["runs"][0]["judged_to_s"], 15);
+  EXPECT_EQ(stopped["runs"][0]["let_go"], "it was stopped");
+  const VectorXd until = all.segment(3000, 12'000);
+  EXPECT_NEAR(stopped["axes"][0]["active"]["whole_rms"].get<double>(), rms(until),
+              1e-12 * rms(until));
+  const auto outcome_of_hold = [](const nlohmann::json& verdict) {
+    for (const auto& check : verdict["checks"]) {
+      if (check["what"] == "hold of the loop on the frame") return check["outcome"].dump();
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(outcome_of_hold(active), "none");
+  EXPECT_EQ(outcome_of_hold(stopped), "\"passed\"");
+  const auto broken = judged({{0, State::ARMING},
+                              {3000, State::ACTIVE},
+                              {15'000, State::FAULT},
+                              {15'100, State::ARMING},
+                              {16'000, State::ACTIVE}});
+  EXPECT_EQ(broken["runs"][0]["judged_to_s"], 15);
+  EXPECT_EQ(outcome_of_hold(broken), "\"failed\"");
+  EXPECT_EQ(broken["outcome"], "failed");
   // One that listened to its end tells nothing of a loop, and one that had a fault before fails.
   const std::tuple<std::int32_t, const char*, const char*> never[] = {
-      {State::ARMING, "not judged", "never ended arming"}, {State::FAULT, "failed", "had a fault"}};
+      {State::ARMING, "not judged", "never ended arming"}, {State::FAULT, "failed", "the fault"}};
   for (const auto& [state, outcome, why] : never) {
-    const auto verdict = judged(state);
+    const auto verdict = judged({{0, state}});
     EXPECT_EQ(verdict["outcome"], outcome);
     EXPECT_NE(verdict["runs"][0]["never_held"].dump().find(why), std::string::npos);
-    EXPECT_EQ(verdict["runs"][0]["judged_from_s"], 0);
+    EXPECT_TRUE(verdict["runs"][0]["judged_from_s"].is_null());
+    EXPECT_EQ(verdict["runs"][0]["n_judged"], 0);
+    // The frame that moved is no active one, and nothing is identified of it.
+    EXPECT_TRUE(verdict["axes"].empty());
+    for (const auto& response : verdict["responses"]) EXPECT_EQ(response["n_compared"], 0);
+    EXPECT_EQ(verdict["noise"][0]["share"], nullptr);
   }
 }
 
