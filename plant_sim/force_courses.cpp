@@ -6,11 +6,11 @@
 
 #include "core/linear/smooth_step.hpp"
 #include "core/yaml/input_error.hpp"
+#include "plant_sim/counter_noise.hpp"
 #include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/courses.hpp"
 #include "plant_sim/floor/recording_file.hpp"
 #include "plant_sim/floor/shaped_noise.hpp"
-#include "plant_sim/floor/white.hpp"
 
 namespace stillframe {
 
@@ -85,7 +85,7 @@ Eigen::VectorXd noise_table(const ForceNoise& noise, double T, const std::string
   }
   const floor::NoiseShape shape{
       .density = floor::PointsDensity{noise.psd},
-      .seed = floor::seed_of(noise.seed, "disturbance " + name),
+      .seed = CounterNoise::seed_of(noise.seed, "disturbance " + name),
       .rate = 1.0 / T,
       .period = std::max<std::int64_t>(1, std::llround(noise.period_s / T))};
   return floor::periodic_noise(shape, {0}, false).col(0);

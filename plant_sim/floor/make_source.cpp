@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plant_sim/counter_noise.hpp"
 #include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/held_acceleration.hpp"
@@ -97,7 +98,7 @@ std::unique_ptr<FloorSource> make(const FloorSpec& floor, const CourseSpec& spec
 /// The first part of a sum keeps its seed, so that it is the noise that it is alone.
 FloorSpec with_seed_of_part(FloorSpec part, std::size_t i) {
   const auto make_own = [&](std::uint64_t& seed) {
-    if (i > 0) seed = seed_of(seed, "floor part " + std::to_string(i));
+    if (i > 0) seed = CounterNoise::seed_of(seed, "floor part " + std::to_string(i));
   };
   if (auto* noise = std::get_if<NoiseSpec>(&part.kind)) make_own(noise->seed);
   if (auto* white = std::get_if<WhiteSpec>(&part.kind)) make_own(white->seed);
