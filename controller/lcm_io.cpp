@@ -8,7 +8,6 @@
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
-#include "stillframe_msgs/timing_t.hpp"
 
 namespace stillframe::controller {
 
@@ -99,19 +98,10 @@ void LcmIo::publish_state(std::int64_t run_id, std::int32_t state, const std::st
   lcm_->publish(channels::run_state, &message);
 }
 
-void LcmIo::publish_timing(const Counters& counters) {
-  const timing_t message{.run_id = run_id_,
-                         .source = controller_source,
-                         .n_periods = counters.n_periods,
-                         .n_late = counters.n_late,
-                         .n_lost = counters.n_lost,
-                         .n_duplicate = counters.n_duplicate,
-                         .n_foreign = 0,
-                         .n_listened = counters.n_listened,
-                         .worst_wake_up_ns = counters.worst_wake_up_ns,
-                         .worst_compute_ns = counters.worst_compute_ns,
-                         .wall_time_ns = counters.wall_time_ns};
-  lcm_->publish(channels::timing, &message);
+void LcmIo::publish_timing(timing_t counters) {
+  counters.run_id = run_id_;
+  counters.source = controller_source;
+  lcm_->publish(channels::timing, &counters);
 }
 
 void LcmIo::on_run_info(const lcm::ReceiveBuffer* buffer, const std::string&) {

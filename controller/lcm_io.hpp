@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "controller/measurement_decoder.hpp"
-#include "controller/outcome.hpp"
 #include "controller/policy.hpp"
 #include "controller/requests.hpp"
 #include "msgs/clock.hpp"
@@ -16,6 +15,7 @@
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "stillframe_msgs/run_state_t.hpp"
+#include "stillframe_msgs/timing_t.hpp"
 
 namespace stillframe::controller {
 
@@ -76,7 +76,7 @@ class LcmIo {
   /// Publishes a run_state_t of source "controller" for a run. Set-up.
   void publish_state(std::int64_t run_id, std::int32_t state, const std::string& text);
   /// Publishes the timing_t of source "controller" for the run that is followed. Set-up.
-  void publish_timing(const Counters& counters);
+  void publish_timing(stillframe_msgs::timing_t counters);
 
   /// Publishes any message. Set-up.
   template <class Message>

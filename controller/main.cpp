@@ -32,6 +32,8 @@
 
 namespace stillframe::controller {
 
+using stillframe_msgs::timing_t;
+
 namespace {
 
 constexpr int exit_done = 0, exit_error = 1, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
@@ -128,7 +130,7 @@ struct Outside {
   bool disk_hangs = false;  ///< it was waited for once
 };
 
-void print_closing_line(Background& terminal, const Counters& counters) {
+void print_closing_line(Background& terminal, const timing_t& counters) {
   terminal.give([counters] {
     std::printf(
         "controller: %lld periods, %lld late, %lld lost, worst wake-up %.1f us, worst compute %.1f "
@@ -160,7 +162,7 @@ std::string trouble(Outcome outcome, const LcmIo& io, double timeout_s) {
   return "";
 }
 
-int close_run(Outcome outcome, LcmIo& io, const Counters& counters, double timeout_s,
+int close_run(Outcome outcome, LcmIo& io, const timing_t& counters, double timeout_s,
               Background& terminal) {
   if (outcome == Outcome::interrupted) {
     io.publish_state(io.run_info().run_id, stillframe_msgs::run_state_t::FAILED,
@@ -176,7 +178,7 @@ int close_run(Outcome outcome, LcmIo& io, const Counters& counters, double timeo
 
 int serve_lock_step(const Options& options, const Gains& gains, LcmIo& io, Background& terminal) {
   Answer answer(law_from_gains(gains), gains.force_limit_n, io.run_info().loop != "passive");
-  Counters counters;
+  timing_t counters{};
   const Outcome outcome = run_lock_step(io, answer, options.timeout_s, counters);
   const int code = close_run(outcome, io, counters, options.timeout_s, terminal);
   if (answer.n_saturated() > 0) {
@@ -283,7 +285,7 @@ class WallClock {
   Presence presence_;
   Latch& latch_;
   SessionOptions session_options_;
-  Counters counters_;
+  timing_t counters_{};
   LoopTimes times_;
   std::string never_active_;
 };
@@ -295,10 +297,7 @@ Policy policy_of(const Options& options, double sample_rate_hz, std::string& pol
     policy_text = YamlReader::from_file(*options.policy).source_text();
     policy = parse_policy(policy_text, options.policy->string(), sample_rate_hz);
   }
-  if (!options.realtime) return policy;
-  policy.realtime = *options.realtime == "off"       ? Policy::Realtime::off
-                    : *options.realtime == "enforce" ? Policy::Realtime::enforce
-                                                     : Policy::Realtime::best_effort;
+  if (options.realtime) policy.realtime = realtime_named(*options.realtime);
   return policy;
 }
 

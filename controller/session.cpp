@@ -243,7 +243,7 @@ std::string Session::never_active() const {
          std::to_string(now.n_missing) + " had no sound measurement that was on time";
 }
 
-void Session::add_to(Counters& all, LoopTimes& times) const {
+void Session::add_to(stillframe_msgs::timing_t& all, LoopTimes& times) const {
   const LoopCounters& now = loop_.counters();
   all.n_periods += now.n_periods;
   all.n_late += now.n_late;

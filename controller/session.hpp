@@ -51,7 +51,7 @@ class Session {
   /// Why a run that should have been isolated never was; empty if it was, or was too short for it.
   std::string never_active() const;
   /// Adds what was counted and measured to what was before. After run.
-  void add_to(Counters& counters, LoopTimes& times) const;
+  void add_to(stillframe_msgs::timing_t& counters, LoopTimes& times) const;
   const LoopCounters& counters() const { return loop_.counters(); }
 
  private:

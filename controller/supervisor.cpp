@@ -1,6 +1,7 @@
 #include "controller/supervisor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -114,23 +115,10 @@ Fault fault_of(Defect defect) noexcept {
 }  // namespace
 
 std::string_view to_text(State state) noexcept {
-  switch (state) {
-    case State::idle:
-      return "idle";
-    case State::arming:
-      return "arming";
-    case State::ramp_in:
-      return "ramp_in";
-    case State::active:
-      return "active";
-    case State::fading:
-      return "fading";
-    case State::ramp_out:
-      return "ramp_out";
-    case State::fault:
-      return "fault";
-  }
-  return "";
+  constexpr std::array<std::string_view, 7> names{"idle",   "arming",   "ramp_in", "active",
+                                                  "fading", "ramp_out", "fault"};
+  const auto i = static_cast<std::size_t>(state);
+  return i < names.size() ? names[i] : "";
 }
 
 Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
