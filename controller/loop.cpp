@@ -100,12 +100,12 @@ void Loop::period(std::int64_t now_ns) noexcept {
   if (record_.sent) io_.send(record_.command);
   record_.published_ns = monotonic_ns();
 
-  times_.wake_up.add(wake_up.late_ns);
+  times_.wake_up.add(wake_up.past_deadline_ns);
   times_.compute.add(record_.computed_ns - now_ns);
   if (record_.sent) times_.publish.add(record_.published_ns - record_.computed_ns);
   if (have) times_.receive.add(newest_.received_ns - start_ns_ - newest_.time_ns);
   add(counters_.n_late, wake_up.n_skipped);
-  raise(counters_.worst_wake_up_ns, wake_up.late_ns);
+  raise(counters_.worst_wake_up_ns, wake_up.past_deadline_ns);
   count(now_ns);
   requests_.done(asked);
   give_record();

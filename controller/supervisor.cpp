@@ -270,9 +270,8 @@ void Supervisor::count_missing(const Event& event) noexcept {
   missing_part_ += std::min(1.0, n * forgets_) * (share - missing_part_);
   rejoins_ = std::max(
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
-  gap_ = have ? missing_ : 0;
   if (have) {
-    unheard_ = event.measurement->heard ? 0 : unheard_ + gap_ + event.n_elapsed;
+    unheard_ = event.measurement->heard ? 0 : unheard_ + missing_ + event.n_elapsed;
     missing_ = 0;
     last_defect_ = Defect::none;
     return;

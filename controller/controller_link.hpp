@@ -34,11 +34,11 @@ struct Heard {
 /// The controller's end of LCM: decodes into messages that it keeps, encodes into a buffer that it
 /// keeps. Construction and everything about run_info and run_state is set-up; take and the command
 /// functions are hot: noexcept, and for measurements without allocation of their own.
-class LcmIo {
+class ControllerLink {
  public:
   /// url: an LCM provider, as in udpm://239.255.76.67:7667?ttl=0; policy: how its thread is served.
   /// Errors: InputError if LCM cannot be opened, with the commands that mend it.
-  explicit LcmIo(const std::string& url, const Policy& policy = {});
+  explicit ControllerLink(const std::string& url, const Policy& policy = {});
 
   /// Waits up to timeout_ms for one message, takes it and says what it was; a message of another
   /// run or one that does not decode is none. A signal ends the wait early.
