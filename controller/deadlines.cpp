@@ -15,7 +15,7 @@ Deadlines::Deadlines(std::int64_t start_ns, double rate_hz, double phase)
 
 Deadlines::WakeUp Deadlines::wake_up(std::int64_t now_ns) noexcept {
   const WakeUp result{
-      .late_ns = now_ns - next_ns(),
+      .past_deadline_ns = now_ns - next_ns(),
       .n_skipped = static_cast<std::int64_t>(static_cast<double>(now_ns - next_ns()) / period_ns_)};
   k_ += result.n_skipped + 1;
   return result;

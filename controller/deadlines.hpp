@@ -11,7 +11,7 @@ class Deadlines {
  public:
   /// What a wake-up was like.
   struct WakeUp {
-    std::int64_t late_ns = 0;    ///< past the deadline
+    std::int64_t past_deadline_ns = 0;
     std::int64_t n_skipped = 0;  ///< whole periods that went by meanwhile
   };
 

@@ -25,13 +25,13 @@ FlightRecorder::FlightRecorder(std::size_t n_records, std::size_t n_checkpoints,
       n_after_(n_after) {}
 
 void FlightRecorder::add(const LoopRecord& record) noexcept {
-  if (stands_still()) return;
+  if (is_frozen()) return;
   records_[n_records_++ % records_.size()] = record;
   if (left_ > 0 && --left_ == 0) finish();
 }
 
 void FlightRecorder::add(const LoopCheckpoint& checkpoint) noexcept {
-  if (!stands_still()) checkpoints_[n_checkpoints_++ % checkpoints_.size()] = checkpoint;
+  if (!is_frozen()) checkpoints_[n_checkpoints_++ % checkpoints_.size()] = checkpoint;
 }
 
 void FlightRecorder::trigger() noexcept {
@@ -41,7 +41,7 @@ void FlightRecorder::trigger() noexcept {
 void FlightRecorder::finish() noexcept {
   if (left_ < 0) return;
   left_ = -1;
-  still_.store(true, std::memory_order_release);
+  frozen_.store(true, std::memory_order_release);
 }
 
 std::vector<const LoopRecord*> FlightRecorder::records() const {

@@ -26,17 +26,17 @@ class FlightRecorder {
 
   /// For the other thread: true while it stands still; then the contents may be read, oldest first,
   /// until resume.
-  bool stands_still() const noexcept { return still_.load(std::memory_order_acquire); }
+  bool is_frozen() const noexcept { return frozen_.load(std::memory_order_acquire); }
   std::vector<const LoopRecord*> records() const;
   std::vector<const LoopCheckpoint*> checkpoints() const;
-  void resume() noexcept { still_.store(false, std::memory_order_release); }
+  void resume() noexcept { frozen_.store(false, std::memory_order_release); }
 
  private:
   std::vector<LoopRecord> records_;
   std::vector<LoopCheckpoint> checkpoints_;
   std::size_t n_records_ = 0, n_checkpoints_ = 0;  ///< ever added
   std::int64_t n_after_, left_ = -1;
-  std::atomic<bool> still_{false};
+  std::atomic<bool> frozen_{false};
 };
 
 }  // namespace stillframe::controller

@@ -79,33 +79,33 @@ std::string unsound_start(std::int64_t start_ns, std::int64_t now_ns) {
          "); plant and controller must share one clock, CLOCK_MONOTONIC of one machine";
 }
 
-Start shake_hands(LcmIo& io, const Gains& gains, std::optional<std::int64_t> run_id,
+Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::int64_t> run_id,
                   double timeout_s) {
   const auto limit_ns = static_cast<std::int64_t>(timeout_s * ns_per_s);
   std::int64_t last_asked_ns = monotonic_ns();
   bool ready = false;
   while (!stop_requested()) {
-    const Heard heard = io.take(wait_ms);
-    const run_info_t& info = io.run_info();
+    const Heard heard = link.take(wait_ms);
+    const run_info_t& info = link.run_info();
     if (heard.run_info && (!run_id || info.run_id == *run_id)) {
       last_asked_ns = monotonic_ns();
       if (!ready) {
         const std::string reason = disagreement(gains, info);
         if (!reason.empty()) {
-          io.publish_state(info.run_id, run_state_t::FAILED, reason);
+          link.publish_state(info.run_id, run_state_t::FAILED, reason);
           throw InputError(reason);
         }
-        io.follow(info);
+        link.follow(info);
         ready = true;
       }
-      io.publish_state(info.run_id, run_state_t::READY, "");
+      link.publish_state(info.run_id, run_state_t::READY, "");
     }
     if (heard.run_state) {
-      const run_state_t& plant = io.plant_state();
+      const run_state_t& plant = link.plant_state();
       if (plant.state == run_state_t::RUNNING) {
         const std::string reason = unsound_start(plant.start_monotonic_ns, monotonic_ns());
         if (reason.empty()) return {{}, plant.start_monotonic_ns};
-        io.publish_state(info.run_id, run_state_t::FAILED, reason);
+        link.publish_state(info.run_id, run_state_t::FAILED, reason);
         throw InputError(reason);
       }
       if (plant.state == run_state_t::FAILED) return {Outcome::plant_failed, 0};

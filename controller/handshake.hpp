@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "controller/controller_link.hpp"
 #include "controller/gains.hpp"
-#include "controller/lcm_io.hpp"
 #include "controller/outcome.hpp"
 
 namespace stillframe::controller {
@@ -24,10 +24,10 @@ struct Start {
 };
 
 /// Waits for run_info (of run_id, or the first heard), checks it against the gains, answers READY
-/// to every repetition, and returns when the plant runs; io follows the run from then on. Set-up.
+/// to every repetition, and returns when the plant runs; link follows the run from then on. Set-up.
 /// Errors: InputError if run_info and gains disagree, or the run begins at no sound time, after
 /// telling the plant FAILED.
-Start shake_hands(LcmIo& io, const Gains& gains, std::optional<std::int64_t> run_id,
+Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::int64_t> run_id,
                   double timeout_s);
 
 }  // namespace stillframe::controller

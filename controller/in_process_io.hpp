@@ -13,38 +13,18 @@ class InProcessIo : public Io {
   /// m legs and p accelerations of the floor; room for so many measurements, and commands, that
   /// were not taken yet.
   explicit InProcessIo(Eigen::Index m, std::size_t capacity = 64, Eigen::Index p = 0)
-      : measurements_(capacity, {.sigma = Eigen::VectorXd::Zero(m),
-                                 .applied = Eigen::VectorXd::Zero(m),
-                                 .floor = Eigen::VectorXd::Zero(p)}),
-        commands_(capacity, {.force = Eigen::VectorXd::Zero(m)}) {}
+      : measurements_(capacity, measurement_of(m, p)), commands_(capacity, command_of(m)) {}
 
   bool receive(Measurement& measurement) noexcept override {
-    return take(measurements_, measurement);
+    return measurements_.take(measurement);
   }
-  void send(const Command& command) noexcept override { give(commands_, command); }
+  void send(const Command& command) noexcept override { commands_.give(command); }
 
   /// The plant's ends. False if there is no room, or nothing there.
-  bool put(const Measurement& measurement) noexcept { return give(measurements_, measurement); }
-  bool take(Command& command) noexcept { return take(commands_, command); }
+  bool put(const Measurement& measurement) noexcept { return measurements_.give(measurement); }
+  bool take(Command& command) noexcept { return commands_.take(command); }
 
  private:
-  template <class T>
-  static bool give(Ring<T>& ring, const T& value) noexcept {
-    T* place = ring.free_place();
-    if (place == nullptr) return false;
-    *place = value;
-    ring.push();
-    return true;
-  }
-  template <class T>
-  static bool take(Ring<T>& ring, T& value) noexcept {
-    const T* oldest = ring.oldest();
-    if (oldest == nullptr) return false;
-    value = *oldest;
-    ring.pop();
-    return true;
-  }
-
   Ring<Measurement> measurements_;
   Ring<Command> commands_;
 };

@@ -27,6 +27,14 @@ struct Command {
   bool saturated = false;    ///< true if any force was limited
 };
 
+/// All zero, with their sizes. Set-up.
+inline Measurement measurement_of(Eigen::Index m, Eigen::Index p) {
+  return {.sigma = Eigen::VectorXd::Zero(m),
+          .applied = Eigen::VectorXd::Zero(m),
+          .floor = Eigen::VectorXd::Zero(p)};
+}
+inline Command command_of(Eigen::Index m) { return {.force = Eigen::VectorXd::Zero(m)}; }
+
 /// The way of the loop to its sensors and actuators. Both functions are hot: called once or more a
 /// period from the loop's thread, they neither wait, allocate nor throw.
 class Io {

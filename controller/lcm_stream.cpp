@@ -18,26 +18,13 @@ namespace {
 constexpr std::size_t n_measurements = 4096, n_commands = 256;
 constexpr int look_up_ms = 50;  // between looks at the stop flag
 
-Measurement measurement_of(const stillframe_msgs::run_info_t& info) {
-  Measurement measurement;
-  measurement.sigma = measurement.applied = VectorXd::Zero(info.n_legs);
-  measurement.floor = VectorXd::Zero(info.n_floor);
-  return measurement;
-}
-
-Command command_of(std::int32_t m) {
-  Command command;
-  command.force = VectorXd::Zero(m);
-  return command;
-}
-
 }  // namespace
 
 LcmStream::LcmStream(const std::string& url, const stillframe_msgs::run_info_t& info,
                      std::int64_t instance, const Policy& policy)
     : in_(open_lcm(url)),
       out_(open_lcm(url)),
-      measurements_(n_measurements, measurement_of(info)),
+      measurements_(n_measurements, measurement_of(info.n_legs, info.n_floor)),
       commands_(n_commands, command_of(info.n_legs)) {
   decoder_.follow(info);
   message_.run_id = info.run_id;
@@ -66,22 +53,15 @@ void LcmStream::end_threads() {
 }
 
 bool LcmStream::receive(Measurement& measurement) noexcept {
-  const Measurement* oldest = measurements_.oldest();
-  if (oldest == nullptr) return false;
-  measurement = *oldest;
-  measurements_.pop();
-  return true;
+  return measurements_.take(measurement);
 }
 
 void LcmStream::send(const Command& command) noexcept {
-  Command* place = commands_.free_place();
-  if (place == nullptr) {
+  if (commands_.give(command)) {
+    sem_post(&something_to_send_);
+  } else {
     ++n_commands_dropped_;
-    return;
   }
-  *place = command;
-  commands_.push();
-  sem_post(&something_to_send_);
 }
 
 void LcmStream::run_receiver(const Policy& policy) noexcept {

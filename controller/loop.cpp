@@ -10,25 +10,16 @@
 
 namespace stillframe::controller {
 
-using Eigen::VectorXd;
-
 namespace {
 
 constexpr auto relaxed = std::memory_order_relaxed;
 constexpr double checkpoint_s = 0.1, telemetry_s = 1, after_fault_s = 0.5;
 constexpr std::int64_t longest_sleep_ns = 50'000'000;
 
-Measurement measurement_of(Eigen::Index m, Eigen::Index p) {
-  Measurement measurement;
-  measurement.sigma = measurement.applied = VectorXd::Zero(m);
-  measurement.floor = VectorXd::Zero(p);
-  return measurement;
-}
-
 LoopRecord record_of(Eigen::Index m, Eigen::Index p) {
   LoopRecord record;
   record.measurement = measurement_of(m, p);
-  record.command.force = VectorXd::Zero(m);
+  record.command = command_of(m);
   return record;
 }
 
@@ -109,12 +100,12 @@ void Loop::period(std::int64_t now_ns) noexcept {
   if (record_.sent) io_.send(record_.command);
   record_.published_ns = monotonic_ns();
 
-  times_.wake_up.add(wake_up.late_ns);
+  times_.wake_up.add(wake_up.past_deadline_ns);
   times_.compute.add(record_.computed_ns - now_ns);
   if (record_.sent) times_.publish.add(record_.published_ns - record_.computed_ns);
   if (have) times_.receive.add(newest_.received_ns - start_ns_ - newest_.time_ns);
   add(counters_.n_late, wake_up.n_skipped);
-  raise(counters_.worst_wake_up_ns, wake_up.late_ns);
+  raise(counters_.worst_wake_up_ns, wake_up.past_deadline_ns);
   count(now_ns);
   requests_.done(asked);
   give_record();
@@ -175,22 +166,12 @@ void Loop::give_checkpoint() noexcept {
   checkpoint_.period = period_;
   supervisor_.save(checkpoint_.memory);
   flight_->add(checkpoint_);
-  if (LoopCheckpoint* place = checkpoints_.free_place()) {
-    *place = checkpoint_;
-    checkpoints_.push();
-  } else {
-    add(counters_.n_records_dropped, 1);
-  }
+  if (!checkpoints_.give(checkpoint_)) add(counters_.n_records_dropped, 1);
 }
 
 void Loop::give_record() noexcept {
   flight_->add(record_);
-  if (LoopRecord* place = records_.free_place()) {
-    *place = record_;
-    records_.push();
-  } else {
-    add(counters_.n_records_dropped, 1);
-  }
+  if (!records_.give(record_)) add(counters_.n_records_dropped, 1);
 }
 
 void run_periodic(Loop& loop, const std::atomic<bool>& stop) noexcept {

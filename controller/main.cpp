@@ -32,6 +32,8 @@
 
 namespace stillframe::controller {
 
+using stillframe_msgs::timing_t;
+
 namespace {
 
 constexpr int exit_done = 0, exit_error = 1, exit_bad_input = 2, exit_refused = 3, exit_failed = 4;
@@ -128,7 +130,7 @@ struct Outside {
   bool disk_hangs = false;  ///< it was waited for once
 };
 
-void print_closing_line(Background& terminal, const Counters& counters) {
+void print_closing_line(Background& terminal, const timing_t& counters) {
   terminal.give([counters] {
     std::printf(
         "controller: %lld periods, %lld late, %lld lost, worst wake-up %.1f us, worst compute %.1f "
@@ -142,10 +144,10 @@ void print_closing_line(Background& terminal, const Counters& counters) {
 }
 
 /// How a run ended in words, for all that is not an end in good order.
-std::string trouble(Outcome outcome, const LcmIo& io, double timeout_s) {
+std::string trouble(Outcome outcome, const ControllerLink& link, double timeout_s) {
   switch (outcome) {
     case Outcome::plant_failed:
-      return "the plant failed: " + io.plant_state().text;
+      return "the plant failed: " + link.plant_state().text;
     case Outcome::missed:
       return "the run had ended before its start was heard";
     case Outcome::silent:
@@ -160,25 +162,26 @@ std::string trouble(Outcome outcome, const LcmIo& io, double timeout_s) {
   return "";
 }
 
-int close_run(Outcome outcome, LcmIo& io, const Counters& counters, double timeout_s,
+int close_run(Outcome outcome, ControllerLink& link, const timing_t& counters, double timeout_s,
               Background& terminal) {
   if (outcome == Outcome::interrupted) {
-    io.publish_state(io.run_info().run_id, stillframe_msgs::run_state_t::FAILED,
-                     "the controller was interrupted");
+    link.publish_state(link.run_info().run_id, stillframe_msgs::run_state_t::FAILED,
+                       "the controller was interrupted");
   }
-  if (outcome == Outcome::ended) io.publish_timing(counters);
+  if (outcome == Outcome::ended) link.publish_timing(counters);
   if (counters.n_periods > 0) print_closing_line(terminal, counters);
-  const std::string text = trouble(outcome, io, timeout_s);
+  const std::string text = trouble(outcome, link, timeout_s);
   if (text.empty()) return exit_done;
   spdlog::error(text);
   return exit_failed;
 }
 
-int serve_lock_step(const Options& options, const Gains& gains, LcmIo& io, Background& terminal) {
-  Answer answer(law_from_gains(gains), gains.force_limit_n, io.run_info().loop != "passive");
-  Counters counters;
-  const Outcome outcome = run_lock_step(io, answer, options.timeout_s, counters);
-  const int code = close_run(outcome, io, counters, options.timeout_s, terminal);
+int serve_lock_step(const Options& options, const Gains& gains, ControllerLink& link,
+                    Background& terminal) {
+  Answer answer(law_from_gains(gains), gains.force_limit_n, link.run_info().loop != "passive");
+  timing_t counters{};
+  const Outcome outcome = run_lock_step(link, answer, options.timeout_s, counters);
+  const int code = close_run(outcome, link, counters, options.timeout_s, terminal);
   if (answer.n_saturated() > 0) {
     spdlog::warn("{} commands were limited by force_limit_n", answer.n_saturated());
   }
@@ -208,13 +211,13 @@ void say_counters(const LoopCounters& counters) {
 class WallClock {
  public:
   WallClock(const Options& options, const Gains& gains, const Policy& policy,
-            const std::string& policy_text, LcmIo& io, Latch& latch, Outside& outside)
+            const std::string& policy_text, ControllerLink& link, Latch& latch, Outside& outside)
       : options_(options),
         gains_(gains),
         policy_(policy),
-        io_(io),
+        link_(link),
         outside_(outside),
-        presence_(io.instance(), monotonic_ns()),
+        presence_(link.instance(), monotonic_ns()),
         latch_(latch) {
     session_options_ = {.lcm_url = lcm_url(options.lcm_url),
                         .timeout_s = options.timeout_s,
@@ -224,7 +227,7 @@ class WallClock {
                         .policy_text = policy_text,
                         .say = [](const std::string& text) { spdlog::info(text); },
                         .warn = [](const std::string& text) { spdlog::warn(text); }};
-    io.stop_measurements();
+    link.stop_measurements();
     // Stop and interlock are not to wait for their turn behind ordinary programs.
     prepare_servant(policy);
   }
@@ -232,7 +235,7 @@ class WallClock {
   int serve(Start start) {
     while (true) {
       if (start.over) return close(*start.over);
-      Session session(io_, gains_, policy_, presence_, latch_, outside_.disk, session_options_,
+      Session session(link_, gains_, policy_, presence_, latch_, outside_.disk, session_options_,
                       start.start_monotonic_ns);
       const Outcome outcome = session.run();
       session.add_to(counters_, times_);
@@ -241,14 +244,14 @@ class WallClock {
       never_active_ = session.never_active();
       if (outcome != Outcome::began_anew) return close(outcome);
       spdlog::info("the plant begins anew");
-      io_.forget();
-      start = shake_hands(io_, gains_, options_.run_id, options_.timeout_s);
+      link_.forget();
+      start = shake_hands(link_, gains_, options_.run_id, options_.timeout_s);
     }
   }
 
  private:
   int close(Outcome outcome) {
-    int code = close_run(outcome, io_, counters_, options_.timeout_s, outside_.terminal);
+    int code = close_run(outcome, link_, counters_, options_.timeout_s, outside_.terminal);
     if (!write_files() && code == exit_done) code = exit_error;
     if (!never_active_.empty()) spdlog::error(never_active_);
     if (latch_.fault() == Fault::none) return never_active_.empty() ? code : exit_failed;
@@ -278,12 +281,12 @@ class WallClock {
   const Options& options_;
   const Gains& gains_;
   const Policy& policy_;
-  LcmIo& io_;
+  ControllerLink& link_;
   Outside& outside_;
   Presence presence_;
   Latch& latch_;
   SessionOptions session_options_;
-  Counters counters_;
+  timing_t counters_{};
   LoopTimes times_;
   std::string never_active_;
 };
@@ -295,19 +298,17 @@ Policy policy_of(const Options& options, double sample_rate_hz, std::string& pol
     policy_text = YamlReader::from_file(*options.policy).source_text();
     policy = parse_policy(policy_text, options.policy->string(), sample_rate_hz);
   }
-  if (!options.realtime) return policy;
-  policy.realtime = *options.realtime == "off"       ? Policy::Realtime::off
-                    : *options.realtime == "enforce" ? Policy::Realtime::enforce
-                                                     : Policy::Realtime::best_effort;
+  if (options.realtime) policy.realtime = realtime_named(*options.realtime);
   return policy;
 }
 
 /// The latch of a wall-clock run. A plant that waits is told if it cannot be read.
-Latch open_latch(const Options& options, LcmIo& io, Background& disk) {
+Latch open_latch(const Options& options, ControllerLink& link, Background& disk) {
   const auto warn = [](const std::string& text) { spdlog::warn(text); };
   try {
-    const Latch latch(options.latch ? *options.latch : default_latch_file(io.run_info().scene_name),
-                      disk, warn, options.reset);
+    const Latch latch(
+        options.latch ? *options.latch : default_latch_file(link.run_info().scene_name), disk, warn,
+        options.reset);
     if (latch.file().empty()) {
       warn(
           "a latched fault will not outlive this process: there is no home folder, and no "
@@ -321,7 +322,7 @@ Latch open_latch(const Options& options, LcmIo& io, Background& disk) {
     }
     return latch;
   } catch (const InputError& error) {
-    io.publish_state(io.run_info().run_id, stillframe_msgs::run_state_t::FAILED, error.what());
+    link.publish_state(link.run_info().run_id, stillframe_msgs::run_state_t::FAILED, error.what());
     throw;
   }
 }
@@ -345,28 +346,28 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
           const std::string& policy_text, const Reasons& reasons, Outside& outside) {
   catch_stop_signals();
   ignore_write_signals();
-  LcmIo io(lcm_url(options.lcm_url), policy);
+  ControllerLink link(lcm_url(options.lcm_url), policy);
   spdlog::info("waiting for a plant");
-  const Start start = shake_hands(io, gains, options.run_id, options.timeout_s);
-  const auto& info = io.run_info();
-  if (start.over) return close_run(*start.over, io, {}, options.timeout_s, outside.terminal);
+  const Start start = shake_hands(link, gains, options.run_id, options.timeout_s);
+  const auto& info = link.run_info();
+  if (start.over) return close_run(*start.over, link, {}, options.timeout_s, outside.terminal);
   spdlog::info("run {} of {}: {}, {} Hz, {} loop", info.run_id, info.scene_name, info.mode,
                info.sample_rate_hz, info.loop);
-  if (info.mode != "wall_clock") return serve_lock_step(options, gains, io, outside.terminal);
+  if (info.mode != "wall_clock") return serve_lock_step(options, gains, link, outside.terminal);
   const bool ramps = reasons.any.empty() && info.loop != "passive";
   if (const std::string& reason = ramps ? reasons.active : reasons.any; !reason.empty()) {
-    io.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, reason);
+    link.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, reason);
     throw Refusal(reason);
   }
   const RealtimeReport realtime = prepare_process(policy);
   spdlog::info("real time: {}", realtime.text);
   if (policy.realtime == Policy::Realtime::enforce && !realtime.complete) {
-    io.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, "no real time");
+    link.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, "no real time");
     throw Refusal("real time is enforced and was not obtained: " + realtime.text +
                   "; run as root or with CAP_SYS_NICE and CAP_IPC_LOCK, or take best_effort");
   }
-  Latch latch = open_latch(options, io, outside.disk);
-  return WallClock(options, gains, policy, policy_text, io, latch, outside).serve(start);
+  Latch latch = open_latch(options, link, outside.disk);
+  return WallClock(options, gains, policy, policy_text, link, latch, outside).serve(start);
 }
 
 int run(const Options& options, Outside& outside) {

@@ -1,53 +1,42 @@
 #include "controller/policy.hpp"
 
+#include <array>
+
 namespace stillframe::controller {
 
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+constexpr std::array defect_names{"none"sv, "missing"sv, "late"sv, "not_finite"sv,
+                                  "out_of_range"sv};
+constexpr std::array fault_names{"none"sv,       "silence"sv,      "losses"sv,   "suspended"sv,
+                                 "not_finite"sv, "out_of_range"sv, "restless"sv, "law_not_finite"sv,
+                                 "not_alive"sv,  "offset"sv,       "limited"sv,  "noisy"sv,
+                                 "unheard"sv};
+static_assert(defect_names.size() == static_cast<std::size_t>(Defect::out_of_range) + 1);
+static_assert(fault_names.size() == static_cast<std::size_t>(Fault::unheard) + 1);
+
+template <std::size_t n>
+std::string_view name_of(std::int32_t value, const std::array<std::string_view, n>& names) {
+  const auto i = static_cast<std::size_t>(value);
+  return i < n ? names[i] : "unknown";
+}
+
+}  // namespace
+
 std::string_view to_text(Defect defect) noexcept {
-  switch (defect) {
-    case Defect::none:
-      return "none";
-    case Defect::missing:
-      return "missing";
-    case Defect::late:
-      return "late";
-    case Defect::not_finite:
-      return "not_finite";
-    case Defect::out_of_range:
-      return "out_of_range";
-  }
-  return "unknown";
+  return name_of(static_cast<std::int32_t>(defect), defect_names);
 }
 
 std::string_view to_text(Fault fault) noexcept {
-  switch (fault) {
-    case Fault::none:
-      return "none";
-    case Fault::silence:
-      return "silence";
-    case Fault::losses:
-      return "losses";
-    case Fault::suspended:
-      return "suspended";
-    case Fault::not_finite:
-      return "not_finite";
-    case Fault::out_of_range:
-      return "out_of_range";
-    case Fault::restless:
-      return "restless";
-    case Fault::law_not_finite:
-      return "law_not_finite";
-    case Fault::not_alive:
-      return "not_alive";
-    case Fault::offset:
-      return "offset";
-    case Fault::limited:
-      return "limited";
-    case Fault::noisy:
-      return "noisy";
-    case Fault::unheard:
-      return "unheard";
-  }
-  return "unknown";
+  return name_of(static_cast<std::int32_t>(fault), fault_names);
+}
+
+Policy::Realtime realtime_named(std::string_view word) noexcept {
+  return word == "off"       ? Policy::Realtime::off
+         : word == "enforce" ? Policy::Realtime::enforce
+                             : Policy::Realtime::best_effort;
 }
 
 }  // namespace stillframe::controller

@@ -72,6 +72,9 @@ struct Policy {
   double record_mb = 1000;          ///< MB, in all
 };
 
+/// Of the words off, best_effort and enforce.
+Policy::Realtime realtime_named(std::string_view word) noexcept;
+
 /// The policy of a loop without a policy file: slower loops take longer.
 Policy default_policy(double sample_rate_hz);
 

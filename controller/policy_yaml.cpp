@@ -113,10 +113,7 @@ void read_limits(const YamlReader& block, Policy& policy) {
 void read_realtime(const YamlReader& block, Policy& policy) {
   block.allow_only({"mode", "priority", "cpu"});
   if (const auto value = block.find("mode")) {
-    const std::string word = value->one_of({"off", "best_effort", "enforce"});
-    policy.realtime = word == "off"           ? Policy::Realtime::off
-                      : word == "best_effort" ? Policy::Realtime::best_effort
-                                              : Policy::Realtime::enforce;
+    policy.realtime = realtime_named(value->one_of({"off", "best_effort", "enforce"}));
   }
   read(block, "priority", WholeRange{2, 98}, policy.priority);
   if (block.find("cpu")) read(block, "cpu", WholeRange{0, 1023}, policy.cpu.emplace());

@@ -25,7 +25,7 @@ bool is_overruled(std::int64_t since_ns, std::int64_t now_ns, double sample_rate
          static_cast<double>(now_ns - since_ns) > std::max(overruled_s, held_s) * ns_per_s;
 }
 
-std::optional<std::string> Presence::gives_way(
+std::optional<std::string> Presence::reason_to_leave(
     State own, const stillframe_msgs::controller_status_t& other) const {
   const auto state = static_cast<State>(other.state);
   const bool own_holds = holds_the_frame(own), other_holds = holds_the_frame(state);

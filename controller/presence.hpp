@@ -23,8 +23,8 @@ class Presence {
 
   /// Why this controller, being in a state itself, gives way to the one that says so; none if it
   /// stays.
-  std::optional<std::string> gives_way(State own,
-                                       const stillframe_msgs::controller_status_t& other) const;
+  std::optional<std::string> reason_to_leave(
+      State own, const stillframe_msgs::controller_status_t& other) const;
 
   std::int64_t instance() const { return instance_; }
   std::int64_t started_ns() const { return started_ns_; }

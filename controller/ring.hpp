@@ -34,6 +34,23 @@ class Ring {
     out_.store(after(out_.load(std::memory_order_relaxed)), std::memory_order_release);
   }
 
+  /// The producer's: copies a value in; false if the ring is full.
+  bool give(const T& value) noexcept {
+    T* place = free_place();
+    if (place == nullptr) return false;
+    *place = value;
+    push();
+    return true;
+  }
+  /// The consumer's: copies the oldest object out; false if the ring is empty.
+  bool take(T& value) noexcept {
+    const T* there = oldest();
+    if (there == nullptr) return false;
+    value = *there;
+    pop();
+    return true;
+  }
+
  private:
   std::size_t after(std::size_t place) const noexcept {
     return place + 1 == places_.size() ? 0 : place + 1;

@@ -20,9 +20,9 @@ constexpr int wait_ms = 10;        // between looks at the loop
 constexpr int most_messages = 64;  // between two looks at it
 constexpr std::int64_t ms = 1'000'000, status_every_ns = 100 * ms, lost_after_ns = 1000 * ms;
 constexpr std::int64_t asleep_ns = 50 * ms;  // no other could begin in that time
-constexpr double late_samples = 3;           // in a row, of a plant that is there
+constexpr double silent_samples = 3;         // in a row, of a plant that is there
 // A controller that comes to a run which has gone on for longer than this was not there before.
-constexpr std::int64_t late_start_ns = 500 * ms;
+constexpr std::int64_t joined_after_ns = 500 * ms;
 
 LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
                        std::int32_t n_floor) {
@@ -32,7 +32,7 @@ LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
           .phase = phase,
           .start_ns = start_ns,
           .now_ns = now,
-          .first_seq = now - start_ns > late_start_ns ? std::llround(samples) : 0,
+          .first_seq = now - start_ns > joined_after_ns ? std::llround(samples) : 0,
           .n_floor = n_floor};
 }
 
@@ -44,21 +44,21 @@ Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active, 
 
 }  // namespace
 
-Session::Session(LcmIo& io, const Gains& gains, const Policy& policy, const Presence& presence,
-                 Latch& latch, Background& disk, const SessionOptions& options,
-                 std::int64_t start_ns)
-    : io_(io),
+Session::Session(ControllerLink& link, const Gains& gains, const Policy& policy,
+                 const Presence& presence, Latch& latch, Background& disk,
+                 const SessionOptions& options, std::int64_t start_ns)
+    : link_(link),
       policy_(policy),
       presence_(presence),
       latch_(latch),
       disk_(disk),
       options_(options),
-      stream_(options.lcm_url, io.run_info(), presence.instance(), policy),
+      stream_(options.lcm_url, link.run_info(), presence.instance(), policy),
       start_ns_(start_ns),
       sample_rate_hz_(gains.sample_rate_hz),
-      loop_(stream_, supervisor_of(gains, policy, io.run_info().loop != "passive", latch.fault()),
-            policy, setting_of(gains, options.phase, start_ns, io.run_info().n_floor)),
-      telemetry_(io, loop_, stream_, presence, options.policy_text),
+      loop_(stream_, supervisor_of(gains, policy, link.run_info().loop != "passive", latch.fault()),
+            policy, setting_of(gains, options.phase, start_ns, link.run_info().n_floor)),
+      telemetry_(link, loop_, stream_, presence, options.policy_text),
       told_latched_(latch.fault() != Fault::none),
       alive_ns_(monotonic_ns()) {}
 
@@ -74,7 +74,7 @@ Outcome Session::run() {
   }
   thread.end();
   if (end_ == Outcome::ended) {
-    n_unheard_ = std::max<std::int64_t>(io_.run_info().n_samples - 1 - loop_.last_seq(), 0);
+    n_unheard_ = std::max<std::int64_t>(link_.run_info().n_samples - 1 - loop_.last_seq(), 0);
   } else if (loop_.counters().driving) {
     options_.warn("a force is left with the amplifiers, which hold it and then let go of it");
   }
@@ -115,10 +115,11 @@ void Session::end(Outcome outcome) {
 
 void Session::listen() {
   int left = most_messages;
-  for (Heard heard = io_.take(wait_ms); heard.message && left > 0; heard = io_.take(0), --left) {
-    if (heard.run_info) io_.publish_state(io_.run_info().run_id, run_state_t::READY, "");
+  for (Heard heard = link_.take(wait_ms); heard.message && left > 0;
+       heard = link_.take(0), --left) {
+    if (heard.run_info) link_.publish_state(link_.run_info().run_id, run_state_t::READY, "");
     if (heard.run_state) {
-      const run_state_t& plant = io_.plant_state();
+      const run_state_t& plant = link_.plant_state();
       if (plant.state == run_state_t::ENDED) end(Outcome::ended);
       if (plant.state == run_state_t::FAILED) end(Outcome::plant_failed);
       if (plant.state == run_state_t::RUNNING && plant.start_monotonic_ns != start_ns_) {
@@ -127,16 +128,18 @@ void Session::listen() {
     }
     const bool another = heard.other_plant || (heard.other_run && options_.any_run);
     // A plant that says it is there is not left for another one, however late its measurements are.
-    const std::int64_t heard_ns = std::max(alive_ns_, io_.last_heard_ns());
-    if (another && monotonic_ns() - heard_ns > std::max(lost_after_ns, samples_ns(late_samples))) {
+    const std::int64_t heard_ns = std::max(alive_ns_, link_.last_heard_ns());
+    if (another &&
+        monotonic_ns() - heard_ns > std::max(lost_after_ns, samples_ns(silent_samples))) {
       end(Outcome::began_anew);
     }
     // Whoever asks repeats it until the status names it.
-    if (heard.request && io_.admits_request()) {
-      requests_.hear(static_cast<Request>(io_.request().request), io_.request().nonce);
+    if (heard.request && link_.admits_request()) {
+      requests_.hear(static_cast<Request>(link_.request().request), link_.request().nonce);
     }
     if (heard.other_status && knows_the_loop()) {
-      if (const auto why = presence_.gives_way(loop_.counters().state, io_.other_status())) {
+      if (const auto why =
+              presence_.reason_to_leave(loop_.counters().state, link_.other_status())) {
         reason_ = *why;
         end_ = Outcome::refused;
         return;
@@ -150,9 +153,9 @@ std::string Session::refusal(Request request) const {
   if (request < Request::start || request > Request::reset) return "there is no such request";
   if (request != Request::start) return "";
   if (end_) return "the controller ends";
-  if (io_.run_info().loop == "passive") return "the run is passive";
+  if (link_.run_info().loop == "passive") return "the run is passive";
   if (!counters.latched) return "";
-  return "a fault is latched (" + fault_in_words(counters, io_.run_info().leg_names) +
+  return "a fault is latched (" + fault_in_words(counters, link_.run_info().leg_names) +
          "); mend its cause and reset it first";
 }
 
@@ -179,7 +182,7 @@ void Session::tell(bool whatever) {
   telemetry_.publish_status(last_request_);
   if (latched != told_latched_) keep_latch();
   if (n_faults != told_faults_ || latched > told_latched_) {
-    options_.warn("fault: " + fault_in_words(counters, io_.run_info().leg_names) +
+    options_.warn("fault: " + fault_in_words(counters, link_.run_info().leg_names) +
                   (latched ? ", latched" : ", passing"));
   } else if (state != told_state_ && state != State::fading && state != State::ramp_in) {
     options_.say(std::string(to_text(state)));
@@ -192,7 +195,7 @@ void Session::tell(bool whatever) {
 
 void Session::keep_latch() {
   if (loop_.counters().latched) {
-    latch_.hold(loop_.counters().fault, io_.run_info().run_id);
+    latch_.hold(loop_.counters().fault, link_.run_info().run_id);
   } else {
     latch_.clear();
   }
@@ -200,11 +203,11 @@ void Session::keep_latch() {
 
 void Session::give_flight() {
   const auto recorder = loop_.share_flight();
-  if (!recorder->stands_still()) flight_given_ = false;
-  if (flight_given_ || !recorder->stands_still()) return;
+  if (!recorder->is_frozen()) flight_given_ = false;
+  if (flight_given_ || !recorder->is_frozen()) return;
   flight_given_ = true;
   const FlightBounds bounds{.files = policy_.record_files, .bytes = policy_.record_mb * 1e6};
-  disk_.give([recorder, bounds, info = io_.run_info(), policy_text = options_.policy_text,
+  disk_.give([recorder, bounds, info = link_.run_info(), policy_text = options_.policy_text,
               folder = options_.flight_folder, warn = options_.warn] {
     try {
       const auto file = next_flight_file(folder, info.run_id);
@@ -229,21 +232,21 @@ void Session::look_for_end() {
     reason_ = "the plant obeys another controller; end that one first";
     end(Outcome::refused);
   }
-  const std::int64_t heard_ns = std::max(alive_ns_, io_.last_heard_ns());
+  const std::int64_t heard_ns = std::max(alive_ns_, link_.last_heard_ns());
   if (static_cast<double>(now - heard_ns) > options_.timeout_s * ns_per_s) end(Outcome::silent);
 }
 
 std::string Session::never_active() const {
   const LoopCounters& now = loop_.counters();
   const double lasted_s = static_cast<double>(now.n_periods + now.n_late) / sample_rate_hz_;
-  const bool wanted = policy_.start_at_once && io_.run_info().loop != "passive";
+  const bool wanted = policy_.start_at_once && link_.run_info().loop != "passive";
   if (!wanted || now.latched || now.n_active > 0) return "";
   if (lasted_s < 2 * (policy_.arming_s + policy_.ramp_in_s) + 1) return "";
   return "the loop was never active: of " + std::to_string(now.n_periods) + " periods " +
          std::to_string(now.n_missing) + " had no sound measurement that was on time";
 }
 
-void Session::add_to(Counters& all, LoopTimes& times) const {
+void Session::add_to(stillframe_msgs::timing_t& all, LoopTimes& times) const {
   const LoopCounters& now = loop_.counters();
   all.n_periods += now.n_periods;
   all.n_late += now.n_late;

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "controller/background.hpp"
+#include "controller/controller_link.hpp"
 #include "controller/gains.hpp"
 #include "controller/latch.hpp"
-#include "controller/lcm_io.hpp"
 #include "controller/lcm_stream.hpp"
 #include "controller/loop.hpp"
 #include "controller/loop_thread.hpp"
@@ -37,21 +37,19 @@ struct SessionOptions {
 /// terminal nor disk: what it says and what it records goes to threads that may hang. Set-up.
 class Session {
  public:
-  /// io follows the run; all arguments outlive the session. disk writes the flight records.
+  /// link follows the run; all arguments outlive the session. disk writes the flight records.
   /// start_ns: t_0 of the run on CLOCK_MONOTONIC. Errors: as LcmStream and Supervisor.
-  Session(LcmIo& io, const Gains& gains, const Policy& policy, const Presence& presence,
+  Session(ControllerLink& link, const Gains& gains, const Policy& policy, const Presence& presence,
           Latch& latch, Background& disk, const SessionOptions& options, std::int64_t start_ns);
 
   /// Runs to the end, and lets go of the frame before it answers.
   Outcome run();
 
   const std::string& reason() const { return reason_; }  ///< why the session was refused
-  bool latched() const { return loop_.counters().latched; }
-  Fault fault() const { return loop_.counters().fault; }
   /// Why a run that should have been isolated never was; empty if it was, or was too short for it.
   std::string never_active() const;
   /// Adds what was counted and measured to what was before. After run.
-  void add_to(Counters& counters, LoopTimes& times) const;
+  void add_to(stillframe_msgs::timing_t& counters, LoopTimes& times) const;
   const LoopCounters& counters() const { return loop_.counters(); }
 
  private:
@@ -67,7 +65,7 @@ class Session {
   bool knows_the_loop() const;
   std::int64_t samples_ns(double n) const;
 
-  LcmIo& io_;
+  ControllerLink& link_;
   const Policy& policy_;
   const Presence& presence_;
   Latch& latch_;

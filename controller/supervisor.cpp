@@ -1,6 +1,7 @@
 #include "controller/supervisor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -114,23 +115,10 @@ Fault fault_of(Defect defect) noexcept {
 }  // namespace
 
 std::string_view to_text(State state) noexcept {
-  switch (state) {
-    case State::idle:
-      return "idle";
-    case State::arming:
-      return "arming";
-    case State::ramp_in:
-      return "ramp_in";
-    case State::active:
-      return "active";
-    case State::fading:
-      return "fading";
-    case State::ramp_out:
-      return "ramp_out";
-    case State::fault:
-      return "fault";
-  }
-  return "";
+  constexpr std::array<std::string_view, 7> names{"idle",   "arming",   "ramp_in", "active",
+                                                  "fading", "ramp_out", "fault"};
+  const auto i = static_cast<std::size_t>(state);
+  return i < names.size() ? names[i] : "";
 }
 
 Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
@@ -282,9 +270,8 @@ void Supervisor::count_missing(const Event& event) noexcept {
   missing_part_ += std::min(1.0, n * forgets_) * (share - missing_part_);
   rejoins_ = std::max(
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
-  gap_ = have ? missing_ : 0;
   if (have) {
-    unheard_ = event.measurement->heard ? 0 : unheard_ + gap_ + event.n_elapsed;
+    unheard_ = event.measurement->heard ? 0 : unheard_ + missing_ + event.n_elapsed;
     missing_ = 0;
     last_defect_ = Defect::none;
     return;

@@ -90,15 +90,15 @@ LoopRecord from_message(const loop_record_t& message) {
   return record;
 }
 
-Telemetry::Telemetry(LcmIo& io, Loop& loop, const LcmStream& stream, const Presence& presence,
-                     const std::string& policy_text)
-    : io_(io), loop_(loop), stream_(stream), presence_(presence), policy_text_(policy_text) {}
+Telemetry::Telemetry(ControllerLink& link, Loop& loop, const LcmStream& stream,
+                     const Presence& presence, const std::string& policy_text)
+    : link_(link), loop_(loop), stream_(stream), presence_(presence), policy_text_(policy_text) {}
 
 void Telemetry::publish_records() {
-  const std::int64_t run_id = io_.run_info().run_id;
+  const std::int64_t run_id = link_.run_info().run_id;
   while (const LoopCheckpoint* checkpoint = loop_.checkpoints().oldest()) {
-    io_.publish(channels::checkpoint,
-                to_message(*checkpoint, run_id, presence_.instance(), policy_text_));
+    link_.publish(channels::checkpoint,
+                  to_message(*checkpoint, run_id, presence_.instance(), policy_text_));
     loop_.checkpoints().pop();
   }
   loop_records_t message;
@@ -106,7 +106,7 @@ void Telemetry::publish_records() {
   message.instance = presence_.instance();
   const auto give = [&] {
     message.n_records = static_cast<std::int32_t>(message.records.size());
-    if (message.n_records > 0) io_.publish(channels::loop, message);
+    if (message.n_records > 0) link_.publish(channels::loop, message);
     message.records.clear();
   };
   while (const LoopRecord* record = loop_.records().oldest()) {
@@ -134,8 +134,8 @@ void Telemetry::publish_status(const LastRequest& request) {
   const State state = counters.state.load(std::memory_order_acquire);
   const Fault fault = counters.fault;
   controller_status_t status;
-  status.run_id = io_.run_info().run_id;
-  status.plant_instance = io_.run_info().plant_instance;
+  status.run_id = link_.run_info().run_id;
+  status.plant_instance = link_.run_info().plant_instance;
   status.instance = presence_.instance();
   status.sent_ns = monotonic_ns();
   status.started_ns = presence_.started_ns();
@@ -145,7 +145,7 @@ void Telemetry::publish_status(const LastRequest& request) {
   status.latched = counters.latched ? 1 : 0;
   status.text = std::string(to_text(state));
   if (state == State::fault) {
-    status.text += ": " + fault_in_words(counters, io_.run_info().leg_names);
+    status.text += ": " + fault_in_words(counters, link_.run_info().leg_names);
   }
   status.nonce = request.nonce;
   status.answer = request.answer;
@@ -157,13 +157,13 @@ void Telemetry::publish_status(const LastRequest& request) {
   status.n_saturated = counters.n_saturated;
   status.n_faults = counters.n_faults;
   status.n_rejoins = counters.n_rejoins;
-  status.n_bad_messages = stream_.n_bad_messages() + io_.n_malformed();
+  status.n_bad_messages = stream_.n_bad_messages() + link_.n_malformed();
   status.n_commands_dropped = stream_.n_commands_dropped();
   status.n_records_dropped = counters.n_records_dropped;
   status.n_page_faults = counters.n_page_faults;
   status.worst_wake_up_ns = counters.worst_wake_up_ns;
   status.worst_compute_ns = counters.worst_compute_ns;
-  io_.publish(channels::status, status);
+  link_.publish(channels::status, status);
 }
 
 }  // namespace stillframe::controller

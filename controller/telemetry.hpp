@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "controller/lcm_io.hpp"
+#include "controller/controller_link.hpp"
 #include "controller/lcm_stream.hpp"
 #include "controller/loop.hpp"
 #include "controller/presence.hpp"
@@ -28,7 +28,7 @@ std::string fault_in_words(const LoopCounters& counters, const std::vector<std::
 class Telemetry {
  public:
   /// All outlive the telemetry. policy_text: of the policy file, for replay.
-  Telemetry(LcmIo& io, Loop& loop, const LcmStream& stream, const Presence& presence,
+  Telemetry(ControllerLink& link, Loop& loop, const LcmStream& stream, const Presence& presence,
             const std::string& policy_text);
 
   /// Publishes the records and checkpoints that wait, in their order.
@@ -36,7 +36,7 @@ class Telemetry {
   void publish_status(const LastRequest& request);
 
  private:
-  LcmIo& io_;
+  ControllerLink& link_;
   Loop& loop_;
   const LcmStream& stream_;
   const Presence& presence_;

@@ -6,7 +6,7 @@
 
 namespace stillframe::controller {
 
-void write_timing_file(const std::filesystem::path& file, const Counters& counters,
+void write_timing_file(const std::filesystem::path& file, const stillframe_msgs::timing_t& counters,
                        const LoopTimes& times) {
   std::ostringstream stream;
   stream << "{\"n_periods\": " << counters.n_periods << ", \"n_late\": " << counters.n_late

@@ -97,11 +97,11 @@ namespace {
 
 /// What is out of balance and its Jacobian for one load factor. Goes from one position to the next
 /// by travel().
-class Balance {
+class ForceBalance {
  public:
   /// loads: of loads, gravity and preloads at the full load factor; rates: of the prescribed
   /// motion.
-  Balance(const Model& model, double loads, double rates)
+  ForceBalance(const Model& model, double loads, double rates)
       : model_(model),
         data_(model),
         lineariser_(model, {}, {}, {.mass = false, .damping = false, .stiffness = true}),
@@ -167,7 +167,7 @@ class Balance {
 /// be a quarter of the one before (Newton and Kantorovich). Lengths are those of the nodes, so that
 /// units and the choice of dofs do not matter. The first step may grow with the scene, so that a
 /// long pull takes no more of them than its logarithm; the second may not.
-bool contracts(Balance& balance, VectorXd& q, int& iterations) {
+bool contracts(ForceBalance& balance, VectorXd& q, int& iterations) {
   constexpr double at_first = 0.05, most = 0.25;
   constexpr double farthest = 0.5;   // rad, or of the scene's size: more is a guess
   constexpr double rounding = 1e-7;  // as far as rounding may leave an ill-conditioned balance
@@ -188,7 +188,7 @@ bool contracts(Balance& balance, VectorXd& q, int& iterations) {
 }
 
 /// One load factor; the balance stays where it was if there is no equilibrium near.
-bool balance_at(Balance& balance, double factor, VectorXd& q, int& iterations) {
+bool balance_at(ForceBalance& balance, double factor, VectorXd& q, int& iterations) {
   const NominalMotion start = balance.motion();
   balance.set_factor(factor);
   VectorXd trial = q;
@@ -243,7 +243,7 @@ constexpr int most_attempts = 1000;
         (move.empty() ? "" : "; there, " + move));
   }
   const std::string dof =
-      unresisted_dof(model, -Balance(model, 0, 0).linear().stiffness());
+      unresisted_dof(model, -ForceBalance(model, 0, 0).linear().stiffness());
   if (dof.empty()) {
     throw Refusal(
         "no equilibrium found: not even a small part of the loads can be balanced, from the scene "
@@ -256,7 +256,7 @@ constexpr int most_attempts = 1000;
 }
 
 /// Follows the loads from zero. Adds to iterations and load_steps.
-void follow(const Model& model, Balance& balance, VectorXd& q, Equilibrium& result) {
+void follow(const Model& model, ForceBalance& balance, VectorXd& q, Equilibrium& result) {
   double reached = 0, step = 1;
   int attempts = 0;
   // Towards a limit load steps shrink as what is left of it does, to a tenth or so; 2^-16 of the load
@@ -280,7 +280,7 @@ void follow(const Model& model, Balance& balance, VectorXd& q, Equilibrium& resu
 
 /// Where positions are dofs, the balance at q'^d = 0 is not that of what goes along: it strains and
 /// shears the springs and dampers between them.
-void go_along(const Model& model, Balance& balance, VectorXd& q, Equilibrium& result) {
+void go_along(const Model& model, ForceBalance& balance, VectorXd& q, Equilibrium& result) {
   if (model.q_r_dot_0.isZero(0) && model.q_r_ddot_0.isZero(0)) return;
   Rates before{VectorXd::Zero(model.n_d), VectorXd::Zero(model.n_d)};
   // The rates are linear in themselves but for what they do to the balance; what has not settled
@@ -302,7 +302,7 @@ void go_along(const Model& model, Balance& balance, VectorXd& q, Equilibrium& re
 }  // namespace
 
 Equilibrium solve_equilibrium(const Model& model) {
-  Balance balance(model, 1, 1);
+  ForceBalance balance(model, 1, 1);
   Equilibrium result{NominalMotion(model)};
   VectorXd q = VectorXd::Zero(model.n_d), f(model.n_d);
   follow(model, balance, q, result);
@@ -317,7 +317,7 @@ Equilibrium solve_equilibrium(const Model& model) {
 }
 
 NominalMotion unloaded_position(const Model& model) {
-  Balance balance(model, 0, 0);
+  ForceBalance balance(model, 0, 0);
   Equilibrium result{NominalMotion(model)};
   VectorXd q = VectorXd::Zero(model.n_d), f(model.n_d);
   follow(model, balance, q, result);

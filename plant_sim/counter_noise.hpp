@@ -2,23 +2,46 @@
 
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 #include <numbers>
+#include <string_view>
 
 namespace stillframe {
 
-/// Gaussian numbers of mean 0 and variance 1 by their place: a seed, a stream, a channel and a
-/// sample k give the same number whatever was drawn before. splitmix64 words, jumped to, made
-/// Gaussian by the Box-Muller formula. Source: G. L. Steele, D. Lea, C. H. Flood, OOPSLA 2014;
-/// G. E. P. Box, M. E. Muller, Ann. Math. Stat. 29 (1958) 610-611. Hot: noexcept, no allocation.
+/// Gaussian numbers of mean 0 and variance 1 by their place: a seed, what they are for, and a
+/// sample give the same number whatever was drawn before, with every standard library. splitmix64
+/// words, jumped to, made Gaussian by the Box-Muller formula. Source: G. L. Steele, D. Lea, C. H.
+/// Flood, OOPSLA 2014; G. E. P. Box, M. E. Muller, Ann. Math. Stat. 29 (1958) 610-611. Hot:
+/// noexcept, no allocation.
 class CounterNoise {
  public:
-  CounterNoise(std::uint64_t seed, std::uint64_t stream, std::uint64_t channel) noexcept
-      : key_(mix(mix(mix(seed + stride) + stream + 1) + channel + 1)) {}
+  /// place: of the stream, as its use and its channel.
+  CounterNoise(std::uint64_t seed, std::initializer_list<std::uint64_t> place) noexcept
+      : key_(mix(seed + stride)) {
+    for (const std::uint64_t number : place) key_ = mix(key_ + number + 1);
+  }
 
   double operator()(std::int64_t k) const noexcept {
+    const auto [radius, angle] = polar(k);
+    return radius * std::cos(angle);
+  }
+
+  /// Two independent ones, in polar coordinates.
+  struct Pair {
+    double radius, angle;
+  };
+  Pair polar(std::int64_t k) const noexcept {
     const std::uint64_t at = key_ + 2 * static_cast<std::uint64_t>(k) * stride;
-    const double radius = std::sqrt(-2 * std::log(uniform(mix(at + stride))));
-    return radius * std::cos(2 * std::numbers::pi * uniform(mix(at + 2 * stride)));
+    return {std::sqrt(-2 * std::log(uniform(mix(at + stride)))),
+            2 * std::numbers::pi * uniform(mix(at + 2 * stride))};
+  }
+
+  /// The seed of a source of noise by its name, so that sources with the same number under `seed`
+  /// are independent of each other.
+  static std::uint64_t seed_of(std::uint64_t seed, std::string_view source) noexcept {
+    std::uint64_t word = mix(seed + stride);
+    for (const char letter : source) word = mix(word + static_cast<unsigned char>(letter) + stride);
+    return word;
   }
 
  private:

@@ -7,7 +7,7 @@ namespace stillframe {
 Disturbances::Disturbances(const Scene& scene, const Model& model, double sample_time)
     : patterns_(model.n_x, static_cast<Index>(scene.disturbances.size())),
       values_(Eigen::VectorXd::Zero(patterns_.cols())),
-      forces_(Eigen::VectorXd::Zero(model.n_x)) {
+      forces_(Eigen::VectorXd::Zero(scene.disturbances.empty() ? 0 : model.n_x)) {
   Index i = 0;
   for (const SceneDisturbance& disturbance : scene.disturbances) {
     courses_.emplace_back(disturbance, sample_time);

@@ -18,11 +18,10 @@ class Disturbances {
   /// the node is fixed or prescribed along it.
   Disturbances(const Scene& scene, const Model& model, double sample_time);
 
-  bool any() const noexcept { return !courses_.empty(); }
   /// Takes sample k, from 0 up: writes the forces that are held over it.
   void take(std::int64_t k) noexcept;
-  /// Nodal forces f (n_x, N), dual to x: what they add to the right-hand side of the equations of
-  /// motion for q^d is D_dF^(x)^T f.
+  /// Nodal forces f (n_x, N; empty without disturbances), dual to x: what they add to the
+  /// right-hand side of the equations of motion for q^d is D_dF^(x)^T f.
   const Eigen::VectorXd& forces() const noexcept { return forces_; }
   /// The forces F one by one (N), in the scene's order.
   const Eigen::VectorXd& values() const noexcept { return values_; }

@@ -43,7 +43,6 @@ Eigen::MatrixXd map_of(const floor::FloorSource& source, const Scene& scene, con
                        const Eigen::MatrixXd& inputs) {
   if (source.meaning() == FloorChannels::inputs) return inputs.transpose();
   const Eigen::MatrixXd rigid = rigid_floor_map(model);
-  if (source.meaning() == FloorChannels::translations) return rigid.leftCols(3);
   require_rotations(source, scene, model);
   if (source.meaning() == FloorChannels::rigid) return rigid;
   Eigen::MatrixXd map(model.n_r, 6 + inputs.rows());

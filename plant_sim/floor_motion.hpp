@@ -58,8 +58,8 @@ class HeldCourse {
 /// over each sample, from rest. Set-up: construction; the rest is hot.
 class FloorMotion {
  public:
-  /// A source of translations or of a rigid floor moves every prescribed coordinate; a source of
-  /// inputs moves the scene's inputs. Errors: InputError if the model has no prescribed coordinates
+  /// A source of a rigid floor moves every prescribed coordinate; one of inputs moves the scene's
+  /// inputs. Errors: InputError if the model has no prescribed coordinates
   /// to move, or if the floor turns and a node on it cannot: a node whose rotation is fixed, or a
   /// planar scene that is to turn out of its plane.
   FloorMotion(std::unique_ptr<floor::FloorSource> source, const Scene& scene, const Model& model);

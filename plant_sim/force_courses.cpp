@@ -4,23 +4,19 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/files/utf8.hpp"
 #include "core/linear/smooth_step.hpp"
 #include "core/yaml/input_error.hpp"
+#include "plant_sim/counter_noise.hpp"
 #include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/courses.hpp"
 #include "plant_sim/floor/recording_file.hpp"
-#include "plant_sim/floor/resample.hpp"
 #include "plant_sim/floor/shaped_noise.hpp"
-#include "plant_sim/floor/white.hpp"
 
 namespace stillframe {
 
 namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
-/// What is resampled is faded in and out so long.
-constexpr double taper_s = 1.0;
 /// A transform needs several copies of a period; 1e7 samples of them are 0.5 GB.
 constexpr double most_samples = 1e7;
 
@@ -89,39 +85,28 @@ Eigen::VectorXd noise_table(const ForceNoise& noise, double T, const std::string
   }
   const floor::NoiseShape shape{
       .density = floor::PointsDensity{noise.psd},
-      .seed = floor::seed_of(noise.seed, "disturbance " + name),
+      .seed = CounterNoise::seed_of(noise.seed, "disturbance " + name),
       .rate = 1.0 / T,
       .period = std::max<std::int64_t>(1, std::llround(noise.period_s / T))};
   return floor::periodic_noise(shape, {0}, false).col(0);
 }
 
 Eigen::VectorXd recording_table(const ForceRecording& force, double T, const std::string& place) {
-  const floor::RecordingFile recording = floor::read_recording(force.file, "N");
-  const auto& names = recording.columns;
-  const auto found = std::find(names.begin(), names.end(), force.column);
-  if (found == names.end()) {
-    throw InputError(place + ": '" + printable(force.column, 80) + "' is no column of " +
-                     force.file.string());
-  }
-  const double fs = recording.sample_rate_hz;
-  const auto ratio = floor::rational_ratio(fs, 1.0 / T);
-  if (!ratio) {
-    throw InputError(place + ": " + force.file.string() + " is at " + floor::text_of(fs) +
-                     " Hz, allowed is a rate whose ratio to the control rate is one of whole "
-                     "numbers up to 10000");
-  }
-  const auto taper = static_cast<Eigen::Index>(std::ceil(taper_s * fs));
-  const double first = std::round(force.start_s * fs);
-  const double left = static_cast<double>(recording.acceleration.cols()) - first;
-  if (left <= 2.0 * static_cast<double>(taper)) {
-    throw InputError(place + ": start_s: found " + floor::text_of(std::max(left, 0.0) / fs) +
-                     " s of " + force.file.string() + " from there on, allowed is more than 2 s");
-  }
-  Eigen::MatrixXd piece =
-      force.scale *
-      recording.acceleration.row(found - names.begin()).tail(static_cast<Eigen::Index>(left));
-  floor::taper_ends(piece, taper);
-  return floor::resample(piece, *ratio).row(0).transpose();
+  const auto fail = [&](const char* key) {
+    return [&place, key](const std::string& what) {
+      throw InputError(place + ": " + key + ": " + what);
+    };
+  };
+  const floor::RecordingPart part{.file = force.file,
+                                  .units = "N",
+                                  .columns = {force.column},
+                                  .scale = force.scale,
+                                  .start_s = force.start_s};
+  const floor::RecordingErrors errors{
+      .file = fail("file"),
+      .start = fail("start_s"),
+      .column = [&](std::size_t, const std::string& what) { fail("column")(what); }};
+  return floor::play_recording(part, 1.0 / T, errors).row(0).transpose();
 }
 
 }  // namespace

@@ -144,7 +144,7 @@ Integrator::Status Integrator::advance(Eigen::VectorXd& y, double duration, doub
       flag = 0;
     }
   }
-  if (right_hand_side_failed(flag)) return Status::right_hand_side_failed;
+  if (right_hand_side_failed(flag)) return Status::equations_failed;
   if (flag < 0) return Status::failed;
   y = view(self.state);
   return Status::ok;

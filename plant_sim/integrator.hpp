@@ -4,6 +4,8 @@
 #include <functional>
 #include <memory>
 
+#include "plant_sim/motion/status.hpp"
+
 namespace stillframe {
 
 /// The explicit Runge-Kutta pair 5(4) of Dormand and Prince, in ARKODE, for dy/dt = f(t, y), over
@@ -26,7 +28,7 @@ class Integrator {
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  enum class Status { ok, right_hand_side_failed, too_many_steps, failed };
+  using Status = MotionStatus;
 
   /// Integrates y from 0 to duration (s). acceleration (m/s^2): the largest in the part; within
   /// (s): up to duration, for how long it may go one way.

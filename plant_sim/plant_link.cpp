@@ -139,7 +139,7 @@ void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
   run_state_t state;
   if (!decode(*buffer, state) || state.run_id != info_.run_id) return;
   if (state.source == "plant") {
-    if (state.plant_instance != info_.plant_instance) meet(state);
+    if (state.plant_instance != info_.plant_instance) judge_rival(state);
     return;
   }
   if (state.source != "controller" || state.plant_instance != info_.plant_instance) return;
@@ -152,7 +152,7 @@ void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
 
 // Another plant of this number: who runs stays, and of two that do the first, and of two that wait
 // the one with the smaller instance.
-void PlantLink::meet(const run_state_t& other) {
+void PlantLink::judge_rival(const run_state_t& other) {
   if (!is_fresh(other.sent_ns, monotonic_ns())) return;
   const bool other_runs = other.state == run_state_t::RUNNING;
   if (!other_runs && other.state != run_state_t::WAITING) return;

@@ -77,7 +77,7 @@ class PlantLink {
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   bool is_sound(const stillframe_msgs::command_t& command) const;
-  void meet(const stillframe_msgs::run_state_t& other);
+  void judge_rival(const stillframe_msgs::run_state_t& other);
   template <class Message>
   void publish(const char* channel, const Message& message);
   void send(const char* channel, const std::vector<std::uint8_t>& bytes);

@@ -29,9 +29,6 @@ class Run {
         n_(link.info().n_samples) {
     timing_.run_id = link.info().run_id;
     timing_.source = "plant";
-    timing_.n_periods = timing_.n_late = timing_.n_lost = timing_.n_duplicate = 0;
-    timing_.n_listened = timing_.n_foreign = 0;
-    timing_.worst_wake_up_ns = timing_.worst_compute_ns = timing_.wall_time_ns = 0;
   }
 
   void begin(std::int64_t start_ns) {
@@ -94,7 +91,7 @@ class Run {
   const PlantRunOptions& options_;
   CommandQueue queue_;
   std::int64_t n_;
-  timing_t timing_;
+  timing_t timing_{};
   std::int64_t began_ns_ = 0, reported_ns_ = 0;
 };
 

@@ -70,7 +70,7 @@ void ForceSensorNoise::add(Index n_legs, double kept, double fresh, double first
   const std::uint64_t stream = process_stream + processes_.size();
   Process process{.kept = kept, .fresh = fresh, .draws = {}, .x = Eigen::VectorXd::Zero(n_legs)};
   for (Index leg = 0; leg < n_legs; ++leg) {
-    process.draws.emplace_back(seed_, stream, static_cast<std::uint64_t>(leg));
+    process.draws.push_back({seed_, {stream, static_cast<std::uint64_t>(leg)}});
     process.x(leg) = first * process.draws.back()(0);
   }
   processes_.push_back(std::move(process));
@@ -105,7 +105,7 @@ FloorSensorNoise::FloorSensorNoise(Index n_inputs, const FloorSensorErrors& erro
                                    double sample_time)
     : deviation_(errors.noise / std::sqrt(2 * sample_time)) {
   for (Index i = 0; i < n_inputs; ++i) {
-    draws_.emplace_back(errors.seed, floor_stream, static_cast<std::uint64_t>(i));
+    draws_.push_back({errors.seed, {floor_stream, static_cast<std::uint64_t>(i)}});
   }
 }
 

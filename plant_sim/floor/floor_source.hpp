@@ -5,10 +5,10 @@
 
 namespace stillframe::floor {
 
-/// What the channels of a source are: the world axes x, y, z of a floor that moves as one body
-/// without rotation; these and small rotations rx, ry, rz about lines through the origin; the floor
-/// inputs of the scene, each on its own; or the six of the rigid floor and then the inputs.
-enum class FloorChannels { translations, rigid, inputs, rigid_and_inputs };
+/// What the channels of a source are: of a floor that moves as one body the world axes x, y, z and
+/// small rotations rx, ry, rz about lines through the origin; the floor inputs of the scene, each
+/// on its own; or the six of the rigid floor and then the inputs.
+enum class FloorChannels { rigid, inputs, rigid_and_inputs };
 
 /// The prescribed acceleration of the floor, held over each sample.
 ///   w(t) = w[k] for k T_s <= t < (k + 1) T_s.
@@ -19,7 +19,7 @@ class FloorSource {
   virtual ~FloorSource() = default;
 
   virtual FloorChannels meaning() const noexcept = 0;
-  /// Number of channels: 3 for translations, 6 for a rigid floor, one for each input.
+  /// Number of channels: 6 for a rigid floor, one for each input.
   virtual Eigen::Index channels() const noexcept = 0;
   /// Number of samples that the source has, at least one; k runs from 0 to n_samples() - 1.
   virtual std::int64_t n_samples() const noexcept = 0;

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "plant_sim/counter_noise.hpp"
 #include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/held_acceleration.hpp"
 #include "plant_sim/floor/high_pass.hpp"
 #include "plant_sim/floor/recording_file.hpp"
-#include "plant_sim/floor/resample.hpp"
 #include "plant_sim/floor/shaped_noise.hpp"
 #include "plant_sim/floor/sources.hpp"
 #include "plant_sim/floor/white.hpp"
@@ -15,8 +14,6 @@
 namespace stillframe::floor {
 
 namespace {
-
-constexpr double taper_s = 1.0;
 
 /// High-passes each row; if it shall ring out, goes on with zeros until the filter has come to
 /// rest: its slowest pole decays as exp(-2.4 f_c t), to the last bit of a double in 16 / f_c.
@@ -30,62 +27,30 @@ void high_pass(Eigen::MatrixXd& table, double corner_hz, double rate, bool ring_
   high_pass_rows(corner_hz, rate, table);
 }
 
-/// The recording's samples on the world axes, or on the rotations about them, from start_s to its
-/// end, scaled. 3 x samples.
-Eigen::MatrixXd cut_and_map(const RecordingSpec& spec, const RecordingFile& recording) {
-  const Eigen::Index n = recording.acceleration.cols();
-  const double fs = recording.sample_rate_hz;
-  const double first = std::round(spec.start_s * fs);
-  if (static_cast<double>(n) - first <= 2.0 * std::ceil(taper_s * fs)) {
-    const auto start = spec.block.find("start_s");
-    (start ? *start : spec.block)
-        .fail("found " + text_of(static_cast<double>(n) / fs - spec.start_s) + " s of " +
-              spec.file.string() + " from start_s on, allowed is more than 2 s");
-  }
-  const auto begin = static_cast<Eigen::Index>(first);
-  Eigen::MatrixXd piece = Eigen::MatrixXd::Zero(3, n - begin);
-  for (const auto& [column, axis] : spec.axes) {
-    const auto& names = recording.columns;
-    const auto found = std::find(names.begin(), names.end(), column);
-    if (found == names.end()) {
-      const auto join = [](const std::string& list, const std::string& name) {
-        return list.empty() ? name : list + ", " + name;
-      };
-      const std::string near = nearest_name(column, names);
-      spec.block.require("axes").require(column).fail(
-          "'" + column + "' is no column of " + spec.file.string() +
-          (near.empty() ? "" : " (did you mean '" + near + "'?)") +
-          "; allowed: " + std::accumulate(names.begin(), names.end(), std::string(), join));
-    }
-    piece.row(axis % 3) =
-        spec.scale * recording.acceleration.row(found - names.begin()).tail(n - begin);
-  }
-  return piece;
-}
-
 std::unique_ptr<FloorSource> make(const FloorSpec& floor, const RecordingSpec& spec) {
-  const YamlReader file = spec.block.require("file");
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(spec.file, ignored)) {
-    file.fail("found '" + spec.file.string() + "', which is missing or no file");
+  RecordingPart part{.file = spec.file,
+                     .units = spec.turns() ? "rad/s^2" : "m/s^2",
+                     .columns = {},
+                     .scale = spec.scale,
+                     .start_s = spec.start_s};
+  Eigen::MatrixXd patterns(6, static_cast<Eigen::Index>(spec.axes.size()));
+  for (const auto& [column, axis] : spec.axes) {
+    patterns.col(static_cast<Eigen::Index>(part.columns.size())) = rigid_pattern(axis, spec.about);
+    part.columns.push_back(column);
   }
-  const RecordingFile recording = read_recording(spec.file, spec.turns() ? "rad/s^2" : "m/s^2");
-  const auto ratio = rational_ratio(recording.sample_rate_hz, floor.sample_rate_hz);
-  if (!ratio) {
-    file.fail("found a recording at " + text_of(recording.sample_rate_hz) +
-              " Hz, allowed is a rate whose ratio to the control rate of " +
-              text_of(floor.sample_rate_hz) + " Hz is one of whole numbers up to 10000");
-  }
-  Eigen::MatrixXd piece = cut_and_map(spec, recording);
-  taper_ends(piece, static_cast<Eigen::Index>(std::ceil(taper_s * recording.sample_rate_hz)));
-  Eigen::MatrixXd table = resample(piece, *ratio);
+  const auto start = spec.block.find("start_s");
+  const RecordingErrors errors{
+      .file = [&](const auto& what) { spec.block.require("file").fail(what); },
+      .start = [&](const auto& what) { (start ? *start : spec.block).fail(what); },
+      .column =
+          [&](std::size_t i, const auto& what) {
+            spec.block.require("axes").require(part.columns[i]).fail(what);
+          }};
+  Eigen::MatrixXd table = play_recording(part, floor.sample_rate_hz, errors);
   high_pass(table, spec.high_pass_hz, floor.sample_rate_hz, spec.ring_out);
-  if (!spec.turns()) {
-    return std::make_unique<TabulatedFloor>(FloorChannels::translations, std::move(table));
-  }
-  Eigen::MatrixXd patterns(6, 3);
-  for (Eigen::Index i = 0; i < 3; ++i) patterns.col(i) = rigid_pattern(3 + i, spec.about);
-  return std::make_unique<TabulatedFloor>(FloorChannels::rigid, patterns * table);
+  const Eigen::Index n = table.cols();
+  return std::make_unique<TabulatedFloor>(FloorChannels::rigid, std::move(patterns),
+                                          std::move(table), 0, n);
 }
 
 std::unique_ptr<FloorSource> make(const FloorSpec&, const MultisinePlan& plan) {
@@ -126,14 +91,14 @@ std::unique_ptr<FloorSource> make(const FloorSpec& floor, const CourseSpec& spec
       std::visit([&](const auto& shape) { return positions(shape, floor.sample_rate_hz); },
                  spec.course),
       floor.sample_rate_hz);
-  return std::make_unique<PatternFloor>(spec.target.meaning(), spec.target.pattern(floor.inputs),
-                                        course, spec.begin, spec.n_samples);
+  return std::make_unique<TabulatedFloor>(spec.target.meaning(), spec.target.pattern(floor.inputs),
+                                          course.transpose(), spec.begin, spec.n_samples);
 }
 
 /// The first part of a sum keeps its seed, so that it is the noise that it is alone.
 FloorSpec with_seed_of_part(FloorSpec part, std::size_t i) {
   const auto make_own = [&](std::uint64_t& seed) {
-    if (i > 0) seed = seed_of(seed, "floor part " + std::to_string(i));
+    if (i > 0) seed = CounterNoise::seed_of(seed, "floor part " + std::to_string(i));
   };
   if (auto* noise = std::get_if<NoiseSpec>(&part.kind)) make_own(noise->seed);
   if (auto* white = std::get_if<WhiteSpec>(&part.kind)) make_own(white->seed);
@@ -160,7 +125,9 @@ std::unique_ptr<FloorSource> make(const FloorSpec& floor, const SumSpec& spec) {
 }
 
 std::unique_ptr<FloorSource> make(const FloorSpec& floor, const StillSpec& spec) {
-  return std::make_unique<StillFloor>(floor.inputs, spec.n_samples);
+  return std::make_unique<TabulatedFloor>(FloorChannels::inputs,
+                                          Eigen::MatrixXd::Zero(floor.inputs, 0), Eigen::MatrixXd(),
+                                          0, spec.n_samples);
 }
 
 }  // namespace

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <numeric>
 #include <optional>
 #include <sstream>
 #include <string_view>
 
 #include "core/files/utf8.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/yaml/reader.hpp"
+#include "plant_sim/floor/block_values.hpp"
+#include "plant_sim/floor/resample.hpp"
 
 namespace stillframe::floor {
 
@@ -19,6 +22,8 @@ namespace {
 constexpr std::string_view time_column = "time_s";
 /// Of a text of the file a message shows so many bytes, as of one in YAML.
 constexpr std::size_t longest_shown = 80;
+/// What is resampled is faded in and out so long.
+constexpr double taper_s = 1.0;
 
 struct Cell {
   std::string_view text;
@@ -226,6 +231,49 @@ RecordingFile read_recording(const std::filesystem::path& path, const std::strin
       values.data(), static_cast<Eigen::Index>(result.columns.size()),
       static_cast<Eigen::Index>(row));
   return result;
+}
+
+Eigen::MatrixXd play_recording(const RecordingPart& part, double rate,
+                               const RecordingErrors& errors) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(part.file, ignored)) {
+    errors.file("found '" + part.file.string() + "', which is missing or no file");
+  }
+  const RecordingFile recording = read_recording(part.file, part.units);
+  const double fs = recording.sample_rate_hz;
+  const auto ratio = rational_ratio(fs, rate);
+  if (!ratio) {
+    errors.file("found a recording at " + text_of(fs) +
+                " Hz, allowed is a rate whose ratio to the control rate of " + text_of(rate) +
+                " Hz is one of whole numbers up to 10000");
+  }
+  const auto taper = static_cast<Eigen::Index>(std::ceil(taper_s * fs));
+  const double n = static_cast<double>(recording.acceleration.cols());
+  const double left = n - std::round(part.start_s * fs);
+  if (left <= 2.0 * static_cast<double>(taper)) {
+    errors.start("found " + text_of(n / fs - part.start_s) + " s of " + part.file.string() +
+                 " from start_s on, allowed is more than 2 s");
+  }
+  const auto& names = recording.columns;
+  Eigen::MatrixXd piece(static_cast<Eigen::Index>(part.columns.size()),
+                        static_cast<Eigen::Index>(left));
+  for (std::size_t i = 0; i < part.columns.size(); ++i) {
+    const auto found = std::find(names.begin(), names.end(), part.columns[i]);
+    if (found == names.end()) {
+      const auto join = [](const std::string& list, const std::string& name) {
+        return list.empty() ? name : list + ", " + name;
+      };
+      const std::string near = nearest_name(part.columns[i], names);
+      errors.column(
+          i, quoted(std::string_view(part.columns[i])) + " is no column of " + part.file.string() +
+                 (near.empty() ? "" : " (did you mean '" + near + "'?)") +
+                 "; allowed: " + std::accumulate(names.begin(), names.end(), std::string(), join));
+    }
+    piece.row(static_cast<Eigen::Index>(i)) =
+        part.scale * recording.acceleration.row(found - names.begin()).tail(piece.cols());
+  }
+  taper_ends(piece, taper);
+  return resample(piece, *ratio);
 }
 
 }  // namespace stillframe::floor

@@ -8,68 +8,41 @@
 
 namespace stillframe::floor {
 
-/// A floor whose every sample was computed beforehand. Set-up: the constructor; hot: add().
+/// Courses of motion that were computed beforehand, each along a fixed pattern of channels.
+///   w[k] = P c[k - begin], and nothing before and behind the courses
+/// Set-up: construction; hot: add().
 class TabulatedFloor final : public FloorSource {
  public:
-  /// acceleration: channels x samples, m/s^2 and rad/s^2.
-  TabulatedFloor(FloorChannels meaning, Eigen::MatrixXd acceleration)
-      : meaning_(meaning), acceleration_(std::move(acceleration)) {}
-
-  FloorChannels meaning() const noexcept override { return meaning_; }
-  Eigen::Index channels() const noexcept override { return acceleration_.rows(); }
-  std::int64_t n_samples() const noexcept override { return acceleration_.cols(); }
-  bool moves(Eigen::Index channel) const override { return !acceleration_.row(channel).isZero(0); }
-  void add(std::int64_t k, Eigen::Ref<Eigen::VectorXd> out) const noexcept override {
-    if (k >= 0 && k < acceleration_.cols()) out += acceleration_.col(k);
-  }
-
- private:
-  FloorChannels meaning_;
-  Eigen::MatrixXd acceleration_;
-};
-
-/// A floor that does not move. Set-up: the constructor; hot: add().
-class StillFloor final : public FloorSource {
- public:
-  StillFloor(Eigen::Index channels, std::int64_t n_samples)
-      : channels_(channels), n_samples_(n_samples) {}
-
-  FloorChannels meaning() const noexcept override { return FloorChannels::inputs; }
-  Eigen::Index channels() const noexcept override { return channels_; }
-  std::int64_t n_samples() const noexcept override { return n_samples_; }
-  bool moves(Eigen::Index) const override { return false; }
-  void add(std::int64_t, Eigen::Ref<Eigen::VectorXd>) const noexcept override {}
-
- private:
-  Eigen::Index channels_;
-  std::int64_t n_samples_;
-};
-
-/// One course of motion, m/s^2 or rad/s^2, along a fixed pattern of channels. Set-up: the
-/// constructor; hot: add().
-///   w[k] = pattern course[k - begin]
-class PatternFloor final : public FloorSource {
- public:
-  PatternFloor(FloorChannels meaning, Eigen::VectorXd pattern, Eigen::VectorXd course,
-               std::int64_t begin, std::int64_t n_samples)
+  /// patterns: P, channels x courses; courses: courses x samples, m/s^2 and rad/s^2; n_samples: of
+  /// the floor.
+  TabulatedFloor(FloorChannels meaning, Eigen::MatrixXd patterns, Eigen::MatrixXd courses,
+                 std::int64_t begin, std::int64_t n_samples)
       : meaning_(meaning),
-        pattern_(std::move(pattern)),
-        course_(std::move(course)),
+        patterns_(std::move(patterns)),
+        courses_(std::move(courses)),
         begin_(begin),
         n_samples_(n_samples) {}
+  /// A course for each channel, from the first sample to the last.
+  TabulatedFloor(FloorChannels meaning, Eigen::MatrixXd courses)
+      : meaning_(meaning),
+        patterns_(Eigen::MatrixXd::Identity(courses.rows(), courses.rows())),
+        courses_(std::move(courses)),
+        begin_(0),
+        n_samples_(courses_.cols()) {}
 
   FloorChannels meaning() const noexcept override { return meaning_; }
-  Eigen::Index channels() const noexcept override { return pattern_.size(); }
+  Eigen::Index channels() const noexcept override { return patterns_.rows(); }
   std::int64_t n_samples() const noexcept override { return n_samples_; }
-  bool moves(Eigen::Index channel) const override { return pattern_(channel) != 0; }
+  bool moves(Eigen::Index channel) const override;
   void add(std::int64_t k, Eigen::Ref<Eigen::VectorXd> out) const noexcept override {
     const std::int64_t i = k - begin_;
-    if (i >= 0 && i < course_.size() && k < n_samples_) out += course_(i) * pattern_;
+    if (i < 0 || i >= courses_.cols() || k >= n_samples_) return;
+    out.noalias() += patterns_ * courses_.col(i);
   }
 
  private:
   FloorChannels meaning_;
-  Eigen::VectorXd pattern_, course_;
+  Eigen::MatrixXd patterns_, courses_;
   std::int64_t begin_, n_samples_;
 };
 

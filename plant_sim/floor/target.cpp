@@ -12,14 +12,8 @@ Eigen::VectorXd rigid_pattern(Eigen::Index axis, const Eigen::Vector3d& about) {
   return pattern;
 }
 
-FloorChannels Target::meaning() const {
-  if (!axis) return FloorChannels::inputs;
-  return turns() ? FloorChannels::rigid : FloorChannels::translations;
-}
-
 Eigen::VectorXd Target::pattern(Eigen::Index inputs) const {
-  if (!axis) return Eigen::VectorXd::Unit(inputs, input);
-  return turns() ? rigid_pattern(*axis, about) : Eigen::VectorXd::Unit(3, *axis);
+  return axis ? rigid_pattern(*axis, about) : Eigen::VectorXd::Unit(inputs, input);
 }
 
 Eigen::Index read_axis(const YamlReader& value) {

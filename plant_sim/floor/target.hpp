@@ -27,8 +27,7 @@ struct Target {
   Eigen::Vector3d about = Eigen::Vector3d::Zero();  ///< m, of a rotation
 
   bool turns() const { return axis && *axis >= 3; }
-  /// Translations do with three channels.
-  FloorChannels meaning() const;
+  FloorChannels meaning() const { return axis ? FloorChannels::rigid : FloorChannels::inputs; }
   /// The channels of that meaning, inputs: number of floor inputs of the scene.
   Eigen::VectorXd pattern(Eigen::Index inputs) const;
 };

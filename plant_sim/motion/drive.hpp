@@ -24,7 +24,7 @@ class Drive final : public Inputs {
   /// Takes sample k of everything that is held over it.
   void take(std::int64_t k) noexcept {
     floor_.take(k);
-    if (disturbances_.any()) disturbances_.take(k);
+    disturbances_.take(k);
   }
 
   void at(double t, Eigen::VectorXd& q_r, Eigen::VectorXd& q_r_dot, Eigen::VectorXd& q_r_ddot,
@@ -34,9 +34,7 @@ class Drive final : public Inputs {
       sigma_a(legs_[i]) = actuators_.acting(static_cast<Eigen::Index>(i), t);
     }
   }
-  const Eigen::VectorXd& external() const noexcept override {
-    return disturbances_.any() ? disturbances_.forces() : none_;
-  }
+  const Eigen::VectorXd& external() const noexcept override { return disturbances_.forces(); }
 
   /// The part of the inputs that a linear plant answers in closed form, at the start of the part:
   ///   w(t) = w + t w' + t^2 w'' / 2,   sigma_a(t) = settled + transient exp(-rate t).
@@ -51,7 +49,6 @@ class Drive final : public Inputs {
   Actuators actuators_;
   Disturbances disturbances_;
   std::vector<Eigen::Index> legs_;
-  Eigen::VectorXd none_;
 };
 
 }  // namespace stillframe

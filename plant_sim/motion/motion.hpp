@@ -4,6 +4,7 @@
 #include <string>
 
 #include "plant_sim/motion/drive.hpp"
+#include "plant_sim/motion/status.hpp"
 
 namespace stillframe {
 
@@ -13,13 +14,7 @@ class Motion {
  public:
   virtual ~Motion() = default;
 
-  /// Why a motion cannot go on.
-  enum class Status {
-    ok,
-    equations_failed,  ///< they cannot be evaluated at some position near the present one
-    too_many_steps,    ///< within one part of a sample
-    failed,            ///< the method itself gave up
-  };
+  using Status = MotionStatus;
 
   /// Goes on for a duration (s) under the inputs, which stand at the start of it.
   virtual Status advance(const Drive& drive, double duration) noexcept = 0;

@@ -52,24 +52,13 @@ NodalPlantMotion::NodalPlantMotion(const Model& model, const NominalMotion& nomi
 }
 
 Motion::Status NodalPlantMotion::advance(const Drive& drive, double duration) noexcept {
-  const nodal::Status status = motion_.advance(drive, duration);
+  const Status status = motion_.advance(drive, duration);
   data_.x = motion_.x();
   data_.x_dot = motion_.x_dot();
   for (Index i = 0; i < driving_.size(); ++i) {
     driving_(i) = drive.actuators().acting(i, duration);
   }
-  switch (status) {
-    case nodal::Status::ok:
-      return Status::ok;
-    case nodal::Status::too_many_steps:
-      return Status::too_many_steps;
-    case nodal::Status::failed:
-      return Status::failed;
-    case nodal::Status::position_not_found:
-    case nodal::Status::matrix_singular:
-      break;
-  }
-  return Status::equations_failed;
+  return status;
 }
 
 bool NodalPlantMotion::hand_over(const Drive&, MotionSnapshot& to) noexcept {

@@ -51,16 +51,9 @@ Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept 
   const double finest = 1e-29 / (duration * duration * relative_tolerance_);
   const double acceleration =
       std::max({before, equations_.q_d_ddot().lpNorm<Eigen::Infinity>(), least_scale_, finest});
-  switch (integrator_.advance(y_, duration, acceleration, std::min(duration, longest_))) {
-    case Integrator::Status::right_hand_side_failed:
-      return Status::equations_failed;
-    case Integrator::Status::too_many_steps:
-      return Status::too_many_steps;
-    case Integrator::Status::failed:
-      return Status::failed;
-    case Integrator::Status::ok:
-      break;
-  }
+  const Status status =
+      integrator_.advance(y_, duration, acceleration, std::min(duration, longest_));
+  if (status != Status::ok) return status;
   if (!equations_.evaluate(drive, duration, y_, rate_)) return Status::equations_failed;
   equations_.keep();
   return Status::ok;

@@ -42,11 +42,8 @@ void NodalMotion::filter(std::vector<Index> rows, double rate) {
 Status NodalMotion::begin(const Inputs& inputs) noexcept {
   equations_.take_inputs(inputs, 0, state_);
   equations_.count_turns_from(state_);
-  if (!consistent_) {
-    if (!consistency_.positions(state_)) return Status::position_not_found;
-    if (!consistency_.rates(state_)) return Status::position_not_found;
-  }
-  if (!consistency_.accelerations(state_)) return Status::matrix_singular;
+  const bool placed = consistent_ || (consistency_.positions(state_) && consistency_.rates(state_));
+  if (!placed || !consistency_.accelerations(state_)) return Status::equations_failed;
   if (!rounding_known_) {
     // Preloads balance up to rounding only. Errors of that size can be met by no step, so they set
     // the least acceleration that counts.
@@ -66,9 +63,10 @@ Status NodalMotion::begin(const Inputs& inputs) noexcept {
 
 Status NodalMotion::finish(const Inputs& inputs, double duration) noexcept {
   equations_.take_inputs(inputs, duration, state_);
-  if (!consistency_.positions(state_)) return Status::position_not_found;
-  if (!consistency_.rates(state_)) return Status::position_not_found;
-  if (!consistency_.accelerations(state_)) return Status::matrix_singular;
+  if (!consistency_.positions(state_) || !consistency_.rates(state_) ||
+      !consistency_.accelerations(state_)) {
+    return Status::equations_failed;
+  }
   consistent_ = true;
   if (solver_.low_pass()) filtered_ = solver_.low_pass()->state();
   return Status::ok;

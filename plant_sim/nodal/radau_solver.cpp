@@ -235,7 +235,7 @@ Status RadauSolver::advance(NodalState& state, const Inputs& inputs, double dura
     const double h = parts > 1 ? left / parts : left;
     if (!(h > 1e-13 * duration)) return Status::failed;
     const Outcome outcome = step(state, inputs, t, h);
-    if (outcome == Outcome::singular) return Status::matrix_singular;
+    if (outcome == Outcome::singular) return Status::equations_failed;
     if (outcome == Outcome::no_convergence) {
       suggested_h_ = 0.25 * h;
       continue;

@@ -4,12 +4,14 @@
 #include <optional>
 #include <vector>
 
+#include "plant_sim/motion/status.hpp"
 #include "plant_sim/nodal/collocation.hpp"
 #include "plant_sim/nodal/equations.hpp"
 #include "plant_sim/nodal/low_pass.hpp"
-#include "plant_sim/nodal/status.hpp"
 
 namespace stillframe::nodal {
+
+using Status = MotionStatus;
 
 /// The Radau IIA method on the equations in nodal coordinates, index 1, one part at a time in equal
 /// steps. With V = v_0 + h A a and X = x_0 + h c v_0 + h^2 A^2 a at the stages, the unknowns are

@@ -17,7 +17,7 @@ TEST(Deadlines, KeepTheirPhaseForEver) {
     // Half a ns of rounding, no drift after a million periods.
     ASSERT_NEAR(static_cast<double>(next - start), static_cast<double>(exact * 1e9L / 3000), 0.51);
     const auto wake_up = deadlines.wake_up(next + 20'000);
-    ASSERT_EQ(wake_up.late_ns, 20'000);
+    ASSERT_EQ(wake_up.past_deadline_ns, 20'000);
     ASSERT_EQ(wake_up.n_skipped, 0);
   }
 }
@@ -29,7 +29,7 @@ TEST(Deadlines, LatePeriodsAreSkippedWholeAndCounted) {
   EXPECT_EQ(deadlines.next_ns(), 1'500'000);
   const auto wake_up =
       deadlines.wake_up(4'700'000);  // 1.5 -> 4.7 ms: 2.5 and 3.5 went by, 4.5 is served
-  EXPECT_EQ(wake_up.late_ns, 3'200'000);
+  EXPECT_EQ(wake_up.past_deadline_ns, 3'200'000);
   EXPECT_EQ(wake_up.n_skipped, 3);
   EXPECT_EQ(deadlines.next_ns(), 5'500'000);
 }

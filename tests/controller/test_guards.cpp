@@ -256,13 +256,13 @@ TEST(Presence, ExactlyOneOfTwoGivesWay) {
     for (int i = 0; i <= static_cast<int>(State::fault); ++i) {
       for (int j = 0; j <= static_cast<int>(State::fault); ++j) {
         const auto own = static_cast<State>(i), other = static_cast<State>(j);
-        const bool a_goes = a.gives_way(own, said(b, other)).has_value();
-        const bool b_goes = b.gives_way(other, said(a, own)).has_value();
+        const bool a_goes = a.reason_to_leave(own, said(b, other)).has_value();
+        const bool b_goes = b.reason_to_leave(other, said(a, own)).has_value();
         EXPECT_NE(a_goes, b_goes) << i << " " << j;
       }
     }
-    EXPECT_FALSE(a.gives_way(State::idle, said(b, State::idle)));
-    EXPECT_TRUE(a.gives_way(State::idle, said(b, State::active)));
+    EXPECT_FALSE(a.reason_to_leave(State::idle, said(b, State::idle)));
+    EXPECT_TRUE(a.reason_to_leave(State::idle, said(b, State::active)));
   }
 }
 

@@ -1,7 +1,7 @@
 #include <cstring>
 #include <limits>
 
-#include "controller/lcm_io.hpp"
+#include "controller/controller_link.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/identity.hpp"
 #include "tests/controller/controller_process.hpp"
@@ -217,11 +217,11 @@ TEST_F(ControllerProcess, AStartInTheFarFutureIsRefused) {
 
 // Taking a measurement, answering and publishing allocates nothing of its own; what liblcm does
 // inside its shared library is not counted.
-TEST(LcmIo, SteadyStateDoesNotAllocate) {
+TEST(ControllerLink, SteadyStateDoesNotAllocate) {
   const Gains gains = toy::gains(5);
   toy::FakePlant plant(toy::run_info(gains, 1, "lock_step", 100));
-  LcmIo io("");
-  io.follow(plant.info());
+  ControllerLink link("");
+  link.follow(plant.info());
   Answer answer(law_from_gains(gains), {}, true);
   std::int64_t allocated = 0;
   int heard = 0;
@@ -229,9 +229,9 @@ TEST(LcmIo, SteadyStateDoesNotAllocate) {
     plant.publish(plant.measure(k));
     const auto before = test::allocation_count();
     for (int attempt = 0; attempt < 50; ++attempt) {
-      if (!io.take(100).measurement) continue;
-      answer.answer(io.measurement(), io.command());
-      io.publish_command();
+      if (!link.take(100).measurement) continue;
+      answer.answer(link.measurement(), link.command());
+      link.publish_command();
       ++heard;
       break;
     }

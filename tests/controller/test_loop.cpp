@@ -214,11 +214,11 @@ TEST(FlightRecorder, KeepsTheLastSecondsAroundAFault) {
   Rig rig(policy);
   ASSERT_TRUE(rig.reaches(State::active, 1900));
   rig.steps(1500);
-  EXPECT_FALSE(rig.loop().flight().stands_still());
+  EXPECT_FALSE(rig.loop().flight().is_frozen());
   ASSERT_TRUE(rig.reaches(State::fault, 400, toy::nothing));
   const std::int64_t fault = rig.k() - 1;
   rig.steps(900);
-  ASSERT_TRUE(rig.loop().flight().stands_still());
+  ASSERT_TRUE(rig.loop().flight().is_frozen());
   const auto records = rig.loop().flight().records();
   ASSERT_EQ(records.size(), 3000u);
   for (size_t i = 1; i < records.size(); ++i) {

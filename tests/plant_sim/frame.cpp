@@ -18,8 +18,9 @@ std::unique_ptr<floor::FloorSource> table(Eigen::MatrixXd samples) {
 }
 
 std::unique_ptr<floor::FloorSource> translations(Eigen::MatrixXd samples) {
-  return std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::translations,
-                                                 std::move(samples));
+  const Eigen::Index n = samples.cols();
+  return std::make_unique<floor::TabulatedFloor>(
+      floor::FloorChannels::rigid, Eigen::MatrixXd::Identity(6, 3), std::move(samples), 0, n);
 }
 
 Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index cols, unsigned seed) {

@@ -56,16 +56,15 @@ TEST(Disturbances, AreNoneWithoutTheBlock) {
   const Scene scene = parse_scene(mass_on_a_leg, "scene.yaml");
   const Model model = make_model(scene);
   Disturbances none(scene, model, 1e-3);
-  EXPECT_FALSE(none.any());
   none.take(5);
-  EXPECT_EQ(none.forces(), Eigen::VectorXd::Zero(model.n_x));
+  EXPECT_EQ(none.forces().size(), 0);
 }
 
 TEST(Disturbances, DoTheWorkOfTheirForceOnAnyDisplacement) {
   const Scene scene = scene_with("step: {height: 7}", "mass", "[1, 2, 2]");
   const Model model = make_model(scene);
   Disturbances disturbances(scene, model, 1e-3);
-  EXPECT_TRUE(disturbances.any());
+  EXPECT_EQ(disturbances.forces().size(), model.n_x);
   disturbances.take(3);
   const Index mass = model.node_index("mass");
   for (Index i = 0; i < model.n_x; ++i) {

@@ -89,20 +89,6 @@ TEST(RigidFloor, WhatLinearityLeavesOutIsOfTheOrderOfTheAngle) {
   }
 }
 
-TEST(RigidFloor, TranslationsAreItsFirstThree) {
-  const Scene scene = parse_scene(spatial, "scene.yaml");
-  const Model model = make_model(scene);
-  const Eigen::Vector3d w(1, 2, 3);
-  FloorMotion three(std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::translations, w),
-                    scene, model);
-  Eigen::VectorXd motion = Eigen::VectorXd::Zero(6);
-  motion.head<3>() = w;
-  FloorMotion six(rigid(motion), scene, model);
-  three.take(0);
-  six.take(0);
-  EXPECT_EQ(three.floor_acceleration(), six.floor_acceleration());
-}
-
 TEST(RigidFloor, InputsComeOnTopOfIt) {
   const Scene scene = parse_scene(spatial, "scene.yaml");
   const Model model = make_model(scene);
@@ -151,9 +137,9 @@ TEST(RigidFloor, NodesThatShareATranslationMoveOnce) {
   const Model model = make_model(scene);
   ASSERT_EQ(model.n_rx, 3);
   ASSERT_EQ(model.n_r, 4);
-  FloorMotion floor(std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::translations,
-                                                            Eigen::Vector3d(1, 2, 3)),
-                    scene, model);
+  Eigen::VectorXd motion = Eigen::VectorXd::Zero(6);
+  motion.head<3>() << 1, 2, 3;
+  FloorMotion floor(rigid(motion), scene, model);
   floor.take(0);
   EXPECT_EQ(floor.floor_acceleration(), Eigen::Vector4d(1, 2, 3, 0));
   // Its rotation is fixed: a floor that turns would leave it behind.

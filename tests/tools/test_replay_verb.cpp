@@ -271,8 +271,8 @@ TEST_F(Replay, AFlightRecordIsReplayed) {
   LoggedRig rig(policy);
   rig.steps(2500);
   rig.steps(1700, controller::toy::nothing);
-  for (int i = 0; i < 3000 && !rig.rig().loop().flight().stands_still(); ++i) rig.steps(1);
-  ASSERT_TRUE(rig.rig().loop().flight().stands_still());
+  for (int i = 0; i < 3000 && !rig.rig().loop().flight().is_frozen(); ++i) rig.steps(1);
+  ASSERT_TRUE(rig.rig().loop().flight().is_frozen());
   const auto file = folder_ / "flight.lcm";
   controller::write_flight_file(file, info_of(wall_clock_gains(), LoggedRig::run_id, "wall_clock"),
                                 rig.rig().loop().flight(), "");

@@ -245,10 +245,10 @@ struct RecordingBlock : ::testing::Test {
 TEST_F(RecordingBlock, ThePathIsResolvedAgainstTheFileThatNamesIt) {
   const auto yaml = folder.write("f.yaml", "recording: {file: a.csv, axes: {ay: y}}");
   const auto source = make_floor_source(read_floor_block(YamlReader::from_file(yaml), 100.0, 6));
-  EXPECT_EQ(source->meaning(), FloorChannels::translations);
-  EXPECT_EQ(source->channels(), 3);
+  EXPECT_EQ(source->meaning(), FloorChannels::rigid);
+  EXPECT_EQ(source->channels(), 6);
   EXPECT_EQ(source->n_samples(), 301);
-  Eigen::VectorXd w(3);
+  Eigen::VectorXd w(6);
   source->sample(150, w);
   EXPECT_EQ(w(0), 0.0);
   EXPECT_NE(w(1), 0.0);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "controller/measurement_decoder.hpp"
-#include "controller/outcome.hpp"
 #include "controller/policy.hpp"
 #include "controller/requests.hpp"
 #include "msgs/clock.hpp"
@@ -16,6 +15,7 @@
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "stillframe_msgs/run_state_t.hpp"
+#include "stillframe_msgs/timing_t.hpp"
 
 namespace stillframe::controller {
 
@@ -34,11 +34,11 @@ struct Heard {
 /// The controller's end of LCM: decodes into messages that it keeps, encodes into a buffer that it
 /// keeps. Construction and everything about run_info and run_state is set-up; take and the command
 /// functions are hot: noexcept, and for measurements without allocation of their own.
-class LcmIo {
+class ControllerLink {
  public:
   /// url: an LCM provider, as in udpm://239.255.76.67:7667?ttl=0; policy: how its thread is served.
   /// Errors: InputError if LCM cannot be opened, with the commands that mend it.
-  explicit LcmIo(const std::string& url, const Policy& policy = {});
+  explicit ControllerLink(const std::string& url, const Policy& policy = {});
 
   /// Waits up to timeout_ms for one message, takes it and says what it was; a message of another
   /// run or one that does not decode is none. A signal ends the wait early.
@@ -76,7 +76,7 @@ class LcmIo {
   /// Publishes a run_state_t of source "controller" for a run. Set-up.
   void publish_state(std::int64_t run_id, std::int32_t state, const std::string& text);
   /// Publishes the timing_t of source "controller" for the run that is followed. Set-up.
-  void publish_timing(const Counters& counters);
+  void publish_timing(stillframe_msgs::timing_t counters);
 
   /// Publishes any message. Set-up.
   template <class Message>

@@ -1,4 +1,4 @@
-#include "controller/lcm_io.hpp"
+#include "controller/controller_link.hpp"
 
 #include <algorithm>
 #include <future>
@@ -8,7 +8,6 @@
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
-#include "stillframe_msgs/timing_t.hpp"
 
 namespace stillframe::controller {
 
@@ -37,34 +36,35 @@ std::unique_ptr<lcm::LCM> open_served(const std::string& url, const Policy& poli
 
 }  // namespace
 
-LcmIo::LcmIo(const std::string& url, const Policy& policy)
+ControllerLink::ControllerLink(const std::string& url, const Policy& policy)
     : lcm_(open_served(url, policy)),
       instance_(new_instance()),
       command_channel_(channels::command),
       last_heard_ns_(monotonic_ns()) {
-  lcm_->subscribe(channels::run_info, &LcmIo::on_run_info, this);
-  lcm_->subscribe(channels::run_state, &LcmIo::on_run_state, this);
+  lcm_->subscribe(channels::run_info, &ControllerLink::on_run_info, this);
+  lcm_->subscribe(channels::run_state, &ControllerLink::on_run_state, this);
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
   // so.
-  measurement_subscription_ = lcm_->subscribe(channels::measurement, &LcmIo::on_measurement, this);
+  measurement_subscription_ =
+      lcm_->subscribe(channels::measurement, &ControllerLink::on_measurement, this);
   measurement_subscription_->setQueueCapacity(4096);
-  lcm_->subscribe(channels::request, &LcmIo::on_request, this);
-  lcm_->subscribe(channels::status, &LcmIo::on_status, this);
+  lcm_->subscribe(channels::request, &ControllerLink::on_request, this);
+  lcm_->subscribe(channels::status, &ControllerLink::on_status, this);
 }
 
-void LcmIo::stop_measurements() {
+void ControllerLink::stop_measurements() {
   if (measurement_subscription_ == nullptr) return;
   lcm_->unsubscribe(measurement_subscription_);
   measurement_subscription_ = nullptr;
 }
 
-Heard LcmIo::take(int timeout_ms) noexcept {
+Heard ControllerLink::take(int timeout_ms) noexcept {
   heard_ = {};
   heard_.message = handle_one(*lcm_, timeout_ms);
   return heard_;
 }
 
-void LcmIo::follow(const stillframe_msgs::run_info_t& info) {
+void ControllerLink::follow(const stillframe_msgs::run_info_t& info) {
   run_id_ = info.run_id;
   plant_instance_ = info.plant_instance;
   measurements_.follow(info);
@@ -76,18 +76,19 @@ void LcmIo::follow(const stillframe_msgs::run_info_t& info) {
   following_ = true;
 }
 
-void LcmIo::publish_command() noexcept {
+void ControllerLink::publish_command() noexcept {
   n_command_bytes_ =
       command_.encode(command_bytes_.data(), 0, static_cast<int>(command_bytes_.size()));
   repeat_command();
 }
 
-void LcmIo::repeat_command() noexcept {
+void ControllerLink::repeat_command() noexcept {
   if (n_command_bytes_ <= 0) return;
   lcm_->publish(command_channel_, command_bytes_.data(), static_cast<unsigned>(n_command_bytes_));
 }
 
-void LcmIo::publish_state(std::int64_t run_id, std::int32_t state, const std::string& text) {
+void ControllerLink::publish_state(std::int64_t run_id, std::int32_t state,
+                                   const std::string& text) {
   const run_state_t message{.run_id = run_id,
                             .plant_instance = run_info_.plant_instance,
                             .instance = instance_,
@@ -99,22 +100,13 @@ void LcmIo::publish_state(std::int64_t run_id, std::int32_t state, const std::st
   lcm_->publish(channels::run_state, &message);
 }
 
-void LcmIo::publish_timing(const Counters& counters) {
-  const timing_t message{.run_id = run_id_,
-                         .source = controller_source,
-                         .n_periods = counters.n_periods,
-                         .n_late = counters.n_late,
-                         .n_lost = counters.n_lost,
-                         .n_duplicate = counters.n_duplicate,
-                         .n_foreign = 0,
-                         .n_listened = counters.n_listened,
-                         .worst_wake_up_ns = counters.worst_wake_up_ns,
-                         .worst_compute_ns = counters.worst_compute_ns,
-                         .wall_time_ns = counters.wall_time_ns};
-  lcm_->publish(channels::timing, &message);
+void ControllerLink::publish_timing(timing_t counters) {
+  counters.run_id = run_id_;
+  counters.source = controller_source;
+  lcm_->publish(channels::timing, &counters);
 }
 
-void LcmIo::on_run_info(const lcm::ReceiveBuffer* buffer, const std::string&) {
+void ControllerLink::on_run_info(const lcm::ReceiveBuffer* buffer, const std::string&) {
   // Once a run is followed its run_info is settled; a repetition only asks for an answer.
   stillframe_msgs::run_info_t message;
   if (!decode(*buffer, message)) {
@@ -131,7 +123,7 @@ void LcmIo::on_run_info(const lcm::ReceiveBuffer* buffer, const std::string&) {
   last_heard_ns_ = monotonic_ns();
 }
 
-void LcmIo::on_run_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
+void ControllerLink::on_run_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
   run_state_t message;
   if (!decode(*buffer, message)) {
     ++n_malformed_;
@@ -146,7 +138,7 @@ void LcmIo::on_run_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
 }
 
 /// Remembers which plants have just said that they are there.
-void LcmIo::note_announced(const run_state_t& state) {
+void ControllerLink::note_announced(const run_state_t& state) {
   const auto same = [&](const Announced& a) {
     return a.run_id == state.run_id && a.plant_instance == state.plant_instance;
   };
@@ -158,7 +150,7 @@ void LcmIo::note_announced(const run_state_t& state) {
 }
 
 // A recorded run_info says the same as a live one, but nobody stands behind it.
-bool LcmIo::is_announced(const stillframe_msgs::run_info_t& info) const {
+bool ControllerLink::is_announced(const stillframe_msgs::run_info_t& info) const {
   const std::int64_t now = monotonic_ns();
   return std::any_of(announced_.begin(), announced_.end(), [&](const Announced& a) {
     return a.run_id == info.run_id && a.plant_instance == info.plant_instance &&
@@ -166,11 +158,11 @@ bool LcmIo::is_announced(const stillframe_msgs::run_info_t& info) const {
   });
 }
 
-bool LcmIo::is_followed(std::int64_t run_id, std::int64_t plant_instance) const noexcept {
+bool ControllerLink::is_followed(std::int64_t run_id, std::int64_t plant_instance) const noexcept {
   return run_id == run_id_ && plant_instance == plant_instance_;
 }
 
-void LcmIo::on_request(const lcm::ReceiveBuffer* buffer, const std::string&) {
+void ControllerLink::on_request(const lcm::ReceiveBuffer* buffer, const std::string&) {
   if (!decode(*buffer, request_)) {
     ++n_malformed_;
     return;
@@ -178,7 +170,7 @@ void LcmIo::on_request(const lcm::ReceiveBuffer* buffer, const std::string&) {
   heard_.request = request_.run_id == 0 || (following_ && request_.run_id == run_id_);
 }
 
-void LcmIo::on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
+void ControllerLink::on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
   if (!decode(*buffer, other_status_)) {
     ++n_malformed_;
     return;
@@ -188,7 +180,7 @@ void LcmIo::on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
       other_status_.instance != instance_ && is_fresh(other_status_.sent_ns, monotonic_ns());
 }
 
-void LcmIo::on_measurement(const lcm::ReceiveBuffer* buffer, const std::string&) {
+void ControllerLink::on_measurement(const lcm::ReceiveBuffer* buffer, const std::string&) {
   if (!following_) return;
   switch (measurements_.decode(*buffer)) {
     case MeasurementDecoder::Result::other_run:

@@ -1,9 +1,16 @@
+#include "plant_sim/floor/sources.hpp"
+
 #include <algorithm>
 #include <stdexcept>
 
-#include "plant_sim/floor/sources.hpp"
-
 namespace stillframe::floor {
+
+bool TabulatedFloor::moves(Eigen::Index channel) const {
+  for (Eigen::Index i = 0; i < courses_.rows(); ++i) {
+    if (patterns_(channel, i) != 0 && !courses_.row(i).isZero(0)) return true;
+  }
+  return false;
+}
 
 SumFloor::SumFloor(std::vector<std::unique_ptr<FloorSource>> parts, Eigen::Index inputs) {
   if (parts.empty()) throw std::invalid_argument("SumFloor: expected one part or more, got none");
