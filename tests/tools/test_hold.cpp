@@ -346,6 +346,25 @@ TEST_F(TakingHold, IsNotKnownWithoutRecords) {
 
 class ByTheClock : public Verb {
  protected:
+  /// A scene of one leg; motions: its floor and what else pushes it.
+  std::filesystem::path on_a_table(int damping, const std::string& motions) const {
+    return write("scene.yaml", R"(title: A mass on a shaking table
+nodes: {table: {position: [0, 0, 0]}, mass: {position: [0, 0, 0.1]}}
+masses: [{node: mass, mass: 10}]
+elements: {leg: {type: truss, nodes: [table, mass], stiffness: 4e5, damping: )" +
+                                   std::to_string(damping) + R"(}}
+supports: [{nodes: [table, mass], fix: [x, y]}]
+prescribed: [{nodes: [table], move: [z]}]
+dofs: [{element: leg}]
+inputs: [{name: table, acceleration: table, along: z}]
+outputs: [{name: mass, acceleration: mass, along: z}]
+monitors: [{name: tab, acceleration: table, along: z}]
+compare: {z: {floor: tab, frame: mass}}
+controller: {legs: [leg], target_hz: 5, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
+  lead_samples: 1.5, leak_hz: 0.05}
+)" + motions);
+  }
+
   /// The log of a passive run as one of an active loop by the clock whose controller has said
   /// `records`.
   std::filesystem::path said_to_be_active(const std::filesystem::path& log,
@@ -378,20 +397,8 @@ class ByTheClock : public Verb {
 // A controller that only listened has left the frame passive, and what a blow does to such a one is
 // taken off.
 TEST_F(ByTheClock, WhatForcesDoBeforeTheLoopTakesHoldIsThePassiveFramesDoing) {
-  const auto scene = write("scene.yaml", R"(title: A mass on a shaking table
-nodes: {table: {position: [0, 0, 0]}, mass: {position: [0, 0, 0.1]}}
-masses: [{node: mass, mass: 10}]
-elements: {leg: {type: truss, nodes: [table, mass], stiffness: 4e5, damping: 20}}
-supports: [{nodes: [table, mass], fix: [x, y]}]
-prescribed: [{nodes: [table], move: [z]}]
-dofs: [{element: leg}]
-inputs: [{name: table, acceleration: table, along: z}]
-outputs: [{name: mass, acceleration: mass, along: z}]
-monitors: [{name: tab, acceleration: table, along: z}]
-compare: {z: {floor: tab, frame: mass}}
-controller: {legs: [leg], target_hz: 5, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
-  lead_samples: 1.5, leak_hz: 0.05}
-floor: {noise: {psd: [[1, 1e-16], [100, 1e-16]], duration_s: 12}}
+  const auto scene =
+      on_a_table(20, R"(floor: {noise: {psd: [[1, 1e-16], [100, 1e-16]], duration_s: 12}}
 disturbances: [{name: blow, node: mass, along: z, force: {impact: {peak: 1, width_s: 0.02,
   at_s: 0.3}}}]
 )");
@@ -438,20 +445,7 @@ VectorXd motion_in(const std::filesystem::path& log, const std::string& name) {
 // A blow on the floor shakes a frame that nobody holds yet. Whatever it did there, the verdict is
 // of what came after.
 TEST_F(ByTheClock, MotionIsJudgedFromWhereTheLoopHoldsTheFrame) {
-  const auto scene = write("scene.yaml", R"(title: A mass on a shaking table
-nodes: {table: {position: [0, 0, 0]}, mass: {position: [0, 0, 0.1]}}
-masses: [{node: mass, mass: 10}]
-elements: {leg: {type: truss, nodes: [table, mass], stiffness: 4e5, damping: 200}}
-supports: [{nodes: [table, mass], fix: [x, y]}]
-prescribed: [{nodes: [table], move: [z]}]
-dofs: [{element: leg}]
-inputs: [{name: table, acceleration: table, along: z}]
-outputs: [{name: mass, acceleration: mass, along: z}]
-monitors: [{name: tab, acceleration: table, along: z}]
-compare: {z: {floor: tab, frame: mass}}
-controller: {legs: [leg], target_hz: 5, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
-  lead_samples: 1.5, leak_hz: 0.05}
-floor:
+  const auto scene = on_a_table(200, R"(floor:
   sum:
     - noise: {psd: [[1, 1e-8], [100, 1e-8]], duration_s: 24}
     - impact: {input: table, peak: 0.5, width_s: 0.02, at_s: 0.7}
