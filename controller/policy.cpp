@@ -46,6 +46,8 @@ std::string_view to_text(Fault fault) noexcept {
       return "noisy";
     case Fault::unheard:
       return "unheard";
+    case Fault::disobeyed:
+      return "disobeyed";
   }
   return "unknown";
 }
