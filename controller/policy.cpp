@@ -13,9 +13,9 @@ constexpr std::array defect_names{"none"sv, "missing"sv, "late"sv, "not_finite"s
 constexpr std::array fault_names{"none"sv,       "silence"sv,      "losses"sv,   "suspended"sv,
                                  "not_finite"sv, "out_of_range"sv, "restless"sv, "law_not_finite"sv,
                                  "not_alive"sv,  "offset"sv,       "limited"sv,  "noisy"sv,
-                                 "unheard"sv};
+                                 "unheard"sv,    "disobeyed"sv};
 static_assert(defect_names.size() == static_cast<std::size_t>(Defect::out_of_range) + 1);
-static_assert(fault_names.size() == static_cast<std::size_t>(Fault::unheard) + 1);
+static_assert(fault_names.size() == static_cast<std::size_t>(Fault::disobeyed) + 1);
 
 template <std::size_t n>
 std::string_view name_of(std::int32_t value, const std::array<std::string_view, n>& names) {

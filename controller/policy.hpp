@@ -26,6 +26,7 @@ enum class Fault : std::int32_t {
   limited,         ///< too many commands of about a second were at the force limit
   noisy,           ///< arming: of a sensor's noise the loop would make more than the floor does
   unheard,         ///< measurements come, but the commands have not acted for longest_gap samples
+  disobeyed,       ///< a force that is said to act is not one that was commanded
 };
 
 /// Faults that end by themselves once measurements come again; the others stay until a reset.

@@ -127,6 +127,7 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       limits_(force_limit(gains, policy), policy, gains.n_legs(), gains.sample_time()),
       arming_(gains.n_legs(), policy, gains.sample_rate_hz),
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
+      obedience_(gains),
       pace_(gains, pace_settings(gains, policy)),
       sample_time_(gains.sample_time()),
       forgets_(sample_time_ / slowed(missing_s, gains.sample_rate_hz)),
@@ -156,6 +157,7 @@ void Supervisor::visit(Archive& archive) {
   limits_.visit(archive);
   arming_.visit(archive);
   watch_.visit(archive);
+  obedience_.visit(archive);
   pace_.visit(archive);
 }
 
@@ -234,6 +236,7 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
     }
     n_saturated_ += passed.limited ? 1 : 0;
     watch_.command(force_, engaged(), hurries);
+    obedience_.command(force_);
   }
   command.saturated = passed.limited;
   command.force = force_;
@@ -284,6 +287,7 @@ void Supervisor::count_missing(const Event& event) noexcept {
 void Supervisor::watch(const Event& event) noexcept {
   if (engaged() && unheard_ > Law::longest_gap) return let_go(Fault::unheard, event);
   if (engaged() && watch_.limited()) return let_go(Fault::limited, event);
+  if (engaged() && disobeyed(event)) return let_go(Fault::disobeyed, event);
   if (engaged() && watch_.restless()) return let_go(Fault::restless, event);
   if (engaged() || state_ == State::fading) {
     if (event.n_elapsed - 1 > policy_.hold_periods) return let_go(Fault::suspended, event);
@@ -298,6 +302,18 @@ void Supervisor::watch(const Event& event) noexcept {
     p_ = smooth_step_inverse(smooth_step(p_) * smooth_step(q_));
     state_ = wanted_ ? State::ramp_in : State::ramp_out;
   }
+}
+
+bool Supervisor::disobeyed(const Event& event) noexcept {
+  if (event.measurement == nullptr) return false;
+  if (unheard_ > 0) {
+    obedience_.lose_track();
+    return false;
+  }
+  obedience_.hear(gap_ + event.n_elapsed, event.measurement->applied);
+  if (!obedience_.is_broken()) return false;
+  watch_.began_with(obedience_.leg());
+  return true;
 }
 
 void Supervisor::fade_from(const VectorXd& force) noexcept {
@@ -341,7 +357,8 @@ void Supervisor::let_go(Fault fault, const Event& event) noexcept {
     fall_silent(event.n_elapsed);
   } else if (!fades) {
     // What a loop that has run away commanded last is nothing to hold.
-    const bool ran_away = fault == Fault::limited || fault == Fault::restless;
+    const bool ran_away =
+        fault == Fault::limited || fault == Fault::restless || fault == Fault::disobeyed;
     fade_from(force_);
     if (ran_away) {
       const VectorXd& steady = watch_.steady_force();
@@ -384,6 +401,7 @@ void Supervisor::come_back(const Event& event) noexcept {
 void Supervisor::restart_arming() noexcept {
   arming_.restart();
   pace_.restart();
+  obedience_.restart();
 }
 
 void Supervisor::arm(const Event& event) noexcept {
@@ -398,6 +416,7 @@ void Supervisor::arm(const Event& event) noexcept {
   if (event.measurement == nullptr) return;
   arming_.add(event.measurement->sigma);
   pace_.listen(event.measurement->seq, event.measurement->sigma);
+  obedience_.listen(event.measurement->applied);
   if (!arming_.complete() || missing_part_ > policy_.missing_part || q_ > 0) return;
   if (quiet_ > 0) return;
   // Held by somebody, or a read-back that lies: a person should look.
@@ -406,6 +425,7 @@ void Supervisor::arm(const Event& event) noexcept {
   if (found != Fault::none) return latch(found);
   pace_.begin(u_);
   watch_.restart();
+  obedience_.begin();
   if (const Index leg = pace_.noisy(); leg >= 0) {
     watch_.began_with(leg);
     return latch(Fault::noisy);

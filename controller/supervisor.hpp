@@ -10,6 +10,7 @@
 #include "controller/io.hpp"
 #include "controller/law.hpp"
 #include "controller/limits.hpp"
+#include "controller/obedience.hpp"
 #include "controller/pace.hpp"
 #include "controller/policy.hpp"
 
@@ -55,8 +56,8 @@ class Supervisor {
   Eigen::Index n_legs() const noexcept { return law_.n_legs(); }
   State state() const noexcept { return state_; }
   Fault fault() const noexcept { return fault_; }  ///< the last one
-  /// The leg whose force first changed faster than it may before the fault restless, or whose
-  /// sensor was noisy; -1: none.
+  /// The leg whose force first changed faster than it may before the fault restless, that did not
+  /// do as it was told, or whose sensor was noisy; -1: none.
   Eigen::Index first_leg() const noexcept { return watch_.first(); }
   bool latched() const noexcept { return latched_; }
   bool active() const noexcept { return active_; }
@@ -78,6 +79,7 @@ class Supervisor {
   void take(Request request) noexcept;
   void count_missing(const Event& event) noexcept;
   void watch(const Event& event) noexcept;
+  bool disobeyed(const Event& event) noexcept;
   void let_go(Fault fault, const Event& event) noexcept;
   void fade_from(const Eigen::VectorXd& force) noexcept;
   void fall_silent(std::int64_t n_elapsed) noexcept;
@@ -94,6 +96,7 @@ class Supervisor {
   Limits limits_;
   Arming arming_;
   CommandWatch watch_;
+  Obedience obedience_;
   Pace pace_;
   double sample_time_;
   double forgets_;       ///< of missing_part_, in a period

@@ -125,7 +125,7 @@ std::string fault_in_words(const LoopCounters& counters,
   if (leg < 0 || leg >= static_cast<std::int64_t>(leg_names.size())) return text;
   const std::string& name = leg_names[static_cast<std::size_t>(leg)];
   if (fault == Fault::restless) text += ", " + name + " first";
-  if (fault == Fault::noisy) text += ", " + name;
+  if (fault == Fault::noisy || fault == Fault::disobeyed) text += ", " + name;
   return text;
 }
 

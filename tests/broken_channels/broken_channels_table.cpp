@@ -14,7 +14,7 @@ using namespace stillframe::controller;
 
 struct Cell {
   double before = 0, peak = 0, acceleration = 0, found_s = -1, known = 0, known_acceleration = 0;
-  int n_restless = 0, n_named = 0;
+  int n_naming = 0, n_named = 0;
 };
 
 Cell cell(const Gains& gains, const std::vector<Broken>& broken, int n_seeds, double floor) {
@@ -32,13 +32,15 @@ Cell cell(const Gains& gains, const std::vector<Broken>& broken, int n_seeds, do
     out.known = worst_of(out.known, known.peak);
     out.known_acceleration = worst_of(out.known_acceleration, known.acceleration);
     out.found_s = std::max(out.found_s, now.found_s);
-    out.n_restless += now.fault == Fault::restless ? 1 : 0;
-    out.n_named += now.fault == Fault::restless && now.named ? 1 : 0;
+    const bool names = now.fault == Fault::restless || now.fault == Fault::disobeyed;
+    out.n_naming += names ? 1 : 0;
+    out.n_named += names && now.named ? 1 : 0;
   }
   return out;
 }
 
-int run(const std::string& controller, const std::string& scene, int n_seeds, double floor) {
+int run(const std::string& controller, const std::string& scene, int n_seeds, double floor,
+        const std::string& wanted) {
   const Gains gains = shipped_gains(controller, scene);
   const Cell sound = cell(gains, {}, n_seeds, floor);
   std::printf(
@@ -47,13 +49,14 @@ int run(const std::string& controller, const std::string& scene, int n_seeds, do
       sound.peak, sound.acceleration);
   for (const Broken& broken : all_broken()) {
     if (broken.part != Part::sensor) continue;
+    if (broken.damage_name().find(wanted) == std::string::npos) continue;
     std::printf("| %s |", broken.damage_name().c_str());
     for (const Part part : {Part::sensor, Part::read_back, Part::actuator}) {
       const Cell one = cell(gains, {{part, broken.damage, broken.size}}, n_seeds, floor);
       std::printf(" %.3g -> **%.2f / %.2f** (%.2f / %.2f)", one.before, one.peak, one.acceleration,
                   one.known, one.known_acceleration);
       if (one.found_s >= 0) std::printf(", %.3g s", one.found_s);
-      if (one.n_restless > 0) std::printf(", %d of %d", one.n_named, one.n_restless);
+      if (one.n_naming > 0) std::printf(", %d of %d", one.n_named, one.n_naming);
       std::printf(" |");
     }
     std::printf("\n");
@@ -74,6 +77,7 @@ int main(int argc, char** argv) {
       "usage.",
       "broken_channels");
   std::string controller = "force_feedback_5hz", scene = "metrology_frame";
+  std::string wanted;
   int n_seeds = 10;
   double floor = usual_floor;
   app.add_option("--controller", controller, "One of config/controllers")->capture_default_str();
@@ -81,12 +85,13 @@ int main(int argc, char** argv) {
   app.add_option("--floor", floor, "Size of the floor, m/s^2")
       ->check(CLI::Range(1e-9, 1.0))
       ->capture_default_str();
+  app.add_option("--damage", wanted, "Only those whose name has this in it, as scaled");
   app.add_option("--seeds", n_seeds, "Episodes of each")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   try {
     app.parse(argc, argv);
-    return run(controller, scene, n_seeds, floor);
+    return run(controller, scene, n_seeds, floor, wanted);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {

@@ -90,5 +90,16 @@ TEST(UnderWeight, WhatBreaksDrivesTheFrameNoHarderThanIsPromised) {
   }
 }
 
+// Their growth stays within the pace: 1.22 before what acts was compared with what was commanded.
+TEST(UnderWeight, AnActuatorThatDoesATenthMoreIsNamed) {
+  const Gains gains = shipped_gains("force_feedback_8hz", "frame_under_gravity");
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const Episode episode = run_episode(gains, {}, {{Part::actuator, Damage::scaled, 1.1}}, seed);
+    EXPECT_EQ(episode.fault, Fault::disobeyed) << seed;
+    EXPECT_TRUE(episode.named) << seed;
+    EXPECT_LT(worst_of(episode.peak, episode.acceleration), 1.1) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace stillframe::controller

@@ -248,6 +248,8 @@ TEST(FaultInWords, NamesTheLegThatBeganIt) {
   EXPECT_EQ(fault_in_words(counters, legs), "limited");
   counters.fault = Fault::noisy;
   EXPECT_EQ(fault_in_words(counters, legs), "noisy, front");
+  counters.fault = Fault::disobeyed;
+  EXPECT_EQ(fault_in_words(counters, legs), "disobeyed, front");
 }
 
 }  // namespace

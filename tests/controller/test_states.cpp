@@ -391,6 +391,7 @@ void faults_of_the_loop(std::vector<Scenario>& all) {
   for (const string& from : engaged) {
     from_engaged(from, latched, "limited", low_limit, {.sigma = Sigma::large});
     from_engaged(from, latched, "restless", slow_pace, {.sigma = Sigma::alternating});
+    from_engaged(from, latched, "disobeyed", "", {.left = 20});
     from_engaged(from, passing, "losses", soon_losses, {.n_elapsed = longest});
     from_engaged(from, passing, "unheard", "ramp: {in_s: 2, out_s: 2}", {.heard = false});
   }

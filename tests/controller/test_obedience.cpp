@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <random>
+
+#include "controller/obedience.hpp"
+#include "core/linear/bouc_wen.hpp"
+#include "tests/controller/rig.hpp"
+
+// Whether the forces that are said to act are those that were commanded.
+namespace stillframe::controller {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr Index m = 4;
+
+/// What amplifiers and their read-backs make of commands, leg by leg and sample by sample.
+struct Way {
+  double gain = 1, noise = 0, step = 0, offset = 0, drift = 0, lost = 0, lag_hz = 0;
+  double hysteresis = 0;  ///< width of the loop between minus and plus 200 N
+  int late = 1;           ///< samples, and one more every now and then
+};
+
+/// Forces that swing at 1 to 20 Hz with a size of some newtons that comes and goes, at 1 kHz for
+/// so many seconds, go a sound way; from a second before the end on `broken` is done to what leg 1
+/// reports. Answers how many samples after that it was found, -1: never.
+int found_after(const Way& way, double seconds, std::uint64_t seed,
+                const std::function<double(double)>& broken = {}) {
+  Gains gains = toy::damped_gains();
+  gains.instruments.actuator_lag_hz = way.lag_hz;
+  Obedience obedience(gains);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  const BoucWen loop =
+      way.hysteresis > 0 ? bouc_wen({.width = way.hysteresis, .swing_n = 200, .saturation_n = 1000})
+                         : BoucWen{};
+  VectorXd force = VectorXd::Zero(m), lagged = force, h = force, before = force, acting = force;
+  std::deque<VectorXd> under_way(static_cast<std::size_t>(way.late) + 2, force);
+  double t = 0;
+  const auto read = [&] {
+    VectorXd applied = lagged;
+    for (Index i = 0; i < m; ++i) {
+      if (way.hysteresis > 0) {
+        h(i) = loop.moved(h(i), lagged(i) - before(i));
+        applied(i) = loop.kappa * lagged(i) - h(i);
+      }
+      double& value = applied(i);
+      value = way.gain * value + way.offset + way.drift * t + way.noise * normal(random);
+      if (way.step > 0) value = way.step * std::round(value / way.step);
+    }
+    before = lagged;
+    return applied;
+  };
+  for (int k = 0; k < 500; ++k, t += 1e-3) obedience.listen(read());
+  obedience.begin();
+  const int n = static_cast<int>(1000 * seconds);
+  std::int64_t elapsed = 1;
+  for (int k = 0; k < n; ++k, t += 1e-3) {
+    for (Index i = 0; i < m; ++i) {
+      const double leg = 1 + 0.1 * static_cast<double>(i);
+      const double size = 3 * std::min(1.0, 1e-3 * k) * (1.2 + std::sin(0.5 * leg * t));
+      force(i) = size * (std::sin(2 * M_PI * leg * t) + 0.3 * std::sin(2 * M_PI * 20 * leg * t));
+    }
+    obedience.command(force);
+    if (!(uniform(random) < way.lost)) acting = force;
+    under_way.push_back(acting);
+    under_way.pop_front();
+    const std::size_t at = uniform(random) < 0.01 ? 0 : 1;
+    const double left = way.lag_hz > 0 ? std::exp(-2 * M_PI * way.lag_hz * gains.sample_time()) : 0;
+    lagged = left * lagged + (1 - left) * under_way[at];
+    VectorXd applied = read();
+    const bool is_broken = broken && k >= n - 1000;
+    if (is_broken) applied(1) = broken(applied(1));
+    if (uniform(random) < way.lost) {
+      ++elapsed;
+      continue;
+    }
+    obedience.hear(elapsed, applied);
+    elapsed = 1;
+    if (!obedience.is_broken()) continue;
+    EXPECT_EQ(obedience.leg() == 1, is_broken) << k;
+    return k - (n - 1000);
+  }
+  return -1;
+}
+
+const Way sound[] = {
+    {},
+    {.gain = 1.02},
+    {.gain = 0.98, .noise = 0.01},
+    {.noise = 0.05, .lost = 0.1},
+    {.step = 0.1},
+    {.gain = 1.02, .noise = 0.02, .step = 0.015, .offset = 2, .drift = 0.01},
+    {.lag_hz = 100},
+    {.gain = 1.02, .lost = 0.3, .lag_hz = 20},
+    // Swings of some newtons of a loop for 200 are narrow; their gain is 8 % too small.
+    {.hysteresis = 0.15},
+    {.late = 3},
+};
+
+TEST(Obedience, SoundAmplifiersAndReadBacksObey) {
+  std::uint64_t seed = 1;
+  for (const Way& way : sound) {
+    EXPECT_EQ(found_after(way, 100, seed), -1) << seed;
+    ++seed;
+  }
+}
+
+// A quarter of a swing of 1 Hz until the force is large enough to tell.
+TEST(Obedience, WhatDoesNotIsFoundAndNamed) {
+  std::uint64_t seed = 1;
+  for (const Way& way : sound) {
+    if (way.noise > 0.04 || way.step > 0.05) continue;  // some newtons are little beside that
+    const auto found = [&](const std::function<double(double)>& broken) {
+      const int after = found_after(way, 5, seed, broken);
+      return after >= 0 && after < 500;
+    };
+    EXPECT_TRUE(found([](double x) { return 1.15 * x; })) << seed;
+    EXPECT_TRUE(found([](double x) { return 0.5 * x; })) << seed;
+    EXPECT_TRUE(found([](double x) { return -x; })) << seed;
+    EXPECT_TRUE(found([](double x) { return x + 3; })) << seed;
+    ++seed;
+  }
+}
+
+// One bad telegram in a row is none, and what acts while commands are not heard is nobody's fault.
+TEST(Obedience, OneBadReadingIsNoFault) {
+  const auto seldom = [n = 0](double x) mutable { return ++n % 3 == 0 ? x : x + 100; };
+  EXPECT_EQ(found_after({}, 5, 1, seldom), -1);
+}
+
+TEST(Obedience, AnActuatorThatDoesMoreIsNamedWithinSamples) {
+  for (const double gain : {1.1, 1.5, 0.0, -1.0}) {
+    Rig rig;
+    ASSERT_TRUE(rig.reaches(State::active, 3000)) << to_text(rig.fault());
+    rig.steps(5000);
+    ASSERT_EQ(rig.supervisor().n_faults(), 0) << to_text(rig.fault());
+    const std::int64_t since = rig.k();
+    rig.actuators = [gain](VectorXd& force) { force(2) *= gain; };
+    ASSERT_TRUE(rig.reaches(State::fault, 500)) << gain;
+    EXPECT_EQ(rig.fault(), Fault::disobeyed) << gain;
+    EXPECT_TRUE(rig.latched());
+    EXPECT_EQ(rig.supervisor().first_leg(), 2) << gain;
+    RecordProperty("samples", std::to_string(rig.k() - since));
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::controller
