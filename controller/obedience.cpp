@@ -16,18 +16,17 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Of the largest force of the last seconds. Calibrations are within two hundredths; a loop that
-// cancels all but a tenth of its legs' stiffness falls away at a tenth.
-constexpr double part = 0.05;
 // A piezo that swings little falls short of its gain by its hysteresis, some sixth; a quarter is
 // more.
-constexpr double short_part = 0.25;
+constexpr double least_short_part = 0.25;
 constexpr double forgotten_s = 3;
 
 }  // namespace
 
-Obedience::Obedience(const Gains& gains)
-    : sample_time_(gains.sample_time()),
+Obedience::Obedience(const Gains& gains, double part)
+    : part_(part),
+      short_part_(std::max(part, least_short_part)),
+      sample_time_(gains.sample_time()),
       keep_(std::exp(-sample_time_ / slowed(forgotten_s, gains.sample_rate_hz))),
       follows_(1 - keep_) {
   const Index m = gains.n_legs();
@@ -80,7 +79,7 @@ double Obedience::beyond(Index i, double read) const noexcept {
   if (!(off > 0)) return 0;
   const bool falls_short = read > most_(i) ? most_(i) < 0 && read < 0 : least_(i) > 0 && read > 0;
   const double own = high_(i) - low_(i) + step_(i);
-  return off - own - (falls_short ? short_part : part) * size_(i);
+  return off - own - (falls_short ? short_part_ : part_) * size_(i);
 }
 
 void Obedience::hear(std::int64_t n, const Ref<const VectorXd>& applied) noexcept {

@@ -11,8 +11,9 @@ namespace stillframe::controller {
 /// lost or held, so that of leg i anything acts between the least and the largest of the last
 /// commands that may, behind the lag of its amplifier: in [l_i, h_i]. The read-back r_i, what it
 /// reads without a force (z_i, followed within seconds) taken off, disobeys if
-///   r_i - h_i or l_i - r_i > n_i + part S_i      where |r_i| is the larger, or its sign another,
-///                          > n_i + short S_i     where it is the smaller;
+///   r_i - h_i or l_i - r_i > n_i + part S_i               where |r_i| is the larger, or its sign
+///                                                         another,
+///                          > n_i + max(part, 1/4) S_i     where it is the smaller;
 /// S_i: the largest |l_i| or |h_i|, forgotten within seconds, so that a hysteresis is a part of it;
 /// n_i: the range of what it read while arming, and the smallest step that it was seen to make. A
 /// force that is larger than what was commanded, or a read-back that says so, makes a loop unstable
@@ -20,7 +21,8 @@ namespace stillframe::controller {
 /// the rest is hot: noexcept, no allocation. Source: docs/safety.md.
 class Obedience {
  public:
-  explicit Obedience(const Gains& gains);
+  /// part: of Policy::disobeyed_part.
+  Obedience(const Gains& gains, double part);
 
   /// Arming begins: what was learned is forgotten.
   void restart() noexcept;
@@ -53,6 +55,7 @@ class Obedience {
 
   double beyond(Eigen::Index i, double read) const noexcept;
 
+  double part_, short_part_;      ///< of S
   double sample_time_, lag_;      ///< s; what is left of a step after a sample, 0: no lag
   double keep_, follows_;         ///< of S, and of z, in a sample
   Eigen::MatrixXd commands_;      ///< m x as many as may act, a ring

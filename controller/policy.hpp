@@ -57,6 +57,7 @@ struct Policy {
   std::int64_t rejoins_a_minute = 20;  ///< of passing faults; one more stays
 
   double limited_part = 0.25;           ///< of the commands of about a second, at the force limit
+  double disobeyed_part = 0.05;         ///< of a leg's force, that more may act than was commanded
   std::optional<double> force_limit_n;  ///< N, of every leg; the lower of it and gains
   std::optional<double> rate_limit_n_per_s;  ///< N/s, of every leg
   /// N/s, of every leg, beside what the floor asks for; none: a tenth of the force limit in a

@@ -93,8 +93,9 @@ void read_measurements(const YamlReader& block, double rate_hz, Policy& policy) 
 }
 
 void read_watch(const YamlReader& block, Policy& policy) {
-  block.allow_only({"limited_part"});
+  block.allow_only({"limited_part", "disobeyed_part"});
   read_positive(block, "limited_part", 1, policy.limited_part);
+  read_positive(block, "disobeyed_part", 1, policy.disobeyed_part);
 }
 
 void read_limits(const YamlReader& block, Policy& policy) {

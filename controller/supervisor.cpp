@@ -127,7 +127,7 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       limits_(force_limit(gains, policy), policy, gains.n_legs(), gains.sample_time()),
       arming_(gains.n_legs(), policy, gains.sample_rate_hz),
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
-      obedience_(gains),
+      obedience_(gains, policy.disobeyed_part),
       pace_(gains, pace_settings(gains, policy)),
       sample_time_(gains.sample_time()),
       forgets_(sample_time_ / slowed(missing_s, gains.sample_rate_hz)),
@@ -274,7 +274,8 @@ void Supervisor::count_missing(const Event& event) noexcept {
   rejoins_ = std::max(
       0.0, rejoins_ - n * sample_time_ / 60 * static_cast<double>(policy_.rejoins_a_minute));
   if (have) {
-    unheard_ = event.measurement->heard ? 0 : unheard_ + missing_ + event.n_elapsed;
+    gap_ = missing_;
+    unheard_ = event.measurement->heard ? 0 : unheard_ + gap_ + event.n_elapsed;
     missing_ = 0;
     last_defect_ = Defect::none;
     return;

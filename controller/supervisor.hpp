@@ -107,6 +107,7 @@ class Supervisor {
   Fault fault_ = Fault::none;
   bool latched_ = false, wanted_ = false, met_ = false, law_ran_ = false;
   std::int64_t missing_ = 0;  ///< periods since the last measurement
+  std::int64_t gap_ = 0;      ///< of them before the last measurement
   std::int64_t unheard_ = 0;  ///< samples, for which commands that were sent have not acted
   double missing_part_ = 0;   ///< mean over about a second
   Defect last_defect_ = Defect::none;

@@ -11,13 +11,13 @@ namespace stillframe::controller {
 inline auto fields(const Policy& policy) {
   const auto& [start_at_once, arming_s, require_motion, offset_limit_n, ramp_in_s, ramp_out_s,
                hold_periods, fade_s, missing_part, late_periods, sigma_limit_n, rejoins_a_minute,
-               limited_part, force_limit_n, rate_limit_n_per_s, free_rate_n_per_s, power_limit_w,
-               actuator_stiffness_n_per_m, realtime, priority, cpu, record_s, record_files,
-               record_mb] = policy;
+               limited_part, disobeyed_part, force_limit_n, rate_limit_n_per_s, free_rate_n_per_s,
+               power_limit_w, actuator_stiffness_n_per_m, realtime, priority, cpu, record_s,
+               record_files, record_mb] = policy;
   return std::make_tuple(
       start_at_once, arming_s, require_motion, offset_limit_n, ramp_in_s, ramp_out_s, hold_periods,
       fade_s, missing_part, late_periods, sigma_limit_n, rejoins_a_minute, limited_part,
-      force_limit_n, rate_limit_n_per_s, free_rate_n_per_s, power_limit_w,
+      disobeyed_part, force_limit_n, rate_limit_n_per_s, free_rate_n_per_s, power_limit_w,
       actuator_stiffness_n_per_m, realtime, priority, cpu, record_s, record_files, record_mb);
 }
 

@@ -32,7 +32,7 @@ int found_after(const Way& way, double seconds, std::uint64_t seed,
                 const std::function<double(double)>& broken = {}) {
   Gains gains = toy::damped_gains();
   gains.instruments.actuator_lag_hz = way.lag_hz;
-  Obedience obedience(gains);
+  Obedience obedience(gains, Policy{}.disobeyed_part);
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
@@ -147,6 +147,23 @@ TEST(Obedience, AnActuatorThatDoesMoreIsNamedWithinSamples) {
     EXPECT_TRUE(rig.latched());
     EXPECT_EQ(rig.supervisor().first_leg(), 2) << gain;
     RecordProperty("samples", std::to_string(rig.k() - since));
+  }
+}
+
+// A read-back that shows more than a twentieth is a policy's to allow.
+TEST(Obedience, AsMuchMoreMayActAsThePolicySays) {
+  for (const double part : {0.05, 0.2}) {
+    Policy policy;
+    policy.disobeyed_part = part;
+    Rig rig(policy);
+    ASSERT_TRUE(rig.reaches(State::active, 3000)) << to_text(rig.fault());
+    rig.steps(5000);
+    // The frame feels what was commanded, and one read-back says more.
+    rig.steps(2000, [](Measurement& m) {
+      m.applied(2) *= 1.1;
+      return true;
+    });
+    EXPECT_EQ(rig.fault() == Fault::disobeyed, part < 0.1) << part << " " << to_text(rig.fault());
   }
 }
 

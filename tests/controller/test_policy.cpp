@@ -35,7 +35,7 @@ arming: {duration_s: 0.25, require_motion: false, offset_limit_n: 7}
 ramp: {in_s: 2, out_s: 3}
 measurements: {hold_periods: 4, fade_s: 5, missing_part: 0.125, late_periods: 2.5,
   sigma_limit_n: 8}
-watch: {limited_part: 0.0625}
+watch: {limited_part: 0.0625, disobeyed_part: 0.03125}
 rejoin: {a_minute: 12}
 limits: {force_n: 22, rate_n_per_s: 13, free_rate_n_per_s: 16, power_w: 14, actuator_stiffness_n_per_m: 15}
 realtime: {mode: enforce, priority: 18, cpu: 19}
@@ -54,6 +54,7 @@ flight_record: {duration_s: 21}
                       .sigma_limit_n = 8,
                       .rejoins_a_minute = 12,
                       .limited_part = 0.0625,
+                      .disobeyed_part = 0.03125,
                       .force_limit_n = 22,
                       .rate_limit_n_per_s = 13,
                       .free_rate_n_per_s = 16,
