@@ -103,7 +103,7 @@ const Way sound[] = {
     {.late = 3},
 };
 
-TEST(Obedience, SoundAmplifiersAndReadBacksObey) {
+TEST(DisobeyedLeg, SoundAmplifiersAndReadBacksObey) {
   std::uint64_t seed = 1;
   for (const Way& way : sound) {
     EXPECT_EQ(found_after(way, 100, seed), -1) << seed;
@@ -112,7 +112,7 @@ TEST(Obedience, SoundAmplifiersAndReadBacksObey) {
 }
 
 // A quarter of a swing of 1 Hz until the force is large enough to tell.
-TEST(Obedience, WhatDoesNotIsFoundAndNamed) {
+TEST(DisobeyedLeg, WhatDoesNotIsFoundAndNamed) {
   std::uint64_t seed = 1;
   for (const Way& way : sound) {
     if (way.noise > 0.04 || way.step > 0.05) continue;  // some newtons are little beside that
@@ -129,12 +129,12 @@ TEST(Obedience, WhatDoesNotIsFoundAndNamed) {
 }
 
 // One bad telegram in a row is none, and what acts while commands are not heard is nobody's fault.
-TEST(Obedience, OneBadReadingIsNoFault) {
+TEST(DisobeyedLeg, OneBadReadingIsNoFault) {
   const auto seldom = [n = 0](double x) mutable { return ++n % 3 == 0 ? x : x + 100; };
   EXPECT_EQ(found_after({}, 5, 1, seldom), -1);
 }
 
-TEST(Obedience, AnActuatorThatDoesMoreIsNamedWithinSamples) {
+TEST(DisobeyedLeg, AnActuatorThatDoesMoreIsNamedWithinSamples) {
   for (const double gain : {1.1, 1.5, 0.0, -1.0}) {
     Rig rig;
     ASSERT_TRUE(rig.reaches(State::active, 3000)) << to_text(rig.fault());
@@ -151,7 +151,7 @@ TEST(Obedience, AnActuatorThatDoesMoreIsNamedWithinSamples) {
 }
 
 // A read-back that shows more than a twentieth is a policy's to allow.
-TEST(Obedience, AsMuchMoreMayActAsThePolicySays) {
+TEST(DisobeyedLeg, AsMuchMoreMayActAsThePolicySays) {
   for (const double part : {0.05, 0.2}) {
     Policy policy;
     policy.disobeyed_part = part;
