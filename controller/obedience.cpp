@@ -36,8 +36,11 @@ Obedience::Obedience(const Gains& gains, double part)
       lags ? std::exp(-2 * std::numbers::pi * gains.instruments.actuator_lag_hz * sample_time_) : 0;
   const auto delay = static_cast<Index>(std::ceil(gains.delay_samples));
   commands_ = MatrixXd::Zero(m, delay + 1 + gains.instruments.report_age_samples + amplifiers_hold);
-  least_ = most_ = now_least_ = now_most_ = size_ = zero_ = low_ = high_ = last_ = step_ =
+  least_ = most_ = now_least_ = now_most_ = size_ = zero_ = low_ = high_ = last_ = step_ = in_row_ =
       VectorXd::Zero(m);
+  constexpr double left = 0.01;  // of what was behind the lag, below what calibrations are off
+  settles_ = commands_.cols() +
+             (lag_ > 0 ? static_cast<std::int64_t>(std::ceil(std::log(left) / std::log(lag_))) : 0);
   restart();
 }
 
@@ -64,9 +67,14 @@ void Obedience::begin() noexcept {
   most_.setZero();
   size_.setZero();
   zero_ = 0.5 * (low_ + high_);
-  since_ = commands_.cols();
-  n_in_row_ = 0;
+  since_ = settles_;
+  in_row_.setZero();
   leg_ = -1;
+}
+
+void Obedience::lose_track() noexcept {
+  since_ = 0;
+  in_row_.setZero();
 }
 
 void Obedience::command(const Ref<const VectorXd>& force) noexcept {
@@ -98,7 +106,8 @@ void Obedience::hear(std::int64_t n, const Ref<const VectorXd>& applied) noexcep
     if (step > 0) step_(i) = std::min(step_(i), step);
     const double read = applied(i) - zero_(i);
     const double off = beyond(i, read);
-    if (off > furthest) {
+    in_row_(i) = off > 0 ? in_row_(i) + 1 : 0;
+    if (in_row_(i) >= enough && off > furthest) {
       furthest = off;
       leg = i;
     }
@@ -106,10 +115,12 @@ void Obedience::hear(std::int64_t n, const Ref<const VectorXd>& applied) noexcep
     if (!(off > 0)) zero_(i) += follows_ * (read - std::clamp(read, least_(i), most_(i)));
   }
   last_ = applied;
-  // What was on its way when commands were not heard.
-  if (since_ < commands_.cols()) leg = -1;
-  if (leg >= 0 && n_in_row_ == 0) leg_ = leg;
-  n_in_row_ = leg >= 0 ? n_in_row_ + 1 : 0;
+  // What was on its way when commands were not heard, or measurements did not come.
+  if (since_ < settles_) {
+    in_row_.setZero();
+  } else {
+    leg_ = leg;
+  }
 }
 
 }  // namespace stillframe::controller

@@ -35,23 +35,23 @@ class Obedience {
   /// n samples after the last measurement, that much (m, N) is said to act.
   void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& applied) noexcept;
   /// Commands have not been heard: what acts is the amplifiers' doing, for as long as it lasts.
-  void lose_track() noexcept { since_ = 0, n_in_row_ = 0; }
+  void lose_track() noexcept;
 
-  /// True if too many measurements in a row said that a leg does not do as it is told.
-  bool is_broken() const noexcept { return n_in_row_ >= enough; }
-  /// The leg that was the furthest off when that began; -1: none.
+  /// True if too many measurements in a row said that one leg does not do as it is told.
+  bool is_broken() const noexcept { return leg_ >= 0; }
+  /// That leg, the furthest off of several; -1: none.
   Eigen::Index leg() const noexcept { return leg_; }
 
   template <class Archive>
   void visit(Archive& archive) {
     archive(commands_), archive(least_), archive(most_), archive(size_), archive(zero_);
     archive(low_), archive(high_), archive(last_), archive(step_);
-    archive(newest_), archive(since_), archive(n_listened_), archive(n_in_row_), archive(leg_);
+    archive(in_row_), archive(newest_), archive(since_), archive(n_listened_), archive(leg_);
   }
 
  private:
   /// In a row: one sample alone is a telegram that went wrong, and no reason to let go.
-  static constexpr std::int64_t enough = 3;
+  static constexpr double enough = 3;
 
   double beyond(Eigen::Index i, double read) const noexcept;
 
@@ -64,7 +64,9 @@ class Obedience {
   Eigen::VectorXd size_, zero_;  ///< m, N, S and z
   Eigen::VectorXd low_, high_;   ///< m, N, what was read without a force
   Eigen::VectorXd last_, step_;  ///< m, N, the last reading, and its smallest step
-  std::int64_t newest_ = 0, since_ = 0, n_listened_ = 0, n_in_row_ = 0;
+  Eigen::VectorXd in_row_;       ///< m, how often it disobeyed, the last measurement included
+  std::int64_t settles_;         ///< samples after which what was not followed acts no more
+  std::int64_t newest_ = 0, since_ = 0, n_listened_ = 0;
   Eigen::Index leg_ = -1;
 };
 

@@ -288,10 +288,10 @@ void Supervisor::count_missing(const Event& event) noexcept {
 void Supervisor::watch(const Event& event) noexcept {
   if (engaged() && unheard_ > Law::longest_gap) return let_go(Fault::unheard, event);
   if (engaged() && watch_.limited()) return let_go(Fault::limited, event);
-  if (engaged() && disobeyed(event)) return let_go(Fault::disobeyed, event);
   if (engaged() && watch_.restless()) return let_go(Fault::restless, event);
   if (engaged() || state_ == State::fading) {
     if (event.n_elapsed - 1 > policy_.hold_periods) return let_go(Fault::suspended, event);
+    if (engaged() && disobeyed(event)) return let_go(Fault::disobeyed, event);
     if (missing_part_ > policy_.missing_part) return let_go(Fault::losses, event);
   }
   if (engaged() && missing_ > policy_.hold_periods) {
@@ -300,6 +300,7 @@ void Supervisor::watch(const Event& event) noexcept {
   } else if (state_ == State::fading && event.measurement != nullptr &&
              event.measurement->seq - law_seq_ <= Law::longest_gap) {
     pace_.lose_track();
+    obedience_.lose_track();
     p_ = smooth_step_inverse(smooth_step(p_) * smooth_step(q_));
     state_ = wanted_ ? State::ramp_in : State::ramp_out;
   }

@@ -134,6 +134,51 @@ TEST(DisobeyedLeg, OneBadReadingIsNoFault) {
   EXPECT_EQ(found_after({}, 5, 1, seldom), -1);
 }
 
+// A slow amplifier is where nobody has followed it to when measurements come again within a fade.
+TEST(DisobeyedLeg, ASlowAmplifierBehindAGapIsNoFault) {
+  for (const double lag_hz : {5.0, 20.0, 300.0}) {
+    Gains gains = toy::damped_gains();
+    gains.instruments.actuator_lag_hz = lag_hz;
+    Obedience obedience(gains, Policy{}.disobeyed_part);
+    VectorXd acting = VectorXd::Zero(m), before = acting;
+    for (int k = 0; k < 500; ++k) obedience.listen(acting);
+    obedience.begin();
+    const double left = std::exp(-2 * M_PI * lag_hz * gains.sample_time());
+    for (int k = 0; k < 3000; ++k) {
+      // 10 N, of which 0.1 s of silence take nearly all.
+      const bool silent = k >= 1000 && k < 1090;
+      const VectorXd force = VectorXd::Constant(m, silent ? 10 - (k - 1000) / 9.0 : 10);
+      obedience.command(force);
+      acting = left * acting + (1 - left) * before;
+      before = force;
+      if (silent) continue;
+      if (k == 1090) obedience.lose_track();
+      obedience.hear(1, acting);
+      ASSERT_FALSE(obedience.is_broken()) << lag_hz << " Hz, sample " << k;
+    }
+    obedience.hear(1, 1.5 * acting);
+    obedience.hear(1, 1.5 * acting);
+    EXPECT_FALSE(obedience.is_broken());
+    obedience.hear(1, 1.5 * acting);
+    EXPECT_TRUE(obedience.is_broken()) << lag_hz;
+  }
+}
+
+// Each of three legs once is no leg three times.
+TEST(DisobeyedLeg, ThreeTimesIsOfOneLeg) {
+  Obedience obedience(toy::damped_gains(), Policy{}.disobeyed_part);
+  const VectorXd force = VectorXd::Constant(m, 10);
+  for (int k = 0; k < 500; ++k) obedience.listen(VectorXd::Zero(m));
+  obedience.begin();
+  for (int k = 0; k < 1000; ++k) {
+    obedience.command(force);
+    VectorXd applied = force;
+    if (k > 100) applied(k % 3) = 20;
+    obedience.hear(1, applied);
+    ASSERT_FALSE(obedience.is_broken()) << k;
+  }
+}
+
 TEST(DisobeyedLeg, AnActuatorThatDoesMoreIsNamedWithinSamples) {
   for (const double gain : {1.1, 1.5, 0.0, -1.0}) {
     Rig rig;
