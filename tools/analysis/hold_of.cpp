@@ -75,7 +75,9 @@ class HoldSearch {
         last_measured_ - last_heard_ > std::llround(info_.sample_rate_hz)) {
       let_go("the records of its controller end there", false);
     }
-    if (found_.until > last_measured_) {
+    // With its last sample a plant says that its run has ended, which may be heard before that one.
+    const std::int64_t ends_with = found_.fault ? 0 : 2;
+    if (found_.until > last_measured_ - ends_with) {
       found_.until = never;
       found_.why.clear();
       found_.fault = false;
