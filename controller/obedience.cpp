@@ -38,9 +38,13 @@ Obedience::Obedience(const Gains& gains, double part)
   commands_ = MatrixXd::Zero(m, delay + 1 + gains.instruments.report_age_samples + amplifiers_hold);
   least_ = most_ = now_least_ = now_most_ = size_ = zero_ = low_ = high_ = last_ = step_ = in_row_ =
       VectorXd::Zero(m);
-  constexpr double left = 0.01;  // of what was behind the lag, below what calibrations are off
-  settles_ = commands_.cols() +
-             (lag_ > 0 ? static_cast<std::int64_t>(std::ceil(std::log(left) / std::log(lag_))) : 0);
+  constexpr double left = 0.01;      // of what was behind the lag, below what calibrations are off
+  constexpr double for_ever = 1e12;  // samples, of a lag that no sample shows
+  settles_ = commands_.cols();
+  if (lag_ > 0) {
+    const double fades = lag_ < 1 ? std::log(left) / std::log(lag_) : for_ever;
+    settles_ += static_cast<std::int64_t>(std::ceil(std::min(fades, for_ever)));
+  }
   restart();
 }
 

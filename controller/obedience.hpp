@@ -34,7 +34,8 @@ class Obedience {
   void command(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept;
   /// n samples after the last measurement, that much (m, N) is said to act.
   void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& applied) noexcept;
-  /// Commands have not been heard: what acts is the amplifiers' doing, for as long as it lasts.
+  /// Commands have not been heard, or measurements did not come: what acts has not been followed,
+  /// and nothing is compared until that has passed.
   void lose_track() noexcept;
 
   /// True if too many measurements in a row said that one leg does not do as it is told.

@@ -164,6 +164,20 @@ TEST(DisobeyedLeg, ASlowAmplifierBehindAGapIsNoFault) {
   }
 }
 
+// Nothing is compared behind a lag that no sample shows.
+TEST(DisobeyedLeg, ALagWithoutEndIsNoNumberBeyondAllNumbers) {
+  for (const double lag_hz : {1e-300, 1e-9, 1e300}) {
+    Gains gains = toy::damped_gains();
+    gains.instruments.actuator_lag_hz = lag_hz;
+    Obedience obedience(gains, Policy{}.disobeyed_part);
+    for (const double noise : {0.0, 0.01}) obedience.listen(VectorXd::Constant(m, noise));
+    obedience.begin();
+    obedience.lose_track();
+    for (int k = 0; k < 100; ++k) obedience.hear(1, VectorXd::Constant(m, 10));
+    EXPECT_EQ(obedience.is_broken(), lag_hz > 1) << lag_hz;
+  }
+}
+
 // Each of three legs once is no leg three times.
 TEST(DisobeyedLeg, ThreeTimesIsOfOneLeg) {
   Obedience obedience(toy::damped_gains(), Policy{}.disobeyed_part);
