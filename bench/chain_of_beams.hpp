@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 
 namespace stillframe {
 

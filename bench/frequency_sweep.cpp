@@ -1,7 +1,7 @@
 // Speed and error of transfer functions and their singular values: the 12 x 12 matrix of the
 // metrology frame (six floor accelerations and six leg forces in) at 1000 frequencies from 0.1 to
 // 1000 Hz, one thread. bench/race_octave runs it against Octave.
-#include "core/linear/frequency_sweep.hpp"
+#include "core/systems/frequency_sweep.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -13,7 +13,7 @@
 #include <numbers>
 
 #include "bench/machine.hpp"
-#include "core/linear/singular_values.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "tests/support/frame_state_space.hpp"
 #include "tests/support/quadruple.hpp"
 

@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "bench/machine.hpp"
-#include "core/dynamics.hpp"
-#include "core/equilibrium.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/state_space.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/state_space.hpp"
 
 namespace {
 

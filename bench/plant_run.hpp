@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/plant.hpp"
 

@@ -9,7 +9,7 @@
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
 #include "report/table.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 #include "tools/run/closed_loop.hpp"
 
 namespace {

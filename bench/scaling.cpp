@@ -9,9 +9,9 @@
 
 #include "bench/chain_of_beams.hpp"
 #include "bench/machine.hpp"
-#include "core/linearisation.hpp"
-#include "core/operating_point.hpp"
-#include "core/state_space.hpp"
+#include "core/mechanics/linearisation/linearisation.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/state_space.hpp"
 #include "report/table.hpp"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/scene/plant_methods.hpp"
+#include "core/mechanics/scene/plant_methods.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_style.hpp"
 #include "report/table.hpp"

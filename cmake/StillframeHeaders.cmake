@@ -2,7 +2,7 @@
 # which are compiled with other options. clang takes a precompiled header from the same options only, so it does
 # without; no file relies on them for its includes.
 
-set(stillframe_headers ${PROJECT_SOURCE_DIR}/core/eigen/once.hpp
+set(stillframe_headers ${PROJECT_SOURCE_DIR}/core/numerics/eigen/once.hpp
   <algorithm> <filesystem> <fstream> <functional> <iostream> <map> <memory> <optional> <random> <string> <vector>)
 
 # stillframe_precompile(TARGET) for what is shipped; stillframe_precompile(TARGET TEST) for what links GoogleTest.

@@ -1,7 +1,8 @@
 # What another project gets: the programs, the libraries and headers, and find_package(stillframe).
 include(CMakePackageConfigHelpers)
 
-install(TARGETS stillframe_eigen stillframe_linear stillframe_files stillframe_yaml stillframe_core stillframe_robustness stillframe_msgs stillframe_floor stillframe_nodal
+install(TARGETS stillframe_eigen stillframe_files stillframe_numerics stillframe_systems stillframe_yaml stillframe_control
+                stillframe_mechanics stillframe_design stillframe_robustness stillframe_core stillframe_msgs stillframe_floor stillframe_nodal
                 stillframe_plant_sim stillframe_controller stillframe_report
   EXPORT stillframe_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT stillframe_targets NAMESPACE stillframe::

@@ -5,7 +5,7 @@
 
 #include "controller/gains.hpp"
 #include "controller/law.hpp"
-#include "core/linear/sampled_plant.hpp"
+#include "core/systems/sampled_plant.hpp"
 
 namespace stillframe::controller {
 

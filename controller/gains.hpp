@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/linear/discrete_law.hpp"
-#include "core/linear/sampled_plant.hpp"
+#include "core/control/discrete_law.hpp"
+#include "core/systems/sampled_plant.hpp"
 
 namespace stillframe::controller {
 

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
 

@@ -4,11 +4,11 @@
 #include <cstdint>
 
 #include "controller/gains.hpp"
-#include "core/linear/discrete_law.hpp"
+#include "core/control/discrete_law.hpp"
 
 namespace stillframe::controller {
 
-/// The sampled control law of a set of gains, sample_law of core/linear/discrete_law.hpp. Set-up.
+/// The sampled control law of a set of gains, sample_law of core/control/discrete_law.hpp. Set-up.
 /// Errors: Refusal if I + K_P is singular, std::invalid_argument on gains that are not square or
 /// not of one size.
 DiscreteLaw law_from_gains(const Gains& gains);
@@ -16,7 +16,7 @@ DiscreteLaw law_from_gains(const Gains& gains);
 /// The law as it runs, one step a sample:
 ///   r[k] = a r[k-1] + (1 - a) applied[k],   e[k] = sigma[k] - (subtract_applied ? r[k] : 0),
 ///   u[k] = C x[k] + D e[k],   x[k+1] = A x[k] + B e[k].
-/// Source: core/linear/discrete_law.hpp. Construction is set-up; step and reset are
+/// Source: core/control/discrete_law.hpp. Construction is set-up; step and reset are
 /// hot: noexcept, no allocation.
 class Law {
  public:

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "controller/slow_loops.hpp"
-#include "core/linear/smooth_step.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/smooth_step.hpp"
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::controller {
 

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "controller/law.hpp"
-#include "core/linear/eigenvalues.hpp"
-#include "core/linear/sampled_loop.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/control/close_loop.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::controller {
 

@@ -8,7 +8,7 @@
 
 #include "controller/slow_loops.hpp"
 #include "controller/start_check.hpp"
-#include "core/linear/smooth_step.hpp"
+#include "core/numerics/smooth_step.hpp"
 
 namespace stillframe::controller {
 

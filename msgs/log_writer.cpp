@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <ctime>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

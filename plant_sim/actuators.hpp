@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <limits>
 
-#include "core/linear/bouc_wen.hpp"
-#include "core/linear/instruments.hpp"
+#include "core/systems/bouc_wen.hpp"
+#include "core/systems/instruments.hpp"
 
 namespace stillframe {
 

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/linear/smooth_step.hpp"
+#include "core/numerics/smooth_step.hpp"
 
 namespace stillframe {
 

@@ -1,6 +1,6 @@
 #include "plant_sim/disturbances.hpp"
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/model/model.hpp"
+#include "core/mechanics/model/model.hpp"
 #include "plant_sim/force_courses.hpp"
 
 namespace stillframe {

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "core/extended/double_double.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/numerics/extended/double_double.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/model/model.hpp"
-#include "core/scene/scene.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "plant_sim/floor/floor_source.hpp"
 
 namespace stillframe {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/smooth_step.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/numerics/smooth_step.hpp"
+#include "core/errors/input_error.hpp"
 #include "plant_sim/counter_noise.hpp"
 #include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/courses.hpp"

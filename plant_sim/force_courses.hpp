@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "core/scene/disturbances.hpp"
+#include "core/mechanics/scene/disturbances.hpp"
 
 namespace stillframe {
 

@@ -13,10 +13,10 @@
 #include <string>
 
 #include "core/cli/numbers.hpp"
-#include "core/control_loop.hpp"
+#include "core/control/design/control_loop.hpp"
 #include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"

@@ -4,7 +4,7 @@
 #include <limits>
 #include <sstream>
 
-#include "core/control_loop.hpp"
+#include "core/control/design/control_loop.hpp"
 
 namespace stillframe {
 

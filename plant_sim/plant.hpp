@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "core/scene/rigid_bodies.hpp"
+#include "core/mechanics/scene/rigid_bodies.hpp"
 #include "plant_sim/force_sensors.hpp"
 #include "plant_sim/motion/make_motion.hpp"
 #include "plant_sim/sensor_errors.hpp"

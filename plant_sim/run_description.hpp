@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/scene/scene.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 
 namespace stillframe {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "plant_sim/floor/block_values.hpp"
 
 namespace stillframe {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/scene/scene.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 
 namespace stillframe {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/linear/instruments.hpp"
+#include "core/systems/instruments.hpp"
 #include "plant_sim/counter_noise.hpp"
 
 namespace stillframe {

@@ -1,9 +1,9 @@
-#include "core/buckling.hpp"
+#include "core/mechanics/buckling.hpp"
 
 #include <iostream>
 #include <memory>
 
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "report/table.hpp"
 #include "tools/json.hpp"
 #include "tools/largest_parts.hpp"

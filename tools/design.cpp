@@ -10,7 +10,7 @@
 #include "tools/design_trade.hpp"
 #include "tools/given_files.hpp"
 #include "tools/json.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 #include "tools/loop_mat.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"

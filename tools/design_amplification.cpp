@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/frequency_response.hpp"
-#include "core/linear/continuous_loop.hpp"
-#include "core/linear/resonances.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/control/continuous_loop.hpp"
+#include "core/systems/resonances.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/linear/loop_settings.hpp"
+#include "core/control/loop_settings.hpp"
 
 namespace stillframe::tools {
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "core/compliance.hpp"
-#include "core/frequency_response.hpp"
-#include "core/gain_design.hpp"
+#include "core/control/design/compliance.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/control/design/gain_design.hpp"
 #include "tools/design_remedies.hpp"
 #include "tools/design_warnings.hpp"
 

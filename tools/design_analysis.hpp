@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/linear/continuous_loop.hpp"
-#include "core/linear/margins.hpp"
-#include "tools/loop_design.hpp"
-#include "tools/loop_peaks.hpp"
+#include "core/control/continuous_loop.hpp"
+#include "core/control/margins.hpp"
+#include "judge/loop_design.hpp"
+#include "judge/loop_peaks.hpp"
 
 namespace stillframe::tools {
 

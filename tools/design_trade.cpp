@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/frequency_response.hpp"
+#include "core/mechanics/frequency_response.hpp"
 #include "tools/design_analysis.hpp"
 
 namespace stillframe::tools {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 namespace stillframe::tools {
 

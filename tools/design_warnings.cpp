@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "controller/start_check.hpp"
-#include "core/linear/continuous_loop.hpp"
+#include "core/control/continuous_loop.hpp"
 #include "report/table.hpp"
 #include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 namespace stillframe::tools {
 

@@ -1,14 +1,14 @@
-#include "core/equilibrium.hpp"
+#include "core/mechanics/equilibrium.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
 
-#include "core/model/prescribed.hpp"
-#include "core/node_moves.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/mechanics/model/prescribed.hpp"
+#include "core/mechanics/node_moves.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/table.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"

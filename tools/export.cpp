@@ -1,7 +1,7 @@
 #include <iostream>
 #include <memory>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/export/log_export.hpp"
 #include "report/table.hpp"
 #include "tools/given_files.hpp"

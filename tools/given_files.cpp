@@ -1,6 +1,6 @@
 #include "tools/given_files.hpp"
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::tools {
 

@@ -3,11 +3,11 @@
 #include <memory>
 
 #include "core/cli/numbers.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/export/mat_file.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/table.hpp"
-#include "tools/analysis/loop_comparison.hpp"
+#include "judge/loop_comparison.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"

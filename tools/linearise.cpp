@@ -3,9 +3,9 @@
 #include <memory>
 #include <optional>
 
-#include "core/certificate.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/state_space.hpp"
+#include "core/mechanics/certificate.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/state_space.hpp"
 #include "report/table.hpp"
 #include "tools/given_files.hpp"
 #include "tools/linear_form.hpp"

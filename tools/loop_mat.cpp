@@ -1,7 +1,7 @@
 #include "tools/loop_mat.hpp"
 
 #include "controller/law.hpp"
-#include "core/linear/continuous_loop.hpp"
+#include "core/control/continuous_loop.hpp"
 #include "report/export/mat_file.hpp"
 
 namespace stillframe::tools {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 namespace stillframe::tools {
 

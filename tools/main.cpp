@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/files/standard_output.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/yaml/reader.hpp"
 #include "tools/verbs.hpp"
 

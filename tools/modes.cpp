@@ -1,12 +1,12 @@
-#include "core/modes.hpp"
+#include "core/mechanics/modes.hpp"
 
 #include <iostream>
 #include <memory>
 #include <numbers>
 
-#include "core/scene/scene_reader.hpp"
-#include "core/unstable.hpp"
-#include "core/unsymmetric_load.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/unstable.hpp"
+#include "core/mechanics/unsymmetric_load.hpp"
 #include "report/table.hpp"
 #include "tools/largest_parts.hpp"
 #include "tools/node_parts.hpp"

@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "core/elements/rotation.hpp"
-#include "core/kinematics.hpp"
+#include "core/mechanics/elements/rotation.hpp"
+#include "core/mechanics/kinematics.hpp"
 
 namespace stillframe::tools {
 

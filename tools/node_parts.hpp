@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/model/model.hpp"
+#include "core/mechanics/model/model.hpp"
 
 namespace stillframe::tools {
 

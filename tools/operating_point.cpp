@@ -1,7 +1,7 @@
 #include "tools/operating_point.hpp"
 
-#include "core/model/local.hpp"
-#include "core/node_moves.hpp"
+#include "core/mechanics/model/local.hpp"
+#include "core/mechanics/node_moves.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -10,23 +10,6 @@ const char* operating_point_in_words(const Scene& scene) {
   return scene.operating_point == OperatingPoint::equilibrium
              ? "its equilibrium"
              : "a snapshot of its motion as written";
-}
-
-std::vector<NodeDisplacement> node_displacements(const Model& model, const Eigen::VectorXd& x) {
-  std::vector<NodeDisplacement> all;
-  for (const ModelNode& node : model.nodes) {
-    NodeDisplacement item{node.name, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-                          node.has_rotation()};
-    LocalVector local;
-    gather({node.translation}, x, local);
-    item.displacement = local.head<3>();
-    if (node.has_rotation()) {
-      gather({node.rotation}, x, local);
-      item.rotation = turn_of(local);
-    }
-    all.push_back(item);
-  }
-  return all;
 }
 
 Json to_json(const Model& model, const std::vector<NodeDisplacement>& displacements) {

@@ -1,7 +1,7 @@
 #include <iostream>
 #include <memory>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/table.hpp"
 #include "tools/json.hpp"
 #include "tools/replay_law.hpp"

@@ -8,7 +8,7 @@
 #include "controller/law.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/telemetry.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 
 namespace stillframe::tools {

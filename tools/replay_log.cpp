@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/log_events.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"

@@ -2,10 +2,10 @@
 #include <memory>
 
 #include "core/cli/numbers.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/page/write_page.hpp"
-#include "tools/analysis/page_of.hpp"
-#include "tools/analysis/verdict_of.hpp"
+#include "judge/page_of.hpp"
+#include "judge/verdict_of.hpp"
 #include "tools/exit_code.hpp"
 #include "tools/given_files.hpp"
 #include "tools/patience.hpp"

@@ -5,13 +5,13 @@
 #include <thread>
 
 #include "controller/start_check.hpp"
-#include "core/robustness/worst_case.hpp"
-#include "core/scene/controller_block.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/robustness/worst_case.hpp"
+#include "core/mechanics/scene/controller_block.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/plots/plot_robustness.hpp"
 #include "tools/given_files.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 #include "tools/patience.hpp"
 #include "tools/robustness_file.hpp"
 #include "tools/robustness_spread.hpp"

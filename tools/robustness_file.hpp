@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "core/robustness/record.hpp"
+#include "core/control/robustness/record.hpp"
 #include "tools/json.hpp"
 
 namespace stillframe::tools {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/frequency_response.hpp"
-#include "core/linear/frequency_range.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/systems/frequency_range.hpp"
 #include "tools/robustness_text.hpp"
 
 namespace stillframe::tools {

@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "core/robustness/record.hpp"
+#include "core/control/robustness/record.hpp"
 
 namespace stillframe::tools {
 

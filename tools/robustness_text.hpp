@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/robustness/record.hpp"
-#include "core/robustness/worst_case.hpp"
+#include "core/control/robustness/record.hpp"
+#include "core/control/robustness/worst_case.hpp"
 
 namespace stillframe::tools {
 

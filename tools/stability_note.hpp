@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/modes.hpp"
+#include "core/mechanics/modes.hpp"
 #include "tools/json.hpp"
 
 namespace stillframe::tools {

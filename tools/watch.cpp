@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "core/cli/numbers.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"

@@ -9,7 +9,7 @@
 
 #include "bench/machine.hpp"
 #include "bench/simbody/plant_run.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "report/table.hpp"
 
 namespace {

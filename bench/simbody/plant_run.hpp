@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bench/simbody/runs.hpp"
-#include "core/scene/scene.hpp"
+#include "core/mechanics/scene/scene.hpp"
 
 namespace stillframe::simbody {
 

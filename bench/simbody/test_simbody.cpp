@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/simbody/plant_run.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 
 // The nonlinear plant against Simbody, another program with other coordinates (joint coordinates
 // and quaternions), other equations (recursive) and other integrators.

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/linear/bouc_wen.hpp"
+#include "core/systems/bouc_wen.hpp"
 #include "core/yaml/loop_numbers.hpp"
 #include "core/yaml/ranges.hpp"
 

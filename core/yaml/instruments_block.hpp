@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/linear/instruments.hpp"
+#include "core/systems/instruments.hpp"
 #include "core/yaml/reader.hpp"
 
 namespace stillframe {

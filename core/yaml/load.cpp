@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/files/utf8.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

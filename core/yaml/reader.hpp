@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace YAML {
 class Node;

@@ -2,10 +2,10 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/control_loop.hpp"
-#include "core/frequency_response.hpp"
-#include "core/modes.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 
 int main(int argc, char** argv) try {
   if (argc != 2) {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/linear/smooth_step.hpp"
+#include "core/numerics/smooth_step.hpp"
 #include "plant_sim/floor/held_acceleration.hpp"
 
 namespace stillframe::floor {

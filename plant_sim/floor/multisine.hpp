@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "core/linear/multisine_plan.hpp"
+#include "core/systems/multisine_plan.hpp"
 
 namespace stillframe::floor {
 

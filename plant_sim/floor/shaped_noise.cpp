@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/linear/smooth_step.hpp"
+#include "core/numerics/smooth_step.hpp"
 #include "kissfft/kissfft.hh"
 #include "plant_sim/floor/held_acceleration.hpp"
 #include "plant_sim/floor/resample.hpp"

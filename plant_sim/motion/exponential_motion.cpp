@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/linear/phi_functions.hpp"
+#include "core/numerics/phi_functions.hpp"
 
 namespace stillframe {
 

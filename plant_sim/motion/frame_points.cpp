@@ -1,6 +1,6 @@
 #include "plant_sim/motion/frame_points.hpp"
 
-#include "core/elements/rotation.hpp"
+#include "core/mechanics/elements/rotation.hpp"
 
 namespace stillframe {
 

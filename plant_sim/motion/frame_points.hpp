@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/kinematics.hpp"
-#include "core/scene/rigid_bodies.hpp"
+#include "core/mechanics/kinematics.hpp"
+#include "core/mechanics/scene/rigid_bodies.hpp"
 
 namespace stillframe {
 

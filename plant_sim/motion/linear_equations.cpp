@@ -1,8 +1,8 @@
 #include "plant_sim/motion/linear_equations.hpp"
 
-#include "core/linearisation.hpp"
-#include "core/model/prescribed.hpp"
-#include "core/state_space.hpp"
+#include "core/mechanics/linearisation/linearisation.hpp"
+#include "core/mechanics/model/prescribed.hpp"
+#include "core/mechanics/state_space.hpp"
 
 namespace stillframe {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/linear/phi_functions.hpp"
+#include "core/numerics/phi_functions.hpp"
 #include "plant_sim/motion/drive.hpp"
 
 namespace stillframe {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/rigid_bodies.hpp"
+#include "core/mechanics/scene/rigid_bodies.hpp"
 #include "plant_sim/motion/motion.hpp"
 
 namespace stillframe {

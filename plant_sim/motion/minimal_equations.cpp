@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/dynamics.hpp"
-#include "core/model/local.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/model/local.hpp"
 
 namespace stillframe {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/dynamics.hpp"
-#include "core/linearisation.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/linearisation/linearisation.hpp"
 #include "plant_sim/motion/inputs.hpp"
 #include "plant_sim/motion/motion.hpp"
 

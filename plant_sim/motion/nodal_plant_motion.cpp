@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/dynamics.hpp"
+#include "core/mechanics/dynamics.hpp"
 #include "plant_sim/motion/minimal_equations.hpp"
 
 namespace stillframe {

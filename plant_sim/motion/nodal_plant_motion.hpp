@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/linearisation.hpp"
+#include "core/mechanics/linearisation/linearisation.hpp"
 #include "plant_sim/motion/frame_points.hpp"
 #include "plant_sim/motion/motion.hpp"
 #include "plant_sim/nodal/nodal_motion.hpp"

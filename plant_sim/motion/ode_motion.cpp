@@ -47,7 +47,7 @@ Motion::Status OdeMotion::advance(const Drive& drive, double duration) noexcept 
   if (!equations_.look(drive, duration, y_, rate_) && !equations_.look(drive, 0.0, y_, rate_)) {
     return Status::equations_failed;
   }
-  // Positions are found to 1e-30 (core/kinematics): no step meets a finer error either.
+  // Positions are found to 1e-30 (core/mechanics/kinematics): no step meets a finer error either.
   const double finest = 1e-29 / (duration * duration * relative_tolerance_);
   const double acceleration =
       std::max({before, equations_.q_d_ddot().lpNorm<Eigen::Infinity>(), least_scale_, finest});

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/model/local.hpp"
-#include "core/turning_load.hpp"
+#include "core/mechanics/model/local.hpp"
+#include "core/mechanics/turning_load.hpp"
 
 namespace stillframe::nodal {
 

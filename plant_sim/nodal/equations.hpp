@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/model/model.hpp"
+#include "core/mechanics/model/model.hpp"
 #include "plant_sim/motion/inputs.hpp"
 #include "plant_sim/nodal/band_matrix.hpp"
 

@@ -1,6 +1,6 @@
 // The derivatives of the equations in nodal coordinates.
-#include "core/model/local.hpp"
-#include "core/turning_load.hpp"
+#include "core/mechanics/model/local.hpp"
+#include "core/mechanics/turning_load.hpp"
 #include "plant_sim/nodal/equations.hpp"
 
 namespace stillframe::nodal {

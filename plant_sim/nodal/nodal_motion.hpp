@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/kinematics.hpp"
+#include "core/mechanics/kinematics.hpp"
 #include "plant_sim/nodal/consistent.hpp"
 #include "plant_sim/nodal/radau_solver.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/linear/multisine_plan.hpp"
-#include "core/linear/sampled_loop.hpp"
+#include "core/systems/multisine_plan.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "report/analysis/axis_signals.hpp"
 #include "report/analysis/duration_histogram.hpp"
 #include "report/analysis/floor_samples.hpp"

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/linear/smooth_step.hpp"
+#include "core/numerics/smooth_step.hpp"
 
 namespace stillframe::report {
 

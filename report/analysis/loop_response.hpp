@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/linear/sampled_loop.hpp"
+#include "core/control/close_loop.hpp"
 
 namespace stillframe::report {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <limits>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/identification/input_noise.hpp"
 #include "report/identification/multisine.hpp"

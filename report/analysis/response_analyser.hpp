@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/linear/multisine_plan.hpp"
+#include "core/systems/multisine_plan.hpp"
 #include "report/identification/frequency_response.hpp"
 #include "report/identification/local_polynomial.hpp"
 

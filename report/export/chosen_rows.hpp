@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/export/log_export.hpp"
 
 namespace stillframe::report {

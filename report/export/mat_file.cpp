@@ -4,7 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::report {
 

@@ -1,6 +1,6 @@
 #include "report/export/signal_columns.hpp"
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/yaml/reader.hpp"
 
 namespace stillframe::report {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/linear/sampled_loop.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/identification/multisine.hpp"
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "core/linear/singular_values.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "report/identification/input_noise.hpp"
 
 namespace stillframe::report {

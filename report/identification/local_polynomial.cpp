@@ -8,7 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/spectra/fourier.hpp"
 #include "report/table.hpp"
 

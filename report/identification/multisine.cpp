@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/spectra/fourier.hpp"
 #include "report/spectra/windows.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "core/linear/multisine_plan.hpp"
+#include "core/systems/multisine_plan.hpp"
 #include "report/identification/frequency_response.hpp"
 
 namespace stillframe::report {

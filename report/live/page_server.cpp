@@ -9,7 +9,7 @@
 #include <string_view>
 #include <thread>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/live/page_connection.hpp"
 #include "report/live/page_parts.hpp"
 

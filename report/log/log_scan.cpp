@@ -4,7 +4,7 @@
 #include <set>
 
 #include "core/files/utf8.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/event_file.hpp"
 #include "report/log/logger_clock.hpp"

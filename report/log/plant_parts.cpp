@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/identity.hpp"
 #include "report/log/event_file.hpp"

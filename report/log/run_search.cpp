@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/files/utf8.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/event_file.hpp"
 #include "stillframe_msgs/command_t.hpp"

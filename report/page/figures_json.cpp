@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/page/thin_spectrum.hpp"
 #include "report/page/write_page.hpp"
 

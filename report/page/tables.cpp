@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/page/html.hpp"
 
 namespace stillframe::page {

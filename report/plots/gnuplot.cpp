@@ -15,7 +15,7 @@
 #include <stdexcept>
 
 #include "core/files/whole_file.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::report {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/acceptance.hpp"
+#include "core/mechanics/scene/acceptance.hpp"
 #include "report/verdict/verdict.hpp"
 
 namespace stillframe::report {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/files/whole_file.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/spectra/spectra.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/broken_channels/episodes.hpp"
 
 // The table of docs/safety.md: what breaks, how hard the frame is driven, when it is found.

@@ -6,7 +6,7 @@
 
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 namespace stillframe::controller {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/broken_channels/episodes.hpp"
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "controller/law.hpp"
-#include "core/linear/discrete_law.hpp"
+#include "core/control/discrete_law.hpp"
 #include "tests/controller/toy_plant.hpp"
 
 namespace stillframe::controller::toy {

@@ -8,8 +8,8 @@
 
 #include "controller/in_process_io.hpp"
 #include "controller/loop.hpp"
-#include "core/linear/smooth_step.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/smooth_step.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/controller/toy_plant.hpp"
 
 namespace stillframe::controller {

@@ -8,7 +8,7 @@
 #include <regex>
 #include <string>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/controller/toy_plant.hpp"
 
 namespace stillframe::controller {

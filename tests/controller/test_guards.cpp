@@ -9,7 +9,7 @@
 #include "controller/limits.hpp"
 #include "controller/presence.hpp"
 #include "controller/screen.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::controller {
 namespace {

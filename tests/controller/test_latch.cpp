@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "controller/latch.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::controller {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "controller/policy.hpp"
-#include "core/linear/smooth_step.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/smooth_step.hpp"
+#include "core/numerics/worst.hpp"
 
 // The figures of docs/safety.md on why everything lets go smoothly.
 namespace stillframe::controller {

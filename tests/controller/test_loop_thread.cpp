@@ -5,7 +5,7 @@
 
 #include "controller/in_process_io.hpp"
 #include "controller/loop_thread.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "msgs/clock.hpp"
 #include "tests/controller/toy_plant.hpp"
 

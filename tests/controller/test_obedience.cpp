@@ -6,7 +6,7 @@
 #include <random>
 
 #include "controller/obedience.hpp"
-#include "core/linear/bouc_wen.hpp"
+#include "core/systems/bouc_wen.hpp"
 #include "tests/controller/rig.hpp"
 
 // Whether the forces that are said to act are those that were commanded.

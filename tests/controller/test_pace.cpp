@@ -5,7 +5,7 @@
 
 #include "controller/pace.hpp"
 #include "controller/start_check.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
 

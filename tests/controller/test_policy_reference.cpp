@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "controller/policy.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/controller/policy_fields.hpp"
 
 // docs/safety.md and config/policies/default.yaml are held to the reader: the same keys, defaults

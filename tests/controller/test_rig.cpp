@@ -6,8 +6,8 @@
 #include <random>
 
 #include "controller/start_check.hpp"
-#include "core/linear/sampled_loop.hpp"
-#include "core/worst.hpp"
+#include "core/control/close_loop.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/controller/rig.hpp"
 
 // The bench of the fault policy is the loop that was designed: what follows holds for loops of any

@@ -6,7 +6,7 @@
 #include "controller/command_watch.hpp"
 #include "controller/pace.hpp"
 #include "controller/slow_loops.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/controller/rig.hpp"
 
 // What is told in seconds holds at every legal rate, and a loop below 200 Hz does its work as one

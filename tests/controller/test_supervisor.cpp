@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "controller/start_check.hpp"
-#include "core/linear/smooth_step.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/smooth_step.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/controller/rig.hpp"
 
 // The state machine and the fault policy, on a clock of its own and with a frame that answers.

@@ -11,7 +11,7 @@
 
 #include "controller/supervisor.hpp"
 #include "controller/telemetry.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::test {
 

@@ -5,15 +5,15 @@
 #include <random>
 #include <string>
 
-#include "core/elements/arm_truss.hpp"
-#include "core/elements/beam.hpp"
-#include "core/elements/hinge.hpp"
-#include "core/elements/norm_condition.hpp"
-#include "core/elements/planar_beam.hpp"
-#include "core/elements/planar_hinge.hpp"
-#include "core/elements/rotation.hpp"
-#include "core/elements/second_order.hpp"
-#include "core/elements/truss.hpp"
+#include "core/mechanics/elements/arm_truss.hpp"
+#include "core/mechanics/elements/beam.hpp"
+#include "core/mechanics/elements/hinge.hpp"
+#include "core/mechanics/elements/norm_condition.hpp"
+#include "core/mechanics/elements/planar_beam.hpp"
+#include "core/mechanics/elements/planar_hinge.hpp"
+#include "core/mechanics/elements/rotation.hpp"
+#include "core/mechanics/elements/second_order.hpp"
+#include "core/mechanics/elements/truss.hpp"
 #include "tests/core/element_formulas.hpp"
 
 // Every kind of element beside its formula, and random states of it.

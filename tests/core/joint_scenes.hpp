@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/scene/scene.hpp"
+#include "core/mechanics/scene/scene.hpp"
 
 // Mechanisms of hinges and rigid links, with the closed forms of their motion in the tests that use
 // them.

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/linear/loop_settings.hpp"
+#include "core/control/loop_settings.hpp"
 
 namespace stillframe::test {
 

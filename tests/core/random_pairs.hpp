@@ -7,8 +7,8 @@
 #include <complex>
 #include <random>
 
-#include "core/design_model.hpp"
-#include "core/worst.hpp"
+#include "core/control/design/design_model.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 
 namespace stillframe::test {

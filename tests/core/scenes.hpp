@@ -3,8 +3,8 @@
 #include <random>
 #include <string>
 
-#include "core/dynamics.hpp"
-#include "core/scene/scene.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/scene/scene.hpp"
 
 namespace stillframe::test {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/certificate.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/certificate.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/core/scenes.hpp"
 
 namespace stillframe::test {

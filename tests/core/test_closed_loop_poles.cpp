@@ -4,9 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
-#include "core/gain_design.hpp"
-#include "core/linear/balance.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/design/gain_design.hpp"
+#include "core/numerics/balance.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/core/random_pairs.hpp"
 
 // Poles against those of the plant with the state space of the law, and against det(I - G_22 C) =

@@ -5,11 +5,11 @@
 #include <limits>
 #include <numbers>
 
-#include "core/compliance.hpp"
-#include "core/control_loop.hpp"
-#include "core/frequency_response.hpp"
-#include "core/linear/continuous_loop.hpp"
-#include "core/state_space.hpp"
+#include "core/control/design/compliance.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/control/continuous_loop.hpp"
+#include "core/mechanics/state_space.hpp"
 #include "tests/core/scenes.hpp"
 
 namespace stillframe::test {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/disk_margin.hpp"
-#include "core/linear/margins.hpp"
-#include "core/worst.hpp"
+#include "core/control/disk_margin.hpp"
+#include "core/control/margins.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/random_loops.hpp"
 
 // Peaks are found from a state space of S - I/2; here they are held against return_ratio, which is

@@ -4,8 +4,8 @@
 #include <complex>
 #include <random>
 
-#include "core/extended/decompositions.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/extended/decompositions.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/support/quadruple.hpp"
 
 // Twice the working precision against 113-bit arithmetic, and its matrix algebra against matrices

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <iostream>
 
-#include "core/dynamics.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/newton_euler.hpp"
 #include "tests/core/scenes.hpp"

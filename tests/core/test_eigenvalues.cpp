@@ -6,12 +6,12 @@
 #include <limits>
 #include <random>
 
-#include "core/linear/continuous_loop.hpp"
-#include "core/linear/eigenvalues.hpp"
-#include "core/linear/margins.hpp"
-#include "core/linear/sampled_loop.hpp"
-#include "core/worst.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/continuous_loop.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/control/margins.hpp"
+#include "core/systems/sampled_loop.hpp"
+#include "core/numerics/worst.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/core/random_loops.hpp"
 
 namespace stillframe {

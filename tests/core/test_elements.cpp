@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/element_cases.hpp"
 
 namespace stillframe::test {

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "core/equilibrium.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::test {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/linear/frequency_range.hpp"
+#include "core/systems/frequency_range.hpp"
 
 namespace stillframe::test {
 namespace {

@@ -8,12 +8,12 @@
 #include <numbers>
 #include <vector>
 
-#include "core/control_loop.hpp"
-#include "core/frequency_response.hpp"
-#include "core/gain_design.hpp"
-#include "core/operating_point.hpp"
-#include "core/worst.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/control/design/gain_design.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/numerics/worst.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 

@@ -3,11 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "core/inertia/beam_mass.hpp"
-#include "core/inertia/body.hpp"
-#include "core/inertia/lumped.hpp"
-#include "core/inertia/planar_beam_mass.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/inertia/beam_mass.hpp"
+#include "core/mechanics/inertia/body.hpp"
+#include "core/mechanics/inertia/lumped.hpp"
+#include "core/mechanics/inertia/planar_beam_mass.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 

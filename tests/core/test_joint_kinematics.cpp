@@ -5,9 +5,9 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-#include "core/condition_factors.hpp"
-#include "core/dynamics.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/condition_factors.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/joint_scenes.hpp"
 #include "tests/core/scenes.hpp"

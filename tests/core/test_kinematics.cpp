@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "core/dynamics.hpp"
-#include "core/elements/rotation.hpp"
-#include "core/kinematics.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/elements/rotation.hpp"
+#include "core/mechanics/kinematics.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/joint_scenes.hpp"
 #include "tests/core/scenes.hpp"

@@ -5,8 +5,8 @@
 #include <Eigen/LU>
 #include <string>
 
-#include "core/gain_design.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/design/gain_design.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/core/random_pairs.hpp"
 
 // More legs than dofs, and fewer: what the gains are designed for, and what they then do.

@@ -8,14 +8,14 @@
 #include <numbers>
 #include <random>
 
-#include "core/control_loop.hpp"
-#include "core/linear/delay_centre.hpp"
-#include "core/linear/delay_limit.hpp"
-#include "core/linear/disk_margin.hpp"
-#include "core/linear/margins.hpp"
-#include "core/state_space.hpp"
-#include "core/worst.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/control/delay_centre.hpp"
+#include "core/control/delay_limit.hpp"
+#include "core/control/disk_margin.hpp"
+#include "core/control/margins.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/numerics/worst.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/core/random_loops.hpp"
 #include "tests/core/scenes.hpp"
 

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/frequency_response.hpp"
-#include "core/modes.hpp"
-#include "core/operating_point.hpp"
-#include "core/state_space.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/modes.hpp"
-#include "core/own_values.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/own_values.hpp"
 
 namespace stillframe::test {
 namespace {

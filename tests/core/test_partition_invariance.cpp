@@ -3,12 +3,12 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/control_loop.hpp"
-#include "core/dynamics.hpp"
-#include "core/frequency_response.hpp"
-#include "core/modes.hpp"
-#include "core/operating_point.hpp"
-#include "core/worst.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/newton_euler.hpp"
 #include "tests/core/scenes.hpp"

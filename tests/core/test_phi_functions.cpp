@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/linear/phi_functions.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/phi_functions.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/element_cases.hpp"
 
 namespace stillframe::test {

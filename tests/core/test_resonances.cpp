@@ -4,8 +4,8 @@
 #include <complex>
 #include <vector>
 
-#include "core/frequency_response.hpp"
-#include "core/linear/resonances.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/systems/resonances.hpp"
 
 namespace stillframe::test {
 namespace {

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "core/dynamics.hpp"
-#include "core/modes.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/rigid_bodies.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/rigid_bodies.hpp"
 #include "tests/core/element_cases.hpp"
 #include "tests/core/scenes.hpp"
 

@@ -7,12 +7,12 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/control_loop.hpp"
-#include "core/frequency_response.hpp"
-#include "core/linear/balance.hpp"
-#include "core/linear/sampled_loop.hpp"
-#include "core/operating_point.hpp"
-#include "core/state_space.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/balance.hpp"
+#include "core/control/close_loop.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/state_space.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 

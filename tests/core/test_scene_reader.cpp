@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/core/reader_scenes.hpp"
 
 // What the reader makes of every kind of key. What it refuses is in test_scene_errors.cpp.

@@ -4,12 +4,12 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "core/dynamics.hpp"
-#include "core/elements/beam.hpp"
-#include "core/elements/second_order.hpp"
-#include "core/linearisation.hpp"
-#include "core/operating_point.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/elements/beam.hpp"
+#include "core/mechanics/elements/second_order.hpp"
+#include "core/mechanics/linearisation/linearisation.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 

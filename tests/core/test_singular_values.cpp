@@ -4,9 +4,9 @@
 #include <limits>
 #include <random>
 
-#include "core/linear/qd_values.hpp"
-#include "core/linear/singular_values.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/qd_values.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/quadruple.hpp"
 

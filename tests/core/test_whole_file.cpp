@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "core/files/whole_file.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::test {
 namespace {

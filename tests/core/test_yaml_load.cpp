@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/files/utf8.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/yaml/load.hpp"
 #include "core/yaml/reader.hpp"
 

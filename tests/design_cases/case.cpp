@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <numbers>
 
-#include "core/linear/continuous_loop.hpp"
-#include "core/linear/margins.hpp"
-#include "core/linear/singular_values.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/state_space.hpp"
+#include "core/control/continuous_loop.hpp"
+#include "core/control/margins.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/state_space.hpp"
 
 namespace stillframe::test {
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "core/control_loop.hpp"
-#include "core/linear/loop_settings.hpp"
-#include "core/model/model.hpp"
-#include "core/scene/scene.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/control/loop_settings.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/scene/scene.hpp"
 
 namespace stillframe::test {
 

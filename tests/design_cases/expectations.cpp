@@ -1,4 +1,4 @@
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 #include <gtest/gtest.h>

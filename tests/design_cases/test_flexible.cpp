@@ -6,8 +6,8 @@
 #include <complex>
 #include <numbers>
 
-#include "core/modes.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 // The frame with flexible arms, of the mass, centre of mass and inertia of the rigid one.

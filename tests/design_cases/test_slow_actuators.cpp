@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/singular_values.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 // Actuators with a lag of 300 Hz.

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/margins.hpp"
-#include "core/linear/singular_values.hpp"
+#include "core/control/margins.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 // Vertical legs that are stiffer than the tangential ones.

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "controller/policy.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/faults/passive_frame.hpp"
 
 namespace stillframe::faults {

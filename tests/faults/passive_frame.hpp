@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/model/model.hpp"
-#include "core/scene/scene.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "plant_sim/floor_motion.hpp"
 #include "tests/faults/trace.hpp"
 #include "tests/plant_sim/linear_plant.hpp"

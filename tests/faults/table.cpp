@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <map>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::faults {
 

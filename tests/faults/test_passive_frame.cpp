@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "tests/faults/passive_frame.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "controller/law.hpp"
-#include "core/linear/balance.hpp"
+#include "core/numerics/balance.hpp"
 
 namespace stillframe::fuzz {
 

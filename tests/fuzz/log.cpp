@@ -5,7 +5,7 @@
 #include <string>
 #include <system_error>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/log/log_scan.hpp"
 #include "tests/fuzz/targets.hpp"
 

@@ -1,6 +1,6 @@
 #include "controller/policy.hpp"
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace stillframe::fuzz {

@@ -10,10 +10,10 @@
 
 #include "controller/gains.hpp"
 #include "controller/start_check.hpp"
-#include "core/linear/sampled_loop.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/systems/sampled_loop.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/fuzz/decay.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 namespace stillframe::controller {
 namespace {

@@ -4,9 +4,9 @@
 #include <numbers>
 #include <vector>
 
-#include "core/control_loop.hpp"
-#include "core/gain_design.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/control/design/gain_design.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/core/random_pairs.hpp"
 #include "tests/core/scenes.hpp"
 #include "tests/hard_cases/reached.hpp"

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <random>
 
-#include "core/frequency_response.hpp"
-#include "core/linear/singular_values.hpp"
-#include "core/modes.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/scenes.hpp"
 #include "tests/hard_cases/reached.hpp"
 

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "core/dynamics.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/hard_cases/reached.hpp"
 
 namespace stillframe::test {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <string>
 
-#include "core/equilibrium.hpp"
-#include "core/modes.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/hard_cases/reached.hpp"
 
 namespace stillframe::test {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/clock.hpp"
 #include "report/live/page_connection.hpp"
 #include "report/live/page_server.hpp"

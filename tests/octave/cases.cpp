@@ -5,14 +5,14 @@
 #include <filesystem>
 #include <numbers>
 
-#include "core/equilibrium.hpp"
-#include "core/frequency_response.hpp"
-#include "core/linear/augment.hpp"
-#include "core/model/model.hpp"
-#include "core/modes.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/state_space.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/systems/augment.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/state_space.hpp"
 
 namespace stillframe::octave {
 

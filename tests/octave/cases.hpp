@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/control_loop.hpp"
-#include "core/linear/loop_settings.hpp"
-#include "core/linear/state_space_model.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/control/loop_settings.hpp"
+#include "core/systems/state_space_model.hpp"
 #include "tests/octave/octave.hpp"
 
 namespace stillframe::octave {

@@ -1,4 +1,4 @@
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/octave/difference.hpp"
 
 #include <algorithm>

@@ -8,11 +8,11 @@
 #include <complex>
 #include <iostream>
 
-#include "core/extended/decompositions.hpp"
-#include "core/linear/balance.hpp"
-#include "core/linear/continuous_loop.hpp"
-#include "core/linear/frequency_sweep.hpp"
-#include "core/linear/singular_values.hpp"
+#include "core/numerics/extended/decompositions.hpp"
+#include "core/numerics/balance.hpp"
+#include "core/control/continuous_loop.hpp"
+#include "core/systems/frequency_sweep.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "tests/octave/cases.hpp"
 #include "tests/octave/difference.hpp"
 

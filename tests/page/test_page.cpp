@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/page/figures_json.hpp"
 #include "report/page/sections.hpp"
 #include "report/page/write_page.hpp"

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "plant_sim/floor/sources.hpp"
 
 namespace stillframe::test {

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/model/model.hpp"
-#include "core/scene/scene.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "plant_sim/plant.hpp"
 
 namespace stillframe::test {

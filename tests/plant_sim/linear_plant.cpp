@@ -5,9 +5,9 @@
 #include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "core/equilibrium.hpp"
-#include "core/operating_point.hpp"
-#include "core/state_space.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/state_space.hpp"
 
 namespace stillframe::test {
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "core/model/model.hpp"
-#include "core/scene/scene.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "plant_sim/plant.hpp"
 
 namespace stillframe::test {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "plant_sim/motion/adaptive_motion.hpp"
 #include "plant_sim/motion/exponential_motion.hpp"
 #include "plant_sim/motion/make_motion.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/dynamics.hpp"
+#include "core/mechanics/dynamics.hpp"
 #include "plant_sim/motion/inputs.hpp"
 
 namespace stillframe::test {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 namespace stillframe::test {
 

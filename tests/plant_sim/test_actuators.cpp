@@ -5,7 +5,7 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/actuators.hpp"
 #include "plant_sim/force_sensors.hpp"
 #include "plant_sim/sensor_errors.hpp"

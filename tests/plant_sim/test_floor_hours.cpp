@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/high_pass.hpp"
 #include "plant_sim/floor_motion.hpp"

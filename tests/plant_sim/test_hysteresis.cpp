@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/linear/bouc_wen.hpp"
+#include "core/systems/bouc_wen.hpp"
 
 // The closed form of the hysteresis against its differential equation and against what the data
 // sheet asked for.

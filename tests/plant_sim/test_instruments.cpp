@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/linear/bouc_wen.hpp"
+#include "core/systems/bouc_wen.hpp"
 #include "plant_sim/command_queue.hpp"
 #include "tests/plant_sim/frame.hpp"
 #include "tests/plant_sim/linear_plant.hpp"

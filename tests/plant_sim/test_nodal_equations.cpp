@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <random>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/nodal/consistent.hpp"
 #include "tests/core/joint_scenes.hpp"
 #include "tests/core/scenes.hpp"

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <random>
 
-#include "core/equilibrium.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/nodal/nodal_motion.hpp"
 #include "tests/core/joint_scenes.hpp"
 #include "tests/plant_sim/nodal_reference.hpp"

@@ -7,7 +7,7 @@
 #include "controller/law.hpp"
 #include "plant_sim/sensor_errors.hpp"
 #include "tests/plant_sim/frame.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 // The noise of the force sensors in the closed loop of the nonlinear plant against what the sampled
 // loop says of it, number by number and in the mean square.

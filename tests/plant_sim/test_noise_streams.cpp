@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/disturbances.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "core/dynamics.hpp"
-#include "core/equilibrium.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/integrator.hpp"
 #include "tests/plant_sim/frame.hpp"
 

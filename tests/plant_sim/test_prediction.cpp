@@ -2,7 +2,7 @@
 
 #include "controller/law.hpp"
 #include "tests/plant_sim/frame.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/loop_design.hpp"
 
 // Plant and law in one program against the exact linear sampled-data system, sample by sample. What
 // remains between them is nonlinearity, which shrinks with the amplitude, and integrator tolerance,

@@ -7,12 +7,12 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/linear/singular_values.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/plant_sim/loop_experiment.hpp"
 #include "tests/plant_sim/random_settings.hpp"
 
-// Fifty random loops of the metrology frame, good and bad ones: what core/linear/sampled_loop.hpp
+// Fifty random loops of the metrology frame, good and bad ones: what core/control/sampled_loop.hpp
 // predicts of them, and what the nonlinear plant does under the law, sample by sample. Rate,
 // target, delay (whole and in parts), leak, high-pass, lead, roll-off, actuator gain and lag,
 // sensor filter, kind and age of the reported force all vary at once.

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/sensor_errors.hpp"
 
 // What the sensors add, by its statistics: each bound is five standard deviations of the estimate.

@@ -8,14 +8,14 @@
 #include <limits>
 #include <numbers>
 
-#include "core/dynamics.hpp"
-#include "core/equilibrium.hpp"
-#include "core/frequency_response.hpp"
-#include "core/modes.hpp"
-#include "core/node_moves.hpp"
-#include "core/operating_point.hpp"
-#include "core/state_space.hpp"
-#include "tools/scene_design.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/node_moves.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "judge/scene_design.hpp"
 
 namespace stillframe::random_scenes {
 

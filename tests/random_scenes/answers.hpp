@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include "core/scene/scene.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "tests/random_scenes/relation.hpp"
 
 namespace stillframe::random_scenes {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor_motion.hpp"
-#include "tools/scene_design.hpp"
+#include "judge/scene_design.hpp"
 
 namespace stillframe::random_scenes {
 

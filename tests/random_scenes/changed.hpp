@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "core/scene/scene.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "tests/random_scenes/answers.hpp"
 #include "tests/random_scenes/generator/draws.hpp"
 

@@ -5,10 +5,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/linear/eigenvalues.hpp"
-#include "core/node_moves.hpp"
-#include "core/state_space.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/mechanics/node_moves.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/floor/sources.hpp"
 #include "tools/run/closed_loop.hpp"
 

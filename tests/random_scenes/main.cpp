@@ -11,8 +11,8 @@
 #include <sstream>
 #include <thread>
 
-#include "core/modes.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/random_scenes/generator/draft.hpp"
 #include "tests/random_scenes/relation.hpp"
 #include "tests/random_scenes/shrink.hpp"

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_robustness.hpp"

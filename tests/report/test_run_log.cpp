@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"

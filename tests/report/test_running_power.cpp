@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/smooth_step.hpp"
+#include "core/numerics/smooth_step.hpp"
 #include "report/spectra/running_power.hpp"
 
 // How much a signal holds beside its ends, which bounds what they leave in a band, and how long the

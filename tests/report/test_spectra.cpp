@@ -6,8 +6,8 @@
 #include <random>
 #include <stdexcept>
 
-#include "core/linear/smooth_step.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/smooth_step.hpp"
+#include "core/numerics/worst.hpp"
 #include "report/spectra/fourier.hpp"
 #include "report/spectra/running_power.hpp"
 #include "report/spectra/spectra.hpp"

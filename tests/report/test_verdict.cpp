@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/log/run_log.hpp"
 #include "report/said_once.hpp"

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/model/model.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::robustness {
 

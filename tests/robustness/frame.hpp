@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "core/control_loop.hpp"
-#include "core/robustness/evaluator.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/control/robustness/evaluator.hpp"
 
 namespace stillframe::robustness {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/robustness/draws.hpp"
-#include "core/worst.hpp"
+#include "core/control/robustness/draws.hpp"
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::robustness {
 namespace {

@@ -2,12 +2,12 @@
 
 #include <numbers>
 
-#include "core/linear/singular_values.hpp"
-#include "core/model/model.hpp"
-#include "core/robustness/draws.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/state_space.hpp"
-#include "core/worst.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/control/robustness/draws.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/robustness/frame.hpp"
 
 namespace stillframe::robustness {

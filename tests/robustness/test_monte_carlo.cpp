@@ -3,10 +3,10 @@
 #include <atomic>
 #include <cmath>
 
-#include "core/robustness/draws.hpp"
-#include "core/robustness/monte_carlo.hpp"
-#include "core/robustness/parallel.hpp"
-#include "core/worst.hpp"
+#include "core/control/robustness/draws.hpp"
+#include "core/control/robustness/monte_carlo.hpp"
+#include "core/control/robustness/parallel.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/robustness/frame.hpp"
 
 namespace stillframe::robustness {

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <set>
 
-#include "core/model/model.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/robustness/frame.hpp"
 
 namespace stillframe::robustness {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "core/robustness/record.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/control/robustness/record.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/robustness/frame.hpp"
 
 namespace stillframe::robustness {

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/robustness/tally.hpp"
+#include "core/control/robustness/tally.hpp"
 
 namespace stillframe::robustness {
 namespace {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "core/robustness/draws.hpp"
-#include "core/robustness/worst_case.hpp"
-#include "core/worst.hpp"
+#include "core/control/robustness/draws.hpp"
+#include "core/control/robustness/worst_case.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/robustness/frame.hpp"
 
 namespace stillframe::robustness {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/linear/state_space_model.hpp"
+#include "core/systems/state_space_model.hpp"
 
 namespace stillframe::test {
 

@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-#include "core/linear/state_space_model.hpp"
+#include "core/systems/state_space_model.hpp"
 
 namespace stillframe::test {
 

@@ -8,7 +8,7 @@
 #include <regex>
 #include <sstream>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/tools/verb.hpp"
 
 namespace stillframe::test {

@@ -5,14 +5,14 @@
 #include <tuple>
 
 #include "controller/law.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 #include "tests/report/sample_log.hpp"
 #include "tests/tools/replay_logs.hpp"
 #include "tests/tools/verb.hpp"
-#include "tools/analysis/hold_of.hpp"
-#include "tools/analysis/run_analysis.hpp"
+#include "judge/hold_of.hpp"
+#include "judge/run_analysis.hpp"
 
 namespace stillframe::test {
 namespace {

@@ -2,10 +2,10 @@
 
 #include "report/identification/frequency_response.hpp"
 #include "tests/tools/verb.hpp"
-#include "tools/analysis/loop_target.hpp"
-#include "tools/analysis/recorded_run.hpp"
-#include "tools/analysis/response_prediction.hpp"
-#include "tools/analysis/run_analysis.hpp"
+#include "judge/loop_target.hpp"
+#include "judge/recorded_run.hpp"
+#include "judge/response_prediction.hpp"
+#include "judge/run_analysis.hpp"
 
 namespace stillframe::test {
 namespace {

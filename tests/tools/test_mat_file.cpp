@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/export/mat_file.hpp"
 #include "tests/tools/verb.hpp"
 

@@ -2,8 +2,8 @@
 #include <thread>
 
 #include "core/files/whole_file.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/tools/verb.hpp"
 #include "tools/run/run_directory.hpp"
 

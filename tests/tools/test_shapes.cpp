@@ -2,8 +2,8 @@
 
 #include <Eigen/Dense>
 
-#include "core/scene/scene_reader.hpp"
-#include "tools/shapes.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "judge/shapes.hpp"
 
 namespace stillframe::tools {
 namespace {

@@ -13,8 +13,8 @@
 #include "tests/tools/damaged_log.hpp"
 #include "tests/tools/three_feet.hpp"
 #include "tests/tools/verb.hpp"
-#include "tools/analysis/page_tables_of.hpp"
-#include "tools/analysis/prediction_checks.hpp"
+#include "judge/page_tables_of.hpp"
+#include "judge/prediction_checks.hpp"
 #include "tools/exit_code.hpp"
 
 namespace stillframe::test {

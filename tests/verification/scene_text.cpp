@@ -6,11 +6,11 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/buckling.hpp"
-#include "core/equilibrium.hpp"
-#include "core/modes.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/buckling.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 
 namespace stillframe::verification {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "core/linearisation.hpp"
+#include "core/mechanics/linearisation/linearisation.hpp"
 
 // The scenes of config/scenes, changed as text before they are read: what a user would edit.
 namespace stillframe::verification {

@@ -4,8 +4,8 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/frequency_response.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/verification/scene_text.hpp"
 
 // The choice of q^d changes no transfer function, for the scenes that the core's own tests do not

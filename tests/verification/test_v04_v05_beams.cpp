@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/modes.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/verification/closed_forms.hpp"
 #include "tests/verification/convergence.hpp"
 #include "tests/verification/scene_text.hpp"

@@ -5,9 +5,9 @@
 #include <complex>
 #include <vector>
 
-#include "core/modes.hpp"
-#include "core/state_space.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/verification/scene_text.hpp"
 
 // V10: a mass on two springs on a turning table. With z = x + j y on the table, w0 = 1 and the spin

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "core/equilibrium.hpp"
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/verification/convergence.hpp"
 #include "tests/verification/scene_text.hpp"
 

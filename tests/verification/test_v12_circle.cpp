@@ -5,7 +5,7 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "tests/verification/convergence.hpp"
 #include "tests/verification/scene_text.hpp"
 

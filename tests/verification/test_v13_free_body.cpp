@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/dynamics.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/dynamics.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "plant_sim/integrator.hpp"
 #include "tests/verification/scene_text.hpp"
 

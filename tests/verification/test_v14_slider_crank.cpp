@@ -4,10 +4,10 @@
 #include <cmath>
 #include <iostream>
 
-#include "core/frequency_response.hpp"
-#include "core/operating_point.hpp"
-#include "core/scene/scene_reader.hpp"
-#include "core/worst.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/verification/scene_text.hpp"
 
 // V14: a slider-crank whose crank turns at a constant rate.

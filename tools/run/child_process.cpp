@@ -9,7 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/clock.hpp"
 
 namespace stillframe::tools {

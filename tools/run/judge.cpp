@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <iostream>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/plots/plots.hpp"
-#include "tools/analysis/loop_comparison.hpp"
-#include "tools/analysis/verdict_of.hpp"
-#include "tools/loop_peaks.hpp"
+#include "judge/loop_comparison.hpp"
+#include "judge/verdict_of.hpp"
+#include "judge/loop_peaks.hpp"
 
 namespace stillframe::tools {
 

@@ -2,8 +2,8 @@
 
 #include "plant_sim/floor/floor_block.hpp"
 #include "report/verdict/verdict.hpp"
-#include "tools/analysis/run_analysis.hpp"
-#include "tools/loop_design.hpp"
+#include "judge/run_analysis.hpp"
+#include "judge/loop_design.hpp"
 #include "tools/run/run_directory.hpp"
 
 namespace stillframe::tools {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "core/files/whole_file.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"

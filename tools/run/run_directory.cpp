@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "core/files/whole_file.hpp"
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::tools {
 

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/scene/scene_reader.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 
 namespace stillframe::tools {
 

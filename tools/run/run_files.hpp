@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/scene/scene.hpp"
+#include "core/mechanics/scene/scene.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 
 namespace stillframe::tools {

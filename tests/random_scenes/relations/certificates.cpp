@@ -1,4 +1,4 @@
-#include "core/certificate.hpp"
+#include "core/mechanics/certificate.hpp"
 #include "tests/random_scenes/relation.hpp"
 
 namespace stillframe::random_scenes {

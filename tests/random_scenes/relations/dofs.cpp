@@ -4,7 +4,7 @@
 #include <limits>
 #include <set>
 
-#include "core/dynamics.hpp"
+#include "core/mechanics/dynamics.hpp"
 #include "tests/random_scenes/answers.hpp"
 #include "tests/random_scenes/generator/draws.hpp"
 

@@ -3,7 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/modes.hpp"
+#include "core/mechanics/modes.hpp"
 #include "plant_sim/nodal/consistent.hpp"
 #include "tests/random_scenes/answers.hpp"
 

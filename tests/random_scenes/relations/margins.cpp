@@ -1,4 +1,4 @@
-#include "core/linear/margins.hpp"
+#include "core/control/margins.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/linear/sampled_loop.hpp"
-#include "core/worst.hpp"
+#include "core/systems/sampled_loop.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "core/worst.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/random_scenes/answers.hpp"
 #include "tests/random_scenes/generator/draws.hpp"
 #include "tests/random_scenes/loop_run.hpp"

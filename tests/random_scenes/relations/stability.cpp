@@ -3,7 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/linear/sampled_loop.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "tests/random_scenes/generator/draws.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/analysis/log_analyser.hpp"
 #include "report/analysis/summaries.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"

@@ -1,7 +1,7 @@
 // Events of a log: the same as LCM's own reader finds, and what a broken file still gives.
 #include <gtest/gtest.h>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/log/event_file.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/log_bytes.hpp"

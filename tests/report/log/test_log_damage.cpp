@@ -6,7 +6,7 @@
 #include <functional>
 #include <numeric>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/log_events.hpp"
 #include "tests/report/log/log_bytes.hpp"

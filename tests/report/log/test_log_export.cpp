@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/export/log_export.hpp"
 #include "report/export/mat_file.hpp"
 #include "tests/report/expect_error.hpp"

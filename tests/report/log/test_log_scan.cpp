@@ -4,7 +4,7 @@
 #include <functional>
 #include <numeric>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/log_bytes.hpp"

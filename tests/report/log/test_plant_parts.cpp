@@ -1,7 +1,7 @@
 // A plant that was killed and came back in the same run: what it measures is read by itself.
 #include <gtest/gtest.h>
 
-#include "core/yaml/input_error.hpp"
+#include "core/errors/input_error.hpp"
 #include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/run_fixture.hpp"

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+#include "core/control/discrete_law.hpp"
+#include "core/systems/sampled_loop.hpp"
+
+namespace stillframe {
+
+/// The closed loop of a sampled plant and a law. Source: THEORY section 5. Errors:
+/// std::invalid_argument on shapes that do not match.
+SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law);
+
+/// A closed loop whose law may act by a share g of its command: A, B_v, C and D_v are then
+/// (1 - g) released + g closed, B and D are the same.
+struct GainedLoop {
+  SampledLoop closed;        ///< as close_loop
+  SampledLoop released;      ///< in the same states: commands are zero, but the law goes on
+  Eigen::MatrixXd C_e;       ///< what the law hears: e[k] = C_e xi[k] + v[k]
+  Eigen::Index n_plant = 0;  ///< leading states that are the plant's, the exogenous ones with them
+
+  SampledLoop at(double share) const;
+};
+
+/// Errors: as close_loop.
+GainedLoop gain_loop(const SampledPlant& plant, const DiscreteLaw& law);
+
+/// Return ratio L(e^{j omega T_s}) at the actuators: with the loop cut between the command, which
+/// is also reported, and the force that acts, and f put in there, the law commands c = -L f; m x m.
+/// The closed loop is that of f = c. omega in rad/s.
+Eigen::MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega);
+
+}  // namespace stillframe

@@ -1,0 +1,185 @@
+#include "core/control/robustness/evaluator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "core/control/design/control_loop.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/systems/frequency_sweep.hpp"
+#include "core/numerics/golden_section.hpp"
+#include "core/systems/resonances.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/errors/input_error.hpp"
+
+namespace stillframe::robustness {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::VectorXd;
+
+VectorXd outcome_frequencies_hz(double target_hz, double sample_rate_hz) {
+  std::set<double> all;
+  const double from = target_hz / 50, to = 0.45 * sample_rate_hz;
+  const int steps = std::max(1, static_cast<int>(std::ceil(10 * std::log10(to / from))));
+  for (int i = 0; i <= steps; ++i) {
+    char digits[24];
+    std::snprintf(digits, sizeof digits, "%.3g", from * std::pow(to / from, double(i) / steps));
+    all.insert(std::strtod(digits, nullptr));
+  }
+  for (const double f : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
+    if (f < sample_rate_hz / 2) all.insert(f);
+  }
+  VectorXd frequencies(static_cast<Index>(all.size()));
+  std::copy(all.begin(), all.end(), frequencies.begin());
+  return frequencies;
+}
+
+double least_damping(const Eigen::VectorXcd& poles) {
+  double least = 1;
+  for (const Complex& z : poles) {
+    const double modulus = std::abs(z);
+    // Poles of commands on their way are 0 but for rounding.
+    if (modulus < 1e-12) continue;
+    const double decay = -std::log(modulus);
+    least = std::min(least, decay / std::hypot(decay, std::arg(z)));
+  }
+  return least;
+}
+
+namespace {
+
+/// The largest singular value of T at each of the angles omega T_s.
+VectorXd largest_gains(FrequencySweep& sweep, const std::vector<double>& angles) {
+  const Index n_y = sweep.n_outputs(), n_w = sweep.n_inputs();
+  std::vector<MatrixXcd> T(angles.size(), MatrixXcd(n_y, n_w));
+  for (size_t i = 0; i < angles.size(); ++i) sweep.evaluate(std::polar(1.0, angles[i]), T[i]);
+  Eigen::MatrixXd values(std::min(n_y, n_w), static_cast<Index>(angles.size()));
+  SingularValues(n_y, n_w).compute(T.data(), values.cols(), values);
+  return values.row(0);
+}
+
+/// The index of the frequency (ascending, Hz) that is nearest to another by their ratio.
+Index nearest(const VectorXd& frequencies_hz, double hz) {
+  const auto above = std::lower_bound(frequencies_hz.begin(), frequencies_hz.end(), hz);
+  if (above == frequencies_hz.begin()) return 0;
+  const Index i = above - frequencies_hz.begin();
+  if (above == frequencies_hz.end()) return i - 1;
+  return hz * hz < frequencies_hz(i) * frequencies_hz(i - 1) ? i - 1 : i;
+}
+
+/// The peak of T about a resonance at an angle of a pole z: among poles that are near, it is beside
+/// all of them. By golden sections within the half-width.
+double refined_peak(FrequencySweep& sweep, Complex pole, double at_pole) {
+  const double middle = std::arg(pole), width = std::abs(std::log(std::abs(pole)));
+  double highest = at_pole;
+  const auto value = [&](double angle) {
+    const double found = largest_gains(sweep, {angle})(0);
+    highest = std::max(highest, found);
+    return found;
+  };
+  // 0.618^10 of two half-widths: to 0.02 of one, and T to its square.
+  golden_section(value, middle - width, middle + width, 10);
+  return highest;
+}
+
+std::optional<Eigen::VectorXcd> feedback_poles(const SampledLoop& loop) {
+  const Index n = loop.A.rows() - loop.n_exogenous;
+  return eigenvalues(Eigen::MatrixXd(loop.A.bottomRightCorner(n, n)));
+}
+
+/// What an error is about, without the numbers of this plant.
+std::string heading(const std::string& message) {
+  return message.substr(0, std::min(message.find(": "), message.find("; ")));
+}
+
+}  // namespace
+
+SampledLoop Evaluator::loop_of(const VectorXd& values) const {
+  const PerturbedPlant plant =
+      perturbed(settings_.scene, settings_.sampling, settings_.parameters, values);
+  const auto n_w = static_cast<Index>(plant.scene.inputs.size());
+  const auto n_y = static_cast<Index>(plant.scene.outputs.size());
+  const LinearModel model = loop_model(plant.scene, make_model(plant.scene));
+  return close_loop(sample_and_hold(loop_plant(model, n_w, n_y), plant.sampling), settings_.law);
+}
+
+Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
+  Outcome outcome;
+  SampledLoop loop;
+  try {
+    loop = loop_of(values);
+  } catch (const Refusal& refusal) {
+    outcome.failure = heading(refusal.what());
+    return outcome;
+  } catch (const InputError& error) {
+    outcome.failure = error.what();
+    return outcome;
+  }
+  if (!loop.A.allFinite() || !loop.B.allFinite() || !loop.C.allFinite() || !loop.D.allFinite()) {
+    outcome.failure = "numbers of the model overflow";
+    return outcome;
+  }
+  const double T_s = loop.sample_time;
+  const auto found = feedback_poles(loop);
+  if (!found) {
+    outcome.failure = "the poles of the loop are not found";
+    return outcome;
+  }
+  const Eigen::VectorXcd& poles = *found;
+  outcome.radius = poles.cwiseAbs().maxCoeff();
+  outcome.decay = -std::log(outcome.radius) / T_s;
+  outcome.damping = least_damping(poles);
+  outcome.verdict = outcome.radius < largest_stable_radius ? Outcome::Verdict::stable
+                                                           : Outcome::Verdict::unstable;
+  if (want == Want::poles || outcome.verdict == Outcome::Verdict::unstable) return outcome;
+
+  const VectorXd& f = settings_.frequencies_hz;
+  const double radians = 2 * std::numbers::pi * T_s;
+  std::vector<double> angles;
+  for (const double hz : f) angles.push_back(radians * hz);
+  // A resonance is sharpest at the angle of its pole, between the frequencies of any grid.
+  std::vector<Complex> at_poles;
+  for (const Complex& z : poles) {
+    if (z.imag() > 0 && std::arg(z) >= angles.front()) at_poles.push_back(z);
+  }
+  for (const Complex& z : at_poles) angles.push_back(std::arg(z));
+  FrequencySweep sweep(proper_system({loop.A, loop.B, loop.C, loop.D}));
+  const VectorXd gains = largest_gains(sweep, angles);
+  outcome.gain = gains.head(f.size());
+  outcome.highest = outcome.gain;
+  const auto raise = [&](Complex z, double gain) {
+    double& highest = outcome.highest(nearest(f, std::arg(z) / radians));
+    highest = std::max(highest, gain);
+  };
+  for (size_t i = 0; i < at_poles.size(); ++i) {
+    raise(at_poles[i], gains(f.size() + static_cast<Index>(i)));
+  }
+  Index at = 0;
+  outcome.peak = gains.maxCoeff(&at);
+  if (at >= f.size()) {
+    const Complex z = at_poles[static_cast<size_t>(at - f.size())];
+    outcome.peak = refined_peak(sweep, z, outcome.peak);
+    raise(z, outcome.peak);
+  }
+  return outcome;
+}
+
+Evaluator::Curve Evaluator::curve(const VectorXd& values, const VectorXd& frequencies_hz,
+                                  bool with_resonances) const {
+  LargestGain gain(loop_of(values));
+  Curve found{with_resonances ? stillframe::with_resonances(frequencies_hz, gain.resonances())
+                              : frequencies_hz,
+              {}};
+  found.gain = found.frequencies_hz.unaryExpr([&](double hz) { return gain(hz); });
+  return found;
+}
+
+}  // namespace stillframe::robustness

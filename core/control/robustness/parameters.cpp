@@ -1,0 +1,312 @@
+#include "core/control/robustness/parameters.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace stillframe::robustness {
+
+using Eigen::Vector3d;
+using Kind = Parameter::Kind;
+
+namespace {
+
+size_t node_index(const Scene& scene, const std::string& name) {
+  const auto found = std::find_if(scene.nodes.begin(), scene.nodes.end(),
+                                  [&](const SceneNode& node) { return node.name == name; });
+  return static_cast<size_t>(found - scene.nodes.begin());
+}
+
+size_t element_index(const Scene& scene, const std::string& name) {
+  const auto found =
+      std::find_if(scene.elements.begin(), scene.elements.end(),
+                   [&](const SceneElement& element) { return element.name == name; });
+  return static_cast<size_t>(found - scene.elements.begin());
+}
+
+bool ends_a_leg(const Scene& scene, const std::string& node) {
+  const auto& legs = scene.controller->legs;
+  return std::any_of(legs.begin(), legs.end(), [&](const std::string& leg) {
+    const SceneElement& element = scene.elements[element_index(scene, leg)];
+    return element.node_p == node || element.node_q == node;
+  });
+}
+
+/// Number of directions in which a node is supported or prescribed.
+size_t directions_held(const Scene& scene, const std::string& node) {
+  size_t count = 0;
+  for (const auto* list : {&scene.supports, &scene.prescribed}) {
+    for (const SceneConstraint& constraint : *list) {
+      if (constraint.node == node) count += constraint.directions.size();
+    }
+  }
+  return count;
+}
+
+/// A leg as a vector from the end at the frame to its foot.
+struct Leg {
+  size_t foot = 0, top = 0;  ///< nodes
+  Vector3d span = Vector3d::Zero();
+};
+
+Leg leg_of(const Scene& scene, const std::string& name) {
+  const SceneElement& element = scene.elements[element_index(scene, name)];
+  const bool second =
+      directions_held(scene, element.node_q) > directions_held(scene, element.node_p);
+  Leg leg;
+  leg.foot = node_index(scene, second ? element.node_q : element.node_p);
+  leg.top = node_index(scene, second ? element.node_p : element.node_q);
+  leg.span = scene.nodes[leg.foot].position - scene.nodes[leg.top].position;
+  return leg;
+}
+
+/// The one of a direction and its opposite whose largest component is positive.
+Vector3d upward(const Vector3d& direction) {
+  Eigen::Index largest = 0;
+  direction.cwiseAbs().maxCoeff(&largest);
+  return direction(largest) < 0 ? Vector3d(-direction) : direction;
+}
+
+/// The directions across a leg in which its foot can go.
+std::vector<Vector3d> across(const Vector3d& span, bool planar) {
+  const Vector3d n = span.normalized();
+  if (planar) return {upward(Vector3d::UnitZ().cross(n))};
+  Eigen::Index least = 0;
+  n.cwiseAbs().minCoeff(&least);
+  const Vector3d axis = Vector3d::Unit(least), first = (axis - n.dot(axis) * n).normalized();
+  return {first, upward(n.cross(first))};
+}
+
+using List = std::vector<Parameter>;
+
+void add_legs(const Scene& scene, Kind kind, double size, List& list) {
+  if (size == 0) return;
+  const auto& legs = scene.controller->legs;
+  for (size_t i = 0; i < legs.size(); ++i) list.push_back({kind, legs[i], i, {}, size});
+}
+
+void add_masses(const Scene& scene, const SceneUncertainty& uncertainty, List& list) {
+  for (size_t i = 0; i < scene.masses.size() && uncertainty.mass > 0; ++i) {
+    if (scene.masses[i].mass == 0) continue;
+    list.push_back({Kind::mass, scene.masses[i].node, i, {}, uncertainty.mass});
+  }
+  for (size_t i = 0; i < scene.masses.size() && uncertainty.inertia > 0; ++i) {
+    if (!scene.masses[i].has_inertia) continue;
+    list.push_back({Kind::inertia, scene.masses[i].node, i, {}, uncertainty.inertia});
+  }
+}
+
+void add_centres(const Scene& scene, double size, List& list) {
+  if (size == 0) return;
+  const int n_axes = scene.planar ? 2 : 3;
+  for (size_t i = 0; i < scene.nodes.size(); ++i) {
+    const std::string& node = scene.nodes[i].name;
+    const bool carries =
+        std::any_of(scene.masses.begin(), scene.masses.end(),
+                    [&](const SceneMass& mass) { return mass.node == node && mass.mass > 0; });
+    if (!carries || ends_a_leg(scene, node) ||
+        directions_held(scene, node) >= static_cast<size_t>(n_axes)) {
+      continue;
+    }
+    for (int axis = 0; axis < n_axes; ++axis) {
+      list.push_back({Kind::centre_of_mass, node, i, Vector3d::Unit(axis), size});
+    }
+  }
+}
+
+void add_directions(const Scene& scene, double size, List& list) {
+  if (size == 0) return;
+  const auto& legs = scene.controller->legs;
+  for (size_t i = 0; i < legs.size(); ++i) {
+    const Vector3d span = leg_of(scene, legs[i]).span;
+    if (span.isZero(0)) continue;  // a hinge has no direction to turn
+    for (const Vector3d& direction : across(span, scene.planar)) {
+      list.push_back({Kind::leg_direction, legs[i], i, direction, size});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Parameter> parameters_of(const Scene& scene, const SceneUncertainty& uncertainty) {
+  List list;
+  add_legs(scene, Kind::stiffness, uncertainty.stiffness, list);
+  add_masses(scene, uncertainty, list);
+  add_centres(scene, uncertainty.centre_of_mass_m, list);
+  add_directions(scene, uncertainty.leg_direction_rad, list);
+  add_legs(scene, Kind::actuator_gain, uncertainty.actuator_gain, list);
+  if (uncertainty.delay_samples > 0) {
+    list.push_back({Kind::delay, "", 0, {}, uncertainty.delay_samples});
+  }
+  return list;
+}
+
+namespace {
+
+std::string text(const char* format, double number) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, format, number);
+  return buffer;
+}
+
+std::string direction_text(const Vector3d& direction) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(direction(axis) - 1) < 1e-12) return {"xyz"[axis]};
+  }
+  const auto part = [&](int axis) {  // without the sign of a zero
+    return text("%.3g", std::abs(direction(axis)) < 1e-12 ? 0.0 : direction(axis));
+  };
+  std::string out = "(";
+  for (int axis = 0; axis < 3; ++axis) out += part(axis) + (axis < 2 ? ", " : ")");
+  return out;
+}
+
+}  // namespace
+
+std::string kind_text(Kind kind) {
+  switch (kind) {
+    case Kind::stiffness:
+      return "stiffness";
+    case Kind::mass:
+      return "mass";
+    case Kind::inertia:
+      return "inertia";
+    case Kind::centre_of_mass:
+      return "centre of mass";
+    case Kind::leg_direction:
+      return "foot";
+    case Kind::actuator_gain:
+      return "actuator gain";
+    case Kind::delay:
+      return "delay";
+  }
+  return "";
+}
+
+std::string subject_text(const Parameter& parameter) {
+  switch (parameter.kind) {
+    case Kind::centre_of_mass:
+      return parameter.subject + " along " + direction_text(parameter.direction);
+    case Kind::leg_direction:
+      return parameter.subject + " towards " + direction_text(parameter.direction);
+    default:
+      return parameter.subject;
+  }
+}
+
+std::string deviation_text(const Parameter& parameter, double value) {
+  const double deviation = value * parameter.size;
+  switch (parameter.kind) {
+    case Kind::centre_of_mass:
+      return text("%+.4g mm", 1e3 * deviation);
+    case Kind::leg_direction:
+      return text("%+.4g mrad", 1e3 * deviation);
+    case Kind::delay:
+      return text("%+.4g samples", deviation);
+    default:
+      return text("%+.4g %%", 100 * deviation);
+  }
+}
+
+std::string name_of(const Parameter& parameter) {
+  if (parameter.kind == Kind::delay) return kind_text(parameter.kind);
+  const std::string suffix = subject_text(parameter).substr(parameter.subject.size());
+  return parameter.subject + " " + kind_text(parameter.kind) + suffix;
+}
+
+std::string describe(const Parameter& parameter, double value) {
+  return name_of(parameter) + " " + deviation_text(parameter, value);
+}
+
+namespace {
+
+/// Displaces a node, and with it those that hinges join to it.
+void move_node(Scene& scene, size_t node, const Vector3d& displacement) {
+  std::vector<size_t> moving{node};
+  for (size_t i = 0; i < moving.size(); ++i) {
+    const std::string name = scene.nodes[moving[i]].name;
+    scene.nodes[moving[i]].position += displacement;
+    for (const SceneElement& element : scene.elements) {
+      if (element.kind != SceneElement::Kind::hinge) continue;
+      if (element.node_p != name && element.node_q != name) continue;
+      const size_t other =
+          node_index(scene, element.node_p == name ? element.node_q : element.node_p);
+      if (std::find(moving.begin(), moving.end(), other) == moving.end()) moving.push_back(other);
+    }
+  }
+}
+
+void scale_stiffness(SceneElement& element, double factor) {
+  element.stiffness *= factor;
+  SceneBeam& beam = element.beam;
+  for (double* value : {&beam.EA, &beam.GJ, &beam.EI_y, &beam.EI_z, &beam.shear_y, &beam.shear_z}) {
+    *value *= factor;
+  }
+  beam.damping_time /= factor;  // dampers stay
+}
+
+/// Turns a leg by the rotation vector whose foot goes along `angle` (rad, across the leg).
+void turn_leg(Scene& scene, const Leg& leg, const Vector3d& angle) {
+  const double theta = angle.norm(), length = leg.span.norm();
+  if (theta == 0) return;
+  // 1 - cos theta as 2 sin^2(theta / 2), which keeps its digits for small angles.
+  const double half = std::sin(theta / 2);
+  move_node(scene, leg.foot, length * std::sin(theta) / theta * angle - 2 * half * half * leg.span);
+}
+
+/// Everything but the directions of the legs.
+void apply(const Parameter& parameter, double deviation, PerturbedPlant& plant) {
+  const auto index = static_cast<Eigen::Index>(parameter.index);
+  switch (parameter.kind) {
+    case Kind::stiffness:
+      scale_stiffness(plant.scene.elements[element_index(plant.scene, parameter.subject)],
+                      1 + deviation);
+      break;
+    case Kind::mass:
+      plant.scene.masses[parameter.index].mass *= 1 + deviation;
+      break;
+    case Kind::inertia:
+      plant.scene.masses[parameter.index].inertia *= 1 + deviation;
+      break;
+    case Kind::centre_of_mass:
+      move_node(plant.scene, parameter.index, deviation * parameter.direction);
+      break;
+    case Kind::leg_direction:
+      break;
+    case Kind::actuator_gain:
+      plant.sampling.leg_gains(index) *= 1 + deviation;
+      break;
+    case Kind::delay:
+      plant.sampling.delay_samples = std::max(0.0, plant.sampling.delay_samples + deviation);
+      break;
+  }
+}
+
+}  // namespace
+
+PerturbedPlant perturbed(const Scene& scene, const Sampling& sampling,
+                         const std::vector<Parameter>& parameters, const Eigen::VectorXd& values) {
+  if (values.size() != static_cast<Eigen::Index>(parameters.size())) {
+    throw std::invalid_argument("perturbed: expected " + std::to_string(parameters.size()) +
+                                " values, got " + std::to_string(values.size()));
+  }
+  PerturbedPlant plant{scene, sampling};
+  const auto& legs = scene.controller->legs;
+  if (sampling.leg_gains.size() == 0) {
+    plant.sampling.leg_gains.setOnes(static_cast<Eigen::Index>(legs.size()));
+  }
+  std::vector<Vector3d> angles(legs.size(), Vector3d::Zero());
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const double deviation = parameters[i].size * values(static_cast<Eigen::Index>(i));
+    apply(parameters[i], deviation, plant);
+    if (parameters[i].kind == Kind::leg_direction) {
+      angles[parameters[i].index] += deviation * parameters[i].direction;
+    }
+  }
+  for (size_t i = 0; i < legs.size(); ++i) turn_leg(plant.scene, leg_of(scene, legs[i]), angles[i]);
+  return plant;
+}
+
+}  // namespace stillframe::robustness

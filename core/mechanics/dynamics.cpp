@@ -1,0 +1,242 @@
+#include "core/mechanics/dynamics.hpp"
+
+#include <Eigen/Cholesky>
+
+#include "core/mechanics/turning_load.hpp"
+
+namespace stillframe {
+
+namespace {
+
+/// f(column) += sign * local, for columns below the size of f.
+void add_to(Eigen::VectorXd& f, const std::vector<PartMap>& parts, const LocalVector& local,
+            double sign) noexcept {
+  for_each_column(parts, f.size(), [&](Index i, Index column) { f(column) += sign * local(i); });
+}
+
+/// f -= F of every inertia at the rates x_dot and accelerations x_ddot, in a gravity g.
+void subtract_inertia_forces(const Model& model, const Data& data, const Eigen::VectorXd& x_dot,
+                             const Eigen::VectorXd& x_ddot, const Eigen::Vector3d& g,
+                             Eigen::VectorXd& f) noexcept {
+  LocalVector u, v, a, F;
+  for (const ModelInertia& item : model.inertias) {
+    gather(item.parts, data.x, u);
+    gather(item.parts, x_dot, v);
+    gather(item.parts, x_ddot, a);
+    F.resize(item.inertia->n_local());
+    item.inertia->force(u, v, a, g, F);
+    rows_to_node_axes(item.parts, F);
+    add_to(f, item.parts, F, -1.0);
+  }
+}
+
+void add_part(Eigen::VectorXd& f, const PartMap& map, const double* values) noexcept {
+  for (Index i = 0; i < map.size; ++i) {
+    const Index column = map.column[static_cast<size_t>(i)];
+    if (column >= 0 && column < f.size()) f(column) += values[i];
+  }
+}
+
+void add_turning_loads(const Model& model, const Data& data, Eigen::VectorXd& f) noexcept {
+  for (const ModelLoad& load : model.turning_loads) {
+    const ModelNode& node = model.nodes[static_cast<size_t>(load.node)];
+    LocalVector rotation(node.rotation.size);
+    for (Index i = 0; i < rotation.size(); ++i) {
+      const Index column = node.rotation.column[static_cast<size_t>(i)];
+      rotation(i) = column < model.n_x ? data.x(column) : 0.0;
+    }
+    const TurnedLoad turned(load, rotation, model.planar);
+    const Eigen::Vector3d force =
+        data.load_factor * (node.translation.basis.transpose() * turned.force);
+    const Eigen::Vector4d moment = data.load_factor * turned.moment;
+    add_part(f, node.translation, force.data());
+    add_part(f, node.rotation, moment.data());
+  }
+}
+
+void stress_resultants(const Model& model, Data& data, const MotionState& state,
+                       const Eigen::VectorXd& sigma_a) noexcept {
+  // The prescribed value of a dynamic deformation is exact, what the nodes give is rounded.
+  for (Index i = 0; i < model.n_d; ++i) {
+    const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
+    if (dof.is_deformation) data.e(dof.index) = state.q_d(i);
+  }
+  for (size_t i = 0; i < model.prescribed_rows.size(); ++i) {
+    data.e(model.prescribed_rows[i]) = state.q_r(model.n_rx + static_cast<Index>(i));
+  }
+  data.sigma = data.load_factor * model.preload + sigma_a;
+  for (const ModelElement& item : model.elements) {
+    if (item.S.size() == 0) continue;
+    const Index n_e = item.S.rows();
+    for (Index i = 0; i < n_e; ++i) {
+      double sum = 0;
+      for (Index j = 0; j < n_e; ++j) {
+        if (item.zero[static_cast<size_t>(j)]) continue;
+        const Index row = item.row[static_cast<size_t>(j)];
+        sum += item.S(i, j) * data.e(row);
+        if (item.damped) sum += item.S_d(i, j) * data.e_dot(row);
+      }
+      data.sigma(item.row[static_cast<size_t>(i)]) += sum;
+    }
+  }
+}
+
+}  // namespace
+
+void mass_matrix(const Model& model, Data& data) noexcept {
+  data.M_dd.setZero();
+  LocalVector u;
+  LocalHessian M;
+  for (const ModelInertia& item : model.inertias) {
+    const Index n = item.inertia->n_local();
+    gather(item.parts, data.x, u);
+    M.resize(n, n);
+    item.inertia->mass(u, M);
+    columns_to_node_axes(item.parts, M);
+    rows_to_node_axes(item.parts, M);
+    auto product = data.local_rows.topRows(n);
+    product.setZero();
+    for_each_column(item.parts, model.n_x, [&](Index j, Index column) {
+      for (Index i = 0; i < n; ++i) {
+        if (M(i, j) != 0.0) product.row(i) += M(i, j) * data.DF.row(column);
+      }
+    });
+    for_each_column(item.parts, model.n_x, [&](Index i, Index column) {
+      data.M_dd.noalias() += data.DF.row(column).transpose() * product.row(i);
+    });
+  }
+}
+
+bool generalised_forces(const Model& model, Data& data, const MotionState& state,
+                        const Eigen::VectorXd& sigma_a) noexcept {
+  if (!solve_positions(model, data, state)) return false;
+  geometric_transfer_functions(model, data);
+  velocities(model, data, state);
+  stress_resultants(model, data, state, sigma_a);
+  data.f = data.load_factor * model.load;
+  if (data.external != nullptr) data.f += *data.external;
+  add_turning_loads(model, data, data.f);
+  subtract_inertia_forces(model, data, data.x_dot, data.x_ddot_0, data.load_factor * model.gravity,
+                          data.f);
+  data.f_dd.noalias() = data.DF.transpose() * data.f;
+  for (Index i = 0; i < model.n_d; ++i) {
+    const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
+    if (dof.is_deformation) data.f_dd(i) -= data.sigma(dof.index);
+  }
+  if (model.n_redundant > 0) {
+    data.f_dd.noalias() -= data.DF_e.transpose() * data.sigma.tail(model.n_redundant);
+  }
+  return true;
+}
+
+void complete_accelerations(Data& data, const Eigen::VectorXd& q_d_ddot) noexcept {
+  data.x_ddot = data.x_ddot_0;
+  data.x_ddot.noalias() += data.DF * q_d_ddot;
+}
+
+DynamicsStatus accelerations(const Model& model, Data& data, const MotionState& state,
+                             const Eigen::VectorXd& sigma_a, Eigen::VectorXd& q_d_ddot) noexcept {
+  if (!generalised_forces(model, data, state, sigma_a)) return DynamicsStatus::position_not_found;
+  mass_matrix(model, data);
+  data.M_factor = data.M_dd;
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(data.M_factor);  // in place
+  if (factors.info() != Eigen::Success) return DynamicsStatus::mass_matrix_singular;
+  q_d_ddot = data.f_dd;
+  factors.solveInPlace(q_d_ddot);
+  complete_accelerations(data, q_d_ddot);
+  return DynamicsStatus::ok;
+}
+
+namespace {
+
+/// f -= D^T sigma, of the redundant deformations alone or of all.
+void subtract_stresses(const Model& model, const Data& data, bool redundant_only,
+                       Eigen::VectorXd& f) {
+  for (size_t k = 0; k < model.elements.size(); ++k) {
+    const ModelElement& item = model.elements[k];
+    for_each_column(item.parts, f.size(), [&](Index j, Index column) {
+      for (Index i = 0; i < data.D[k].rows(); ++i) {
+        const Index row = item.row[static_cast<size_t>(i)];
+        if (row >= model.n_c) f(column) -= data.D[k](i, j) * data.sigma(row);
+        if (row < model.n_c && !redundant_only) {
+          f(column) -= data.D[k](i, j) * data.sigma_balanced(row);
+        }
+      }
+    });
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd inertia_forces(const Model& model, const Data& data) {
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(model.n_x + model.n_0);
+  subtract_inertia_forces(model, data, data.x_dot, data.x_ddot, Eigen::Vector3d::Zero(), f);
+  return -f;
+}
+
+Eigen::VectorXd applied_forces(const Model& model, const Data& data) {
+  Eigen::VectorXd f(model.n_x + model.n_0);
+  f << model.load, model.fixed_load;
+  f *= data.load_factor;
+  if (data.external != nullptr) f.head(model.n_x) += *data.external;
+  add_turning_loads(model, data, f);
+  if (model.gravity.isZero(0)) return f;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(model.n_x);
+  subtract_inertia_forces(model, data, rest, rest, data.load_factor * model.gravity, f);
+  return f;
+}
+
+void reaction_stresses(const Model& model, Data& data) {
+  Eigen::VectorXd f = applied_forces(model, data) - inertia_forces(model, data);
+  subtract_stresses(model, data, true, f);
+  Eigen::VectorXd right = f.head(model.n_c);
+  data.J.solve_transposed(right);
+  data.sigma_balanced = data.sigma;
+  data.sigma_balanced.head(model.n_c) = right;
+  for (Index row = 0; row < model.n_c; ++row) {
+    if (!model.is_elastic(row)) data.sigma(row) = right(row);
+  }
+}
+
+Eigen::VectorXd constraint_forces(const Model& model, const Data& data) {
+  Eigen::VectorXd f = applied_forces(model, data) - inertia_forces(model, data);
+  subtract_stresses(model, data, false, f);
+  return -f;
+}
+
+double kinetic_energy(const Model& model, const Data& data) {
+  double energy = 0;
+  LocalVector u, v;
+  for (const ModelInertia& item : model.inertias) {
+    gather(item.parts, data.x, u);
+    gather(item.parts, data.x_dot, v);
+    energy += item.inertia->kinetic_energy(u, v);
+  }
+  return energy;
+}
+
+double elastic_energy(const Model& model, const Data& data) {
+  double energy = 0;
+  for (const ModelElement& item : model.elements) {
+    if (item.S.size() == 0) continue;
+    LocalDeformation e(item.S.rows());
+    for (Index i = 0; i < e.size(); ++i) {
+      const auto k = static_cast<size_t>(i);
+      e(i) = item.zero[k] ? 0.0 : data.e(item.row[k]);
+    }
+    energy += 0.5 * e.dot(item.S * e);
+  }
+  return energy;
+}
+
+double potential_energy(const Model& model, const Data& data) {
+  double energy = elastic_energy(model, data) + model.preload.dot(data.e) - model.load.dot(data.x);
+  LocalVector u;
+  for (const ModelInertia& item : model.inertias) {
+    gather(item.parts, data.x, u);
+    energy += item.inertia->gravity_energy(u, model.gravity);
+  }
+  return energy;
+}
+
+}  // namespace stillframe

@@ -1,0 +1,92 @@
+#include "core/mechanics/model/automatic_dofs.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <set>
+
+#include "core/mechanics/kinematics.hpp"
+#include "core/mechanics/model/builder.hpp"
+#include "core/mechanics/model/local.hpp"
+#include "core/mechanics/model/memory.hpp"
+#include "core/mechanics/model/partition.hpp"
+#include "core/mechanics/node_moves.hpp"
+#include "core/errors/input_error.hpp"
+
+namespace stillframe {
+
+namespace {
+
+/// The dofs that are the given columns of a model without dofs.
+std::vector<SceneDof> as_dofs(const Model& model, const std::set<Index>& columns,
+                              const std::string& place) {
+  std::vector<SceneDof> dofs;
+  std::set<Index> taken;
+  const auto take = [&](Index column, const std::string& node) -> SceneDof* {
+    if (!columns.contains(column) || !taken.insert(column).second) return nullptr;
+    SceneDof& dof = dofs.emplace_back();
+    dof.place = place;
+    dof.node = node;
+    return &dof;
+  };
+  for (const ModelNode& node : model.nodes) {
+    for (int i = 0; i < 3; ++i) {
+      if (SceneDof* dof = take(node.translation.column[static_cast<size_t>(i)], node.name)) {
+        dof->direction = node.translation.basis.col(i);
+      }
+    }
+    for (int i = 0; i < node.rotation.size; ++i) {
+      SceneDof* dof = take(node.rotation.column[static_cast<size_t>(i)], node.name);
+      if (!dof) continue;
+      dof->rotation = model.planar;
+      if (!model.planar) dof->euler_parameter = i;
+    }
+  }
+  return dofs;
+}
+
+/// The columns and rows of D as the choice of dofs compares them: rotations by how far they move
+/// what is as far as the scene is large, each condition by its largest part, so that no choice
+/// depends on the units or the size of the scene.
+void scale(const Model& model, Eigen::MatrixXd& D) {
+  const double size = scene_size(model);
+  std::set<Index> done;
+  for (const ModelNode& node : model.nodes) {
+    for_each_column({node.rotation}, D.cols(), [&](Index, Index column) {
+      if (done.insert(column).second) D.col(column) /= size;
+    });
+  }
+  for (auto row : D.rowwise()) {
+    if (!row.isZero(0)) row /= row.norm();
+  }
+}
+
+}  // namespace
+
+std::vector<SceneDof> automatic_dofs(const Scene& scene) {
+  Scene without = scene;
+  without.dofs.clear();
+  const Model model = ModelBuilder(without).build();
+  const Index n_conditions = model.n_e - model.n_redundant, n_free = model.n_c;
+  std::set<Index> columns;
+  for (Index i = 0; i < n_free; ++i) columns.insert(i);
+  if (n_conditions > 0) {
+    if (n_conditions > n_free) refuse_partition(model, scene.dofs_place);
+    // D itself, the block of it and its factors.
+    require_memory(static_cast<double>(model.n_e) * static_cast<double>(model.n_x) +
+                       2 * static_cast<double>(n_conditions) * static_cast<double>(n_free),
+                   scene.dofs_place, std::to_string(n_free) + " coordinates of nodes");
+    Eigen::MatrixXd D = dense_jacobian(model).topLeftCorner(n_conditions, n_free);
+    scale(model, D);
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(D);
+    // As in check_partition: rounding leaves 1e-16, a scene written with six digits 1e-6.
+    const auto pivots = qr.matrixQR().diagonal().cwiseAbs();
+    if (pivots(n_conditions - 1) <= 1e-11 * pivots(0)) refuse_partition(model, scene.dofs_place);
+    for (Index i = 0; i < n_conditions; ++i) columns.erase(qr.colsPermutation().indices()(i));
+  }
+  if (columns.empty()) {
+    throw InputError(scene.dofs_place + ": dofs: nothing in the scene can move freely");
+  }
+  return as_dofs(model, columns, scene.dofs_place);
+}
+
+}  // namespace stillframe

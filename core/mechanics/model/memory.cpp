@@ -1,0 +1,22 @@
+#include "core/mechanics/model/memory.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "core/errors/input_error.hpp"
+
+namespace stillframe {
+
+void require_memory(double numbers, const std::string& place, const std::string& of_what) {
+  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
+                       static_cast<double>(sysconf(_SC_PAGESIZE)),
+               needed = numbers * sizeof(double);
+  if (needed <= there) return;
+  char text[96];
+  std::snprintf(text, sizeof text, " would take about %.3g GB of memory, this machine has %.3g GB",
+                needed / 1e9, there / 1e9);
+  throw InputError(place + ": " + of_what + text + "; divide fewer beams into fewer parts");
+}
+
+}  // namespace stillframe

@@ -1,0 +1,175 @@
+#include "core/mechanics/modes.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <complex>
+#include <cstdio>
+#include <numbers>
+
+#include "core/mechanics/own_values.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/mechanics/unstable.hpp"
+
+namespace stillframe {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Squares of the natural frequencies, upwards, and mass-normalised shapes.
+struct Shapes {
+  VectorXd squares;
+  MatrixXd V;
+};
+
+/// K = L_K L_K^T: the natural frequencies themselves are the singular values of L_K^T L_M^-T, so
+/// that a soft mode beside stiff ones loses epsilon omega_max and not epsilon omega_max^2.
+Shapes by_singular_values(const Eigen::LLT<MatrixXd>& K, const Eigen::LLT<MatrixXd>& M) {
+  const MatrixXd W_t = M.matrixL().solve(MatrixXd(K.matrixL()));
+  // Jacobi's method is the more accurate one, and as fast for few dofs.
+  constexpr Index few = 64;
+  const auto answer = [&](const auto& svd) -> Shapes {
+    const MatrixXd V = svd.matrixU().rowwise().reverse();
+    return {svd.singularValues().reverse().array().square(), M.matrixU().solve(V)};
+  };
+  if (W_t.rows() <= few) {
+    return answer(Eigen::JacobiSVD<MatrixXd>(W_t, Eigen::ComputeFullU));
+  }
+  return answer(Eigen::BDCSVD<MatrixXd>(W_t, Eigen::ComputeFullU));
+}
+
+Shapes natural_shapes(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
+  const MatrixXd stiffness = model.stiffness();
+  const MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
+  const Eigen::LLT<MatrixXd> factors(K);
+  if (factors.info() == Eigen::Success) return by_singular_values(factors, M);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K, model.M);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+/// Whether nothing but rounding makes K + N + G not positive semidefinite. Scaled to a unit
+/// diagonal, so that stiff elements do not hide a soft direction that has become negative; rounding
+/// of n terms leaves some n epsilon.
+bool is_stable(const LinearModel& model) {
+  const MatrixXd stiffness = model.stiffness();
+  MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
+  const VectorXd scale =
+      K.diagonal().unaryExpr([](double k) { return k > 0 ? 1 / std::sqrt(k) : 1.0; });
+  K = scale.asDiagonal() * K * scale.asDiagonal();
+  if (Eigen::LLT<MatrixXd>(K).info() == Eigen::Success) return true;
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
+  return values(0) >= -1e-12 * values.cwiseAbs().maxCoeff();
+}
+
+/// Of the parts that are not symmetric by construction, on a unit diagonal: so that neither units
+/// nor the choice of dofs have a say.
+bool is_symmetric(const LinearModel& model) {
+  const VectorXd scale = model.stiffness().diagonal().unaryExpr(
+      [](double k) { return k != 0 ? 1 / std::sqrt(std::abs(k)) : 1.0; });
+  const MatrixXd S = scale.asDiagonal() * (model.N + model.G) * scale.asDiagonal();
+  const MatrixXd K = scale.asDiagonal() * model.K * scale.asDiagonal();
+  return (S - S.transpose()).norm() <= 1e-9 * S.norm() + 1e-14 * K.norm();
+}
+
+/// Of an undamped model at rest: exact conjugates on the imaginary axis.
+Eigen::VectorXcd imaginary_pairs(const VectorXd& squares) {
+  Eigen::VectorXcd values(2 * squares.size());
+  for (Index i = 0; i < squares.size(); ++i) {
+    const double omega = std::sqrt(std::max(squares(i), 0.0));
+    values(2 * i) = {0, omega};
+    values(2 * i + 1) = {0, -omega};
+  }
+  return values;
+}
+
+/// What they are known to, from the shapes: of an undamped model at rest those are its
+/// eigenvectors.
+VectorXd known_to(const LinearModel& model, const Eigen::VectorXcd& values, const MatrixXd& V) {
+  const EigenvalueRounding rounding(model);
+  VectorXd known(values.size());
+  for (Index i = 0; i < V.cols(); ++i) {
+    const Eigen::VectorXcd v = V.col(i).cast<Complex>();
+    known.segment<2>(2 * i).setConstant(rounding.known_to(values(2 * i), v, v));
+  }
+  return known;
+}
+
+/// damping_ratios and n_growing from the eigenvalues.
+void judge(Modes& modes) {
+  const Eigen::VectorXcd& values = modes.eigenvalues;
+  modes.damping_ratios.setZero(values.size() / 2);
+  for (Index i = 0; i < values.size(); ++i) {
+    const double modulus = std::abs(values(i)), real = values(i).real();
+    if (modulus <= modes.known_to(i)) continue;
+    double& ratio = modes.damping_ratios(i / 2);
+    ratio = i % 2 == 0 ? -real / modulus : std::min(ratio, -real / modulus);
+    // Nor is it growth what the position is off by: forces balance to some 1e-9 of the largest.
+    if (real > std::max(1e-8 * modulus, modes.known_to(i))) ++modes.n_growing;
+  }
+}
+
+}  // namespace
+
+Modes modes(const LinearModel& model) {
+  const Eigen::LLT<MatrixXd> M = mass_factors(model);
+  Modes result;
+  result.moving = !model.C.isZero(0) || !model.N.isZero(0);
+  bool undamped = false;
+  if (is_symmetric(model)) {
+    const Shapes shapes = natural_shapes(model, M);
+    const bool stable = is_stable(model);
+    if (!stable && !result.moving) {
+      char square[32];
+      std::snprintf(square, sizeof square, "%.6g", shapes.squares(0));
+      throw Unstable(std::string("omega^2 = ") + square + " (rad/s)^2 in mode 1", shapes.V.col(0));
+    }
+    if (stable) {
+      result.natural_frequencies_hz =
+          shapes.squares.cwiseMax(0.0).cwiseSqrt() / (2 * std::numbers::pi);
+      if (!result.natural_frequencies_hz.allFinite()) {
+        throw Refusal(
+            "numbers of the model overflow: a natural frequency is not finite; look for a length, "
+            "stiffness or mass with a wrong power of ten");
+      }
+      result.shapes = shapes.V;
+      undamped = !result.moving && model.D.isZero(0);
+      if (undamped) {
+        result.eigenvalues = imaginary_pairs(shapes.squares);
+        result.known_to = known_to(model, result.eigenvalues, shapes.V);
+      }
+    }
+  }
+  if (!undamped) {
+    const OwnValues own = own_values(model);
+    result.eigenvalues = own.values;
+    result.known_to = own.known_to;
+  }
+  judge(result);
+  return result;
+}
+
+Stability stability(const LinearModel& model) {
+  const bool at_rest = model.C.isZero(0) && model.N.isZero(0);
+  const bool by_stiffness = at_rest && is_symmetric(model);
+  // Dampers take energy, and so change nothing about which stiffness is stable.
+  if (by_stiffness && is_stable(model)) return {true, "", {}};
+  try {
+    const Modes found = modes(model);
+    if (found.n_growing == 0) return {true, "", {}};
+    return {
+        false, std::to_string(found.n_growing) + " eigenvalue(s) with a positive real part", {}};
+  } catch (const Unstable& error) {
+    return {false, error.why(), error.shape()};
+  } catch (const Refusal&) {
+    if (by_stiffness) return {false, "the stiffness is not positive definite", {}};
+    return {};
+  }
+}
+
+}  // namespace stillframe

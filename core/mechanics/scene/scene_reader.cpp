@@ -1,0 +1,127 @@
+#include "core/mechanics/scene/scene_reader.hpp"
+
+#include <cstdint>
+#include <cstdio>
+#include <tuple>
+
+#include "core/mechanics/scene/acceptance.hpp"
+#include "core/mechanics/scene/controller_block.hpp"
+#include "core/mechanics/scene/signals.hpp"
+#include "core/mechanics/scene/structure.hpp"
+#include "core/yaml/instruments_block.hpp"
+#include "core/yaml/ranges.hpp"
+
+namespace stillframe {
+
+namespace {
+
+/// A file is read once: a pipe gives its text only once, and another's text might be the second.
+Block read_block_file(const std::filesystem::path& path) {
+  const YamlReader reader = YamlReader::from_file(path);
+  return {reader, reader.source_text()};
+}
+
+/// A block is written inline as a map, or as the path of a file that holds the map.
+Block read_block(const YamlReader& value) {
+  if (value.is_map()) return {value, value.dump()};
+  const std::filesystem::path path = value.folder() / value.text();
+  if (!std::filesystem::exists(path)) {
+    value.fail("the file '" + path.string() + "' does not exist");
+  }
+  return read_block_file(path);
+}
+
+PlantMethod read_method(const YamlReader& value) {
+  const std::string name =
+      std::apply([&](const auto&... each) { return value.one_of({each.name...}); }, plant_methods);
+  return method_named(name).value();
+}
+
+SceneSimulation read_simulation(const YamlReader& block) {
+  block.allow_only({"duration_s", "relative_tolerance", "method"});
+  SceneSimulation simulation;
+  simulation.place = block.place();
+  if (const auto value = block.find("duration_s")) {
+    simulation.duration_s = positive_up_to(*value, 1e9);
+  }
+  if (const auto value = block.find("relative_tolerance")) {
+    simulation.relative_tolerance = number_within(*value, 1e-12, 1e-2);
+  }
+  if (const auto value = block.find("method")) {
+    simulation.method = read_method(*value);
+  }
+  return simulation;
+}
+
+Scene read_scene_map(const YamlReader& root, const std::string& text,
+                     const std::optional<std::filesystem::path>& controller_file) {
+  root.allow_only({"title",        "planar",      "gravity",     "operating_point", "nodes",
+                   "masses",       "elements",    "supports",    "prescribed",      "dofs",
+                   "loads",        "inputs",      "outputs",     "monitors",        "compare",
+                   "controller",   "instruments", "uncertainty", "floor",           "simulation",
+                   "disturbances", "accept"});
+  Scene scene;
+  scene.text = text;
+  scene.hash = text_hash(text);
+  scene.title = root.require("title").text();
+  read_structure(root, scene);
+  // Whoever names the scene, on a page, in a table or in JSON, says what its figures are of.
+  if (scene.operating_point == OperatingPoint::as_written) scene.title += " (snapshot)";
+  read_signals(root, scene);
+  std::optional<Block> controller;
+  if (controller_file) {
+    controller = read_block_file(*controller_file);
+  } else if (const auto block = root.find("controller")) {
+    controller = read_block(*block);
+  }
+  if (controller) {
+    scene.controller = read_controller(controller->reader, scene);
+    // Gains belong to the controller block as much as to the frame.
+    scene.hash = text_hash(text + controller->text);
+  }
+  if (const auto block = root.find("instruments")) {
+    const int n_legs = scene.controller ? static_cast<int>(scene.controller->legs.size()) : -1;
+    scene.instruments = read_scene_instruments(*block, n_legs);
+  }
+  scene.disturbances = read_disturbances(root, scene);
+  if (const auto block = root.find("uncertainty")) scene.uncertainty = read_uncertainty(*block);
+  if (const auto block = root.find("simulation")) scene.simulation = read_simulation(*block);
+  if (const auto block = root.find("accept")) read_acceptance(*block, scene);
+  return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& file,
+                 const std::optional<std::filesystem::path>& controller_file) {
+  const YamlReader root = YamlReader::from_file(file);
+  Scene scene = read_scene_map(root, root.source_text(), controller_file);
+  scene.file = file.string();
+  return scene;
+}
+
+Scene parse_scene(const std::string& text, const std::string& source_name) {
+  Scene scene = read_scene_map(YamlReader::from_text(text, source_name), text, std::nullopt);
+  scene.file = source_name;
+  return scene;
+}
+
+std::optional<Block> read_floor(const Scene& scene,
+                                const std::optional<std::filesystem::path>& floor_file) {
+  if (floor_file) return read_block_file(*floor_file);
+  const auto folder = std::filesystem::path(scene.file).parent_path();
+  const auto value =
+      YamlReader::from_text(scene.text, scene.file, folder.empty() ? "." : folder).find("floor");
+  if (!value) return std::nullopt;
+  return read_block(*value);
+}
+
+std::string text_hash(const std::string& text) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const unsigned char byte : text) hash = (hash ^ byte) * 1099511628211ULL;
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+  return digits;
+}
+
+}  // namespace stillframe

@@ -1,0 +1,10 @@
+#include "core/numerics/eigen/once.hpp"
+
+namespace Eigen {
+
+template class JacobiSVD<MatrixXd>;
+template class JacobiSVD<MatrixXcd>;
+template class BDCSVD<MatrixXd>;
+template class BDCSVD<MatrixXcd>;
+
+}  // namespace Eigen

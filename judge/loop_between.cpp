@@ -1,0 +1,175 @@
+#include "judge/loop_between.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <memory>
+#include <numbers>
+#include <variant>
+
+#include "controller/law.hpp"
+#include "core/control/design/control_loop.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "plant_sim/force_courses.hpp"
+#include "judge/response_prediction.hpp"
+
+namespace stillframe::tools {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+SampledPlant plant_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
+                           const std::vector<std::string>& outputs) {
+  std::vector<SceneSignal> in = inputs, out;
+  for (const std::string& name : outputs) out.push_back(signal_of(design.scene, name));
+  for (const SceneSignal& leg : leg_signals(*design.scene.controller)) {
+    in.push_back(leg);
+    out.push_back(leg);
+  }
+  const LoopPlant plant =
+      loop_plant(linearise(design.model, in, out), std::ssize(inputs), std::ssize(outputs));
+  return sample_and_hold(plant, design.gains.sampling());
+}
+
+SampledLoop loop_around(const SampledPlant& plant, const LoopDesign& design, bool active) {
+  return active ? close_loop(plant, controller::law_from_gains(design.gains)) : open_loop(plant);
+}
+
+std::optional<report::LateLoop> late_loop(const SampledPlant& plant, const LoopDesign& design,
+                                          const std::optional<report::Takeover>& takeover) {
+  if (!takeover) return std::nullopt;
+  return report::LateLoop{*takeover, gain_loop(plant, controller::law_from_gains(design.gains))};
+}
+
+}  // namespace
+
+SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
+                         const std::vector<std::string>& outputs, bool active) {
+  return loop_around(plant_between(design, inputs, outputs), design, active);
+}
+
+namespace {
+
+/// Of one input, what is left across those of `basis`, which are orthonormal; nothing of one that
+/// they span.
+Eigen::Vector3d across(Eigen::Vector3d direction, const std::vector<Eigen::Vector3d>& basis) {
+  for (const Eigen::Vector3d& other : basis) direction -= other.dot(direction) * other;
+  // Directions of a scene are written in a few digits.
+  return direction.norm() > 1e-6 ? direction.normalized() : Eigen::Vector3d::Zero();
+}
+
+/// Prescribed translations across the inputs of their nodes.
+std::vector<SceneSignal> unmeasured_translations(const Scene& scene) {
+  std::vector<SceneSignal> result;
+  for (SceneSignal& signal : prescribed_translations(scene)) {
+    std::vector<Eigen::Vector3d> known;
+    const std::vector<SceneSignal>* lists[] = {&scene.inputs, &result};
+    for (const auto* list : lists) {
+      for (const SceneSignal& other : *list) {
+        if (other.node != signal.node || other.quantity != Quantity::acceleration) continue;
+        const Eigen::Vector3d rest = across(other.direction, known);
+        if (!rest.isZero(0)) known.push_back(rest);
+      }
+    }
+    signal.direction = across(signal.direction, known);
+    if (!signal.direction.isZero(0)) result.push_back(signal);
+  }
+  return result;
+}
+
+}  // namespace
+
+FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::string>& outputs,
+                             bool active, FloorNodes nodes,
+                             const std::vector<double>& frequencies_hz,
+                             const std::optional<report::Takeover>& takeover) {
+  // What is left in a bound of noise of a thousandth of the motion is no harm to it.
+  constexpr double least_share = 1e-3;
+  const std::vector<SceneSignal>& measured = design.scene.inputs;
+  const std::vector<SceneSignal> beside = unmeasured_translations(design.scene);
+  const Index n_w = std::ssize(measured), n_u = std::ssize(beside), n_y = std::ssize(outputs);
+  const MatrixXd D_w = directions_of(measured);
+  const MatrixXd to_floor = D_w.completeOrthogonalDecomposition().pseudoInverse();
+  SampledPlant plant = plant_between(design, measured, outputs);
+  FollowedFloor result{.loop = loop_around(plant, design, active),
+                       .late = {},
+                       .rigid = D_w * to_floor,
+                       .leans_on_rigid = std::vector<bool>(outputs.size(), false)};
+  if (n_u > 0 && nodes != FloorNodes::rest) {
+    std::vector<SceneSignal> all = measured;
+    all.insert(all.end(), beside.begin(), beside.end());
+    SampledPlant wide = plant_between(design, all, outputs);
+    const SampledLoop loop = loop_around(wide, design, active);
+    Eigen::VectorXd by_measured = Eigen::VectorXd::Zero(n_y), by_others = by_measured;
+    for (const double f : frequencies_hz) {
+      const MatrixXd T = transfer(loop, 2 * std::numbers::pi * f).cwiseAbs();
+      by_measured = by_measured.cwiseMax(T.leftCols(n_w).rowwise().maxCoeff());
+      by_others = by_others.cwiseMax(T.rightCols(n_u).rowwise().maxCoeff());
+    }
+    bool leans = false;
+    for (Index i = 0; i < n_y; ++i) {
+      const bool leans_here = by_others(i) > least_share * by_measured(i);
+      result.leans_on_rigid[static_cast<std::size_t>(i)] = leans_here;
+      leans = leans || leans_here;
+    }
+    if (leans) {
+      const MatrixXd others = directions_of(beside) * to_floor;
+      for (MatrixXd* M : {&wide.Gamma_w, &wide.D_yw}) {
+        *M = (M->leftCols(n_w) + M->rightCols(n_u) * others).eval();
+      }
+      plant = std::move(wide);
+      result.loop = loop_around(plant, design, active);
+    }
+  }
+  if (active) result.late = late_loop(plant, design, takeover);
+  return result;
+}
+
+bool has_forces(const Scene& scene) {
+  const auto acts = [](const SceneDisturbance& disturbance) {
+    return std::visit(
+        [](const auto& force) {
+          if constexpr (requires { force.height; }) {
+            return force.height != 0;
+          } else if constexpr (requires { force.peak; }) {
+            return force.peak != 0;
+          } else if constexpr (requires { force.scale; }) {
+            return force.scale != 0;
+          } else {
+            return true;
+          }
+        },
+        disturbance.force);
+  };
+  return std::any_of(scene.disturbances.begin(), scene.disturbances.end(), acts);
+}
+
+report::ForceModel force_model(const LoopDesign& design, const std::vector<std::string>& outputs,
+                               bool active, const std::optional<report::Takeover>& takeover) {
+  auto courses = std::make_shared<std::vector<ForceCourse>>();
+  std::vector<SceneSignal> inputs;
+  for (const SceneDisturbance& disturbance : design.scene.disturbances) {
+    courses->emplace_back(disturbance, design.gains.sample_time());
+    SceneSignal signal;
+    signal.name = disturbance.name;
+    signal.place = disturbance.place;
+    signal.node = disturbance.node;
+    signal.quantity = Quantity::force;
+    signal.direction = disturbance.direction;
+    inputs.push_back(signal);
+  }
+  const SampledPlant plant = plant_between(design, inputs, outputs);
+  report::ForceModel model{loop_around(plant, design, active), [courses](std::int64_t k) {
+                             Eigen::VectorXd forces(std::ssize(*courses));
+                             for (Index i = 0; i < forces.size(); ++i) {
+                               forces(i) = (*courses)[static_cast<std::size_t>(i)].at(k);
+                             }
+                             return forces;
+                           }};
+  if (active) model.late = late_loop(plant, design, takeover);
+  return model;
+}
+
+}  // namespace stillframe::tools

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <optional>
+
+#include "judge/run_analysis.hpp"
+
+namespace stillframe::tools {
+
+/// Closed against open loop where both matrices were measured at the same frequencies; above twice
+/// the target. Nothing otherwise.
+std::optional<report::ReductionCheck> reduction_check(const RunAnalyses& runs, double above_hz);
+
+}  // namespace stillframe::tools
