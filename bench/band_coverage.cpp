@@ -9,13 +9,13 @@
 #include <thread>
 
 #include "core/errors/input_error.hpp"
+#include "judge/loop_design.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor_motion.hpp"
 #include "report/identification/comparison.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/identification/multisine.hpp"
 #include "report/table.hpp"
-#include "judge/loop_design.hpp"
 #include "tools/run/closed_loop.hpp"
 
 namespace {

@@ -8,8 +8,8 @@
 
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
-#include "report/table.hpp"
 #include "judge/loop_design.hpp"
+#include "report/table.hpp"
 #include "tools/run/closed_loop.hpp"
 
 namespace {
@@ -84,12 +84,12 @@ json closed_loop(Index samples, int repeats) {
          {"tolerance", row.tolerance},
          {"us_per_sample", us},
          {"times_real_time", 1e6 / scene.controller->sample_rate_hz / us},
-         {"error_acceleration", std::max(relative_difference(run.acceleration, reference.acceleration), known_acceleration)},
+         {"error_acceleration",
+          std::max(relative_difference(run.acceleration, reference.acceleration),
+                   known_acceleration)},
          {"error_sigma", std::max(relative_difference(run.sigma, reference.sigma), known_sigma)}});
   }
-  return {{"samples", samples},
-          {"reference_check", known_acceleration},
-          {"rows", rows}};
+  return {{"samples", samples}, {"reference_check", known_acceleration}, {"rows", rows}};
 }
 
 struct Fidelity {

@@ -1,9 +1,9 @@
 #include "controller/gains.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
+#include "core/numerics/two_pi.hpp"
 #include "core/yaml/instruments_block.hpp"
 #include "core/yaml/loop_numbers.hpp"
 #include "core/yaml/ranges.hpp"
@@ -28,8 +28,6 @@ std::vector<std::string> read_legs(const YamlReader& reader) {
   }
   return legs;
 }
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 Realisation read_realisation(const YamlReader& reader) {
   const auto implicit = to_text(Realisation::implicit_feedthrough);

@@ -7,8 +7,8 @@
 #include <exception>
 #include <utility>
 
-#include "core/files/whole_file.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 #include "core/yaml/reader.hpp"
 
 namespace stillframe::controller {

@@ -20,7 +20,7 @@ namespace {
 // s, for which the changes of commands are remembered: none, and two within which a loop that grows
 // does more than noise and less than harm.
 constexpr double memories_s[] = {0, 0.004, 0.03};
-constexpr double forgotten_s = 3;
+constexpr double largest_forgotten_s = 3;
 // Responses are followed in pieces, of a quarter of a second or a quarter of the slowest target's
 // period, two at least, until what swings in a piece is so small a part of all. A drift, which the
 // leak makes, counts no further: floors do not go on being accelerated one way.
@@ -89,7 +89,7 @@ MatrixXd changes_by_offset(DesignedLoop& loop, Index m, Index k, Index ramp) {
 Pace::Pace(const Gains& gains, const Settings& settings)
     : designed_(gains),
       keep_(std::exp(-gains.sample_time() /
-                     std::max(forgotten_s, fewest_samples * gains.sample_time()))),
+                     std::max(largest_forgotten_s, fewest_samples * gains.sample_time()))),
       rests_(gains.sample_time() / std::max(rest_s, fewest_samples * gains.sample_time())) {
   const Index m = gains.n_legs(), p = designed_.n_floor();
   for (const double memory : memories_s) {

@@ -6,13 +6,13 @@
 #include <complex>
 #include <cstdio>
 #include <functional>
-#include <numbers>
 #include <utility>
 
 #include "controller/law.hpp"
-#include "core/numerics/eigenvalues.hpp"
 #include "core/control/close_loop.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::controller {
 
@@ -22,8 +22,6 @@ using Eigen::VectorXcd;
 using Complex = std::complex<double>;
 
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 struct Change {
   std::string text;

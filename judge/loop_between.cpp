@@ -10,8 +10,8 @@
 #include "core/control/design/control_loop.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/state_space.hpp"
-#include "plant_sim/force_courses.hpp"
 #include "judge/response_prediction.hpp"
+#include "plant_sim/force_courses.hpp"
 
 namespace stillframe::tools {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "report/analysis/loop_response.hpp"
 #include "judge/floor_nodes.hpp"
 #include "judge/loop_design.hpp"
+#include "report/analysis/loop_response.hpp"
 
 namespace stillframe::tools {
 

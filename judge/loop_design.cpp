@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "controller/law.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
-#include "core/errors/input_error.hpp"
 #include "judge/scene_design.hpp"
 
 namespace stillframe::tools {

@@ -6,10 +6,10 @@
 
 #include "controller/gains.hpp"
 #include "core/control/design/control_loop.hpp"
-#include "core/systems/frequency_range.hpp"
 #include "core/control/loop_settings.hpp"
 #include "core/mechanics/model/model.hpp"
 #include "core/mechanics/scene/scene.hpp"
+#include "core/systems/frequency_range.hpp"
 
 namespace stillframe::tools {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/mechanics/frequency_response.hpp"
 #include "core/control/continuous_loop.hpp"
+#include "core/mechanics/frequency_response.hpp"
 
 namespace stillframe::tools {
 

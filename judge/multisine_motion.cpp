@@ -5,9 +5,9 @@
 #include <limits>
 #include <tuple>
 
+#include "judge/verdict_of.hpp"
 #include "report/table.hpp"
 #include "report/verdict/motion_level.hpp"
-#include "judge/verdict_of.hpp"
 
 namespace stillframe::tools {
 

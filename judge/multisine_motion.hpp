@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "core/systems/frequency_range.hpp"
-#include "report/verdict/verdict.hpp"
 #include "judge/run_analysis.hpp"
+#include "report/verdict/verdict.hpp"
 
 namespace stillframe::tools {
 

@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "core/mechanics/frequency_response.hpp"
+#include "judge/loop_comparison.hpp"
+#include "judge/loop_peaks.hpp"
+#include "judge/loop_target.hpp"
 #include "plant_sim/floor/density.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/spectra/vibration_criteria.hpp"
-#include "judge/loop_comparison.hpp"
-#include "judge/loop_target.hpp"
-#include "judge/loop_peaks.hpp"
 
 namespace stillframe::tools {
 

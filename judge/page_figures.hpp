@@ -2,9 +2,9 @@
 
 #include <optional>
 
+#include "judge/run_analysis.hpp"
 #include "report/page/page_data.hpp"
 #include "report/verdict/verdict.hpp"
-#include "judge/run_analysis.hpp"
 
 namespace stillframe::tools {
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "judge/run_analysis.hpp"
 #include "report/page/page_data.hpp"
 #include "report/verdict/verdict.hpp"
-#include "judge/run_analysis.hpp"
 
 namespace stillframe::tools {
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "controller/gains.hpp"
+#include "judge/run_analysis.hpp"
 #include "report/page/page_data.hpp"
 #include "report/verdict/verdict.hpp"
-#include "judge/run_analysis.hpp"
 
 namespace stillframe::tools {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "report/verdict/verdict.hpp"
 #include "judge/run_analysis.hpp"
+#include "report/verdict/verdict.hpp"
 
 namespace stillframe::tools {
 

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/errors/input_error.hpp"
 #include "core/yaml/load.hpp"
-#include "plant_sim/floor/floor_block.hpp"
-#include "report/verdict/motion_level.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_target.hpp"
 #include "judge/response_prediction.hpp"
+#include "plant_sim/floor/floor_block.hpp"
+#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::tools {
 

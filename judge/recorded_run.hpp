@@ -6,12 +6,12 @@
 
 #include "core/systems/frequency_range.hpp"
 #include "core/systems/multisine_plan.hpp"
-#include "plant_sim/floor/floor_block.hpp"
-#include "report/analysis/log_analyser.hpp"
-#include "stillframe_msgs/run_info_t.hpp"
 #include "judge/floor_nodes.hpp"
 #include "judge/hold_of.hpp"
 #include "judge/loop_design.hpp"
+#include "plant_sim/floor/floor_block.hpp"
+#include "report/analysis/log_analyser.hpp"
+#include "stillframe_msgs/run_info_t.hpp"
 
 namespace stillframe::tools {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "controller/law.hpp"
-#include "core/mechanics/state_space.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/state_space.hpp"
 
 namespace stillframe::tools {
 

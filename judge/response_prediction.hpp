@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "report/analysis/axis_signals.hpp"
 #include "judge/floor_nodes.hpp"
 #include "judge/loop_design.hpp"
+#include "report/analysis/axis_signals.hpp"
 
 namespace stillframe::tools {
 

@@ -5,11 +5,11 @@
 #include <limits>
 #include <numbers>
 
-#include "core/mechanics/frequency_response.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "judge/loop_between.hpp"
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
-#include "judge/loop_between.hpp"
 
 namespace stillframe::tools {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "report/verdict/verdict.hpp"
 #include "judge/run_analysis.hpp"
+#include "report/verdict/verdict.hpp"
 
 namespace stillframe::tools {
 

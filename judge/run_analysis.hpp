@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "report/analysis/log_analyser.hpp"
-#include "report/identification/comparison.hpp"
 #include "judge/recorded_run.hpp"
 #include "judge/response_prediction.hpp"
+#include "report/analysis/log_analyser.hpp"
+#include "report/identification/comparison.hpp"
 
 namespace stillframe::tools {
 

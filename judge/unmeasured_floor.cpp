@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "core/numerics/singular_values.hpp"
 #include "core/mechanics/model/model.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "judge/response_prediction.hpp"
 
 namespace stillframe::tools {

@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/analysis/summaries.hpp"
-#include "report/table.hpp"
-#include "report/verdict/acceptance.hpp"
-#include "report/verdict/motion_level.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_comparison.hpp"
 #include "judge/loop_target.hpp"
@@ -14,6 +10,10 @@
 #include "judge/prediction_checks.hpp"
 #include "judge/resting_channels.hpp"
 #include "judge/unmeasured_floor.hpp"
+#include "report/analysis/summaries.hpp"
+#include "report/table.hpp"
+#include "report/verdict/acceptance.hpp"
+#include "report/verdict/motion_level.hpp"
 
 namespace stillframe::tools {
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "judge/run_analysis.hpp"
 #include "report/analysis/log_analyser.hpp"
 #include "report/analysis/signal_analyser.hpp"
 #include "report/verdict/verdict.hpp"
-#include "judge/run_analysis.hpp"
 
 namespace stillframe::tools {
 

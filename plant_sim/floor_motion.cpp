@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "core/numerics/extended/double_double.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/extended/double_double.hpp"
 
 namespace stillframe {
 

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/numerics/smooth_step.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/smooth_step.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "plant_sim/counter_noise.hpp"
 #include "plant_sim/floor/block_values.hpp"
 #include "plant_sim/floor/courses.hpp"
@@ -16,7 +17,6 @@ namespace stillframe {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
 /// A transform needs several copies of a period; 1e7 samples of them are 0.5 GB.
 constexpr double most_samples = 1e7;
 

@@ -6,13 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/numerics/two_pi.hpp"
+
 namespace stillframe {
 
 using Eigen::Index;
 
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// Streams of a seed: processes count on from the first.
 enum Stream : std::uint64_t { floor_stream = 0, process_stream = 1 };

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "core/mechanics/frequency_response.hpp"
 #include "core/control/continuous_loop.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
 #include "report/table.hpp"
 
@@ -17,7 +17,6 @@ using report::cell;
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-constexpr double two_pi = 2 * std::numbers::pi;
 constexpr double noted_ratio = 1.05;
 /// Below this ratio the damping is no work of the law.
 constexpr double light_damping = 0.1;

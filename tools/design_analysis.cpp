@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/control/design/compliance.hpp"
-#include "core/mechanics/frequency_response.hpp"
 #include "core/control/design/gain_design.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "tools/design_remedies.hpp"
 #include "tools/design_warnings.hpp"
 
@@ -15,7 +15,6 @@ namespace stillframe::tools {
 
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
 constexpr double highest_rate_hz = 2e5;
 using Complex = std::complex<double>;
 

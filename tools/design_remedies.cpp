@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
+#include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 #include "tools/design_trade.hpp"
 
@@ -13,8 +13,6 @@ namespace stillframe::tools {
 namespace {
 
 using report::cell;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 struct Trial {
   std::string what;  ///< the settings that differ, as a scene has them

@@ -11,6 +11,7 @@
 
 #include "controller/start_check.hpp"
 #include "core/control/continuous_loop.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 #include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"
@@ -20,8 +21,6 @@ namespace stillframe::tools {
 namespace {
 
 using report::cell;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 std::string spread(const PoleSpread& poles) {
   return cell("%.2f-%.2f of their targets", poles.lowest, poles.highest);

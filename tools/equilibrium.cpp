@@ -5,10 +5,10 @@
 #include <iostream>
 #include <memory>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/model/prescribed.hpp"
 #include "core/mechanics/node_moves.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/errors/input_error.hpp"
 #include "report/table.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"

@@ -4,10 +4,10 @@
 
 #include "core/cli/numbers.hpp"
 #include "core/errors/input_error.hpp"
+#include "judge/loop_comparison.hpp"
 #include "report/export/mat_file.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/table.hpp"
-#include "judge/loop_comparison.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"

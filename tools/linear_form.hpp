@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/systems/state_space_model.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
+#include "core/systems/state_space_model.hpp"
 #include "tools/json.hpp"
 
 namespace stillframe::tools {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/files/standard_output.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/standard_output.hpp"
 #include "core/yaml/reader.hpp"
 #include "tools/verbs.hpp"
 

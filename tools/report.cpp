@@ -3,9 +3,9 @@
 
 #include "core/cli/numbers.hpp"
 #include "core/errors/input_error.hpp"
-#include "report/page/write_page.hpp"
 #include "judge/page_of.hpp"
 #include "judge/verdict_of.hpp"
+#include "report/page/write_page.hpp"
 #include "tools/exit_code.hpp"
 #include "tools/given_files.hpp"
 #include "tools/patience.hpp"

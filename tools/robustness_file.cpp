@@ -2,8 +2,8 @@
 
 #include <fstream>
 
-#include "core/files/whole_file.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 
 namespace stillframe::tools {
 

@@ -133,8 +133,7 @@ class Watch {
     terminal_.reset();
     if ((options_.duration_s || options_.once) && !stop_requested()) {
       if (!view_ || view_->channels.empty()) {
-        throw Failure("nothing heard on " + url_ +
-                                 "; a run must be going on, in the same network");
+        throw Failure("nothing heard on " + url_ + "; a run must be going on, in the same network");
       }
     }
     return exit_done;

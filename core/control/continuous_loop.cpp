@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/numerics/eigenvalues.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/eigenvalues.hpp"
 
 namespace stillframe {
 

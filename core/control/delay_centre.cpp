@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double circle = largest_stable_radius;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Points on the circle are this part of the distance to the next pole apart. Beside one pole a
 /// quotient grows by 1 / (1 - part / 2) = 1.21 between two of them; `largest` leaves room for 1.25.

@@ -5,10 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "core/control/delay_centre.hpp"
-#include "core/numerics/eigenvalues.hpp"
 #include "core/control/close_loop.hpp"
+#include "core/control/delay_centre.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/eigenvalues.hpp"
 
 namespace stillframe {
 

@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// To which a peak is proven to be the highest one.
 constexpr double proof = 1e-6;

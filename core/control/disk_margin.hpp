@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "core/control/loop_settings.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "core/systems/linear_system.hpp"
-#include "core/control/loop_settings.hpp"
 
 namespace stillframe {
 

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/control/discrete_law.hpp"
 #include "core/control/close_loop.hpp"
+#include "core/control/discrete_law.hpp"
 #include "core/systems/sampled_plant.hpp"
 
 namespace stillframe {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/control/close_loop.hpp"
 #include "core/control/delay_limit.hpp"
 #include "core/control/disk_margin.hpp"
-#include "core/control/close_loop.hpp"
 #include "core/errors/input_error.hpp"
 
 namespace stillframe {

@@ -3,11 +3,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/linearisation/projection.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
-#include "core/numerics/extrapolation.hpp"
 #include "core/mechanics/linearisation/signal_rows.hpp"
 #include "core/mechanics/node_moves.hpp"
 #include "core/mechanics/operating_point.hpp"
+#include "core/numerics/extrapolation.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

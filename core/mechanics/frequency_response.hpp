@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <complex>
 
-#include "core/numerics/singular_values.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
+#include "core/numerics/singular_values.hpp"
 
 namespace stillframe {
 

@@ -166,7 +166,8 @@ bool solve_positions(const Model& model, Data& data, const MotionState& state) n
   }
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  constexpr double close = 1e-8;  // of the displacements: factors from there contract as new ones do
+  constexpr double close =
+      1e-8;  // of the displacements: factors from there contract as new ones do
   double last_step = infinity;
   double moved = infinity;  // since J was factorised, which the caller may have done anywhere
   bool last_was_near = false;
@@ -185,8 +186,8 @@ bool solve_positions(const Model& model, Data& data, const MotionState& state) n
     moved += step;
     if (step > 0.25 * last_step) {
       // With factors of this place only the rounding of a badly conditioned J stops Newton's method
-      // so close. Both steps have to be such: the first one with them may have to undo what the last
-      // ones with old factors did, and e is that of before it.
+      // so close. Both steps have to be such: the first one with them may have to undo what the
+      // last ones with old factors did, and e is that of before it.
       if (near && last_was_near && step <= close * size) return true;
       if (moved > close * size) {
         factorise(model, data);

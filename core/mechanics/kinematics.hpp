@@ -36,7 +36,7 @@ struct Data {
   Eigen::VectorXd x_ddot_0;      ///< n_x
 
   // Dynamics (core/mechanics/dynamics.hpp).
-  double load_factor = 1;                  ///< of loads, gravity and preloads, for load stepping
+  double load_factor = 1;  ///< of loads, gravity and preloads, for load stepping
   /// Nodal forces besides those of the model (n_x, N), of whoever moves it; null: none.
   const Eigen::VectorXd* external = nullptr;
   Eigen::MatrixXd M_dd, M_factor;          ///< n_d x n_d, the latter its Cholesky factor
@@ -57,8 +57,8 @@ void assemble(const Model& model, Data& data) noexcept;
 bool solve_positions(const Model& model, Data& data, const MotionState& state) noexcept;
 
 /// The same from any distance: goes from the present x to q^d and q^r of `to`, those of `from`, in
-/// steps in which no node is expected to turn by more than 0.3 rad, so that Newton's method stays on
-/// the branch it started from. Leaves data.x as it was if it does not get there. set-up.
+/// steps in which no node is expected to turn by more than 0.3 rad, so that Newton's method stays
+/// on the branch it started from. Leaves data.x as it was if it does not get there. set-up.
 bool travel(const Model& model, Data& data, const MotionState& from, const MotionState& to);
 
 /// Writes D, J, DF and DF_e for the present x. Source: deck, section 2; THEORY section 1. hot.

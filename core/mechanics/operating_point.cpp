@@ -1,9 +1,9 @@
 #include "core/mechanics/operating_point.hpp"
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/stationarity.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/numerics/extended/decompositions.hpp"
+#include "core/errors/input_error.hpp"
+#include "core/mechanics/state_space.hpp"
 #include "core/numerics/balance.hpp"
 #include "core/numerics/eigenvalues.hpp"
-#include "core/mechanics/state_space.hpp"
-#include "core/errors/input_error.hpp"
+#include "core/numerics/extended/decompositions.hpp"
 
 namespace stillframe {
 

@@ -3,9 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/systems/sampled_plant.hpp"
 #include "core/systems/state_space_model.hpp"
-#include "core/mechanics/linearisation/linearisation.hpp"
 
 namespace stillframe {
 

@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
-#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/model/prescribed.hpp"
 #include "core/mechanics/node_moves.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -4,8 +4,8 @@
 #include <limits>
 #include <optional>
 
-#include "core/numerics/extended/decompositions.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/extended/decompositions.hpp"
 
 namespace stillframe {
 

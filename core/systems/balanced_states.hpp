@@ -18,7 +18,9 @@ class BalancedStates {
   /// The loop in these states.
   SampledLoop of(SampledLoop loop) const;
   /// Rows that act on the states, in these.
-  Eigen::MatrixXd rows(const Eigen::MatrixXd& C) const { return C * P_.transpose() * S_.asDiagonal(); }
+  Eigen::MatrixXd rows(const Eigen::MatrixXd& C) const {
+    return C * P_.transpose() * S_.asDiagonal();
+  }
 
  private:
   Eigen::PermutationMatrix<Eigen::Dynamic> P_;

@@ -17,8 +17,8 @@ struct FrequencyRange {
 /// times the highest of the twelve slowest own frequencies and the targets, both outwards to the
 /// next of 1, 2, 5, 10, ..., and never above half the rate of the loop that runs. Without anything
 /// to go by three decades below half the rate, and without a rate 0.1 to 1000 Hz.
-/// own_hz: ascending, as own_frequencies_hz (core/mechanics/own_values.hpp). targets_hz: of the controller,
-/// empty without one. sample_rate_hz: 0 where nothing is sampled.
+/// own_hz: ascending, as own_frequencies_hz (core/mechanics/own_values.hpp). targets_hz: of the
+/// controller, empty without one. sample_rate_hz: 0 where nothing is sampled.
 FrequencyRange frequency_range(const Eigen::VectorXd& own_hz, const std::vector<double>& targets_hz,
                                double sample_rate_hz);
 

@@ -4,11 +4,11 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/errors/input_error.hpp"
 #include "core/numerics/balance.hpp"
 #include "core/numerics/doubled.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/singular_values.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 
 #include "core/numerics/golden_section.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -16,7 +16,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
 constexpr double narrow_damping = 0.3;
 /// Half-width over frequency that an undamped resonance is drawn with: its peak is as high as
 /// anybody likes.

@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
+#include "core/numerics/singular_values.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "core/systems/linear_system.hpp"
 #include "core/systems/sampled_loop.hpp"
-#include "core/numerics/singular_values.hpp"
 
 namespace stillframe {
 

@@ -9,8 +9,8 @@
 #include <sstream>
 #include <vector>
 
-#include "core/files/utf8.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/utf8.hpp"
 
 namespace stillframe {
 

@@ -1,4 +1,5 @@
-// From a scene to gains and a prediction, in one page: print what the loop does to the floor at 20 Hz.
+// From a scene to gains and a prediction, in one page: print what the loop does to the floor at 20
+// Hz.
 #include <iostream>
 #include <numbers>
 

@@ -6,13 +6,12 @@
 #include <stdexcept>
 
 #include "core/numerics/smooth_step.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "plant_sim/floor/held_acceleration.hpp"
 
 namespace stillframe::floor {
 
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// position(t) at t = 0, 1 / rate, ... until it has been at rest for a sample.
 template <typename Position>

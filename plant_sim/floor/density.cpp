@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/numerics/two_pi.hpp"
+
 namespace stillframe::floor {
 
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// From a period on, PSD = a + b log10(period) dB re 1 (m/s^2)^2/Hz.
 struct PetersonRow {

@@ -4,16 +4,14 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <numeric>
 
+#include "core/numerics/two_pi.hpp"
 #include "kissfft/kissfft.hh"
 
 namespace stillframe::floor {
 
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// Clips z at a share of its largest modulus, which is returned.
 double clip_envelope(std::vector<std::complex<double>>& z, double share) {

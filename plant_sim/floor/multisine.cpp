@@ -2,16 +2,14 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 
+#include "core/numerics/two_pi.hpp"
 #include "plant_sim/floor/low_crest.hpp"
 
 namespace stillframe::floor {
 
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// One period-long stretch (a window) of A sum_l exp(j (phi_l + 2 pi f_l t)): all channels and
 /// blocks are this signal times a slow complex factor, and a window holds whole periods of every

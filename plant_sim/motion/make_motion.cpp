@@ -2,9 +2,9 @@
 
 #include <numbers>
 
-#include "core/numerics/eigenvalues.hpp"
-#include "core/mechanics/operating_point.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/numerics/eigenvalues.hpp"
 #include "plant_sim/motion/adaptive_motion.hpp"
 #include "plant_sim/motion/exponential_motion.hpp"
 #include "plant_sim/motion/linear_motion.hpp"

@@ -12,8 +12,8 @@ namespace stillframe::nodal {
 /// part. Set-up: construction. hot: advance() is noexcept, and allocates at the first call only.
 class NodalMotion {
  public:
-  /// Starts at x and x' of start, its hinges turned as in e. relative_tolerance: of a step, against what the largest
-  /// acceleration does in its part. model must outlive this.
+  /// Starts at x and x' of start, its hinges turned as in e. relative_tolerance: of a step, against
+  /// what the largest acceleration does in its part. model must outlive this.
   NodalMotion(const Model& model, const Data& start, double relative_tolerance, Index stages = 5);
 
   /// Goes on from other positions and rates (n_x), nearly consistent ones, with the filters where

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "core/files/utf8.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/utf8.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/event_file.hpp"
 #include "report/log/logger_clock.hpp"

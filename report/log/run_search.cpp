@@ -7,8 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "core/files/utf8.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/utf8.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/event_file.hpp"
 #include "stillframe_msgs/command_t.hpp"

@@ -14,8 +14,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/files/whole_file.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 
 namespace stillframe::report {
 

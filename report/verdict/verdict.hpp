@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/systems/frequency_range.hpp"
 #include "core/mechanics/scene/acceptance.hpp"
+#include "core/systems/frequency_range.hpp"
 #include "report/verdict/judgement.hpp"
 
 namespace stillframe::report {

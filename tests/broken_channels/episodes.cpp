@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "judge/loop_design.hpp"
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
-#include "judge/loop_design.hpp"
 
 namespace stillframe::controller {
 

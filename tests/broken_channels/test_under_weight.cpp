@@ -5,10 +5,10 @@
 
 #include "core/mechanics/state_space.hpp"
 #include "core/numerics/worst.hpp"
+#include "judge/loop_design.hpp"
 #include "tests/broken_channels/episodes.hpp"
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
-#include "judge/loop_design.hpp"
 
 // A frame whose weight leans when its supports move apart: what the floor does to its legs is not
 // its acceleration alone.

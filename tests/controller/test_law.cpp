@@ -6,9 +6,9 @@
 #include <random>
 
 #include "controller/law.hpp"
-#include "core/systems/linear_system.hpp"
-#include "core/numerics/worst.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/worst.hpp"
+#include "core/systems/linear_system.hpp"
 #include "tests/controller/toy_plant.hpp"
 #include "tests/support/allocation_count.hpp"
 

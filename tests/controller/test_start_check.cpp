@@ -8,10 +8,10 @@
 
 #include "controller/law.hpp"
 #include "controller/start_check.hpp"
-#include "core/numerics/balance.hpp"
-#include "core/systems/sampled_loop.hpp"
-#include "core/numerics/worst.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/balance.hpp"
+#include "core/numerics/worst.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "tests/controller/loop_simulation.hpp"
 #include "tests/controller/toy_plant.hpp"
 

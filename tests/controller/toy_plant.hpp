@@ -2,16 +2,15 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "controller/gains.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::controller::toy {
 
-inline constexpr double two_pi = 2 * std::numbers::pi;
-inline constexpr double damping_ratio = 0.7;
+inline inline constexpr double damping_ratio = 0.7;
 
 /// Undamped frequencies of the frame's four different modes, Hz.
 inline const std::vector<double>& frequencies_hz() {

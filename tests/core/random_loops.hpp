@@ -5,10 +5,10 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "core/control/loop_settings.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::test {
 
@@ -32,7 +32,6 @@ inline LoopSettings random_loop(unsigned seed) {
   using Eigen::Index;
   using Eigen::MatrixXd;
   using Eigen::VectorXd;
-  constexpr double two_pi = 2 * std::numbers::pi;
   Draws draw(seed);
   const auto m = static_cast<Index>(draw.between(1, 4)),
              n = m + static_cast<Index>(draw.between(0, 5));

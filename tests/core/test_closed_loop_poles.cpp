@@ -5,8 +5,8 @@
 #include <Eigen/LU>
 
 #include "core/control/design/gain_design.hpp"
-#include "core/numerics/balance.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/balance.hpp"
 #include "tests/core/random_pairs.hpp"
 
 // Poles against those of the plant with the state space of the law, and against det(I - G_22 C) =

@@ -3,13 +3,13 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "core/control/continuous_loop.hpp"
 #include "core/control/design/compliance.hpp"
 #include "core/control/design/control_loop.hpp"
 #include "core/mechanics/frequency_response.hpp"
-#include "core/control/continuous_loop.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "tests/core/scenes.hpp"
 
 namespace stillframe::test {
@@ -18,8 +18,6 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 struct Corners {
   double leak, high_pass, roll_off;  // rad/s

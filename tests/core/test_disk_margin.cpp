@@ -7,6 +7,7 @@
 
 #include "core/control/disk_margin.hpp"
 #include "core/control/margins.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/core/random_loops.hpp"
 
@@ -21,8 +22,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// S - I/2 from the return ratio, omega in rad/s.
 class FromReturnRatio {

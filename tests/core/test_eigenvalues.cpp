@@ -7,11 +7,11 @@
 #include <random>
 
 #include "core/control/continuous_loop.hpp"
-#include "core/numerics/eigenvalues.hpp"
 #include "core/control/margins.hpp"
-#include "core/systems/sampled_loop.hpp"
-#include "core/numerics/worst.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/worst.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "tests/core/random_loops.hpp"
 
 namespace stillframe {

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe::test {
 namespace {
@@ -59,16 +59,21 @@ class FlatArch {
       return std::string(text);
     };
     const std::string x = number(a * unit_);
-    return
-        "title: A flat arch\nplanar: true\nnodes: {left: {position: [-" + x +
-            ", 0]}, top: {position: [0, " + number(h * unit_) + "]}, right: {position: [" + x +
-            ", 0]}}\nmasses: [{node: top, mass: 1}]\nelements:\n"
-            "  one: {type: truss, nodes: [left, top], stiffness: " + number(k) + "}\n"
-            "  other: {type: truss, nodes: [right, top], stiffness: " + number(k) + "}\n"
-            "supports: [{nodes: [left, right], fix: [x, y]}]\n"
-            "loads: [{node: top, force: [0, " + number(-P * unit_) + "]}]\ndofs: " +
-            (by_elongations ? "[{element: one}, {element: other}]"
-                            : "[{node: top, along: x}, {node: top, along: y}]") + "\n";
+    return "title: A flat arch\nplanar: true\nnodes: {left: {position: [-" + x +
+           ", 0]}, top: {position: [0, " + number(h * unit_) + "]}, right: {position: [" + x +
+           ", 0]}}\nmasses: [{node: top, mass: 1}]\nelements:\n"
+           "  one: {type: truss, nodes: [left, top], stiffness: " +
+           number(k) +
+           "}\n"
+           "  other: {type: truss, nodes: [right, top], stiffness: " +
+           number(k) +
+           "}\n"
+           "supports: [{nodes: [left, right], fix: [x, y]}]\n"
+           "loads: [{node: top, force: [0, " +
+           number(-P * unit_) + "]}]\ndofs: " +
+           (by_elongations ? "[{element: one}, {element: other}]"
+                           : "[{node: top, along: x}, {node: top, along: y}]") +
+           "\n";
   }
   static constexpr double a = 1, h = 0.2, k = 1000;
   const double L_0 = std::hypot(a, h);

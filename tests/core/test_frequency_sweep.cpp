@@ -2,9 +2,9 @@
 
 #include <random>
 
+#include "core/numerics/singular_values.hpp"
 #include "core/systems/augment.hpp"
 #include "core/systems/frequency_sweep.hpp"
-#include "core/numerics/singular_values.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/frame_state_space.hpp"
 #include "tests/support/quadruple.hpp"

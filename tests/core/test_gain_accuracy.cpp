@@ -4,8 +4,8 @@
 #include <iostream>
 #include <numbers>
 
-#include "core/numerics/extended/decompositions.hpp"
 #include "core/control/design/gain_design.hpp"
+#include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/core/random_pairs.hpp"
 #include "tests/support/quadruple.hpp"

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <numbers>
 #include <vector>
 
 #include "core/control/design/control_loop.hpp"
-#include "core/mechanics/frequency_response.hpp"
 #include "core/control/design/gain_design.hpp"
-#include "core/mechanics/operating_point.hpp"
-#include "core/numerics/worst.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/numerics/two_pi.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 
@@ -25,8 +25,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 Scene without_leak() {
   Scene scene = frame_scene();

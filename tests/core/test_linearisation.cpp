@@ -4,13 +4,13 @@
 #include <cmath>
 #include <iostream>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 

@@ -5,17 +5,17 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
-#include "core/control/design/control_loop.hpp"
 #include "core/control/delay_centre.hpp"
 #include "core/control/delay_limit.hpp"
+#include "core/control/design/control_loop.hpp"
 #include "core/control/disk_margin.hpp"
 #include "core/control/margins.hpp"
-#include "core/mechanics/state_space.hpp"
-#include "core/numerics/worst.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/state_space.hpp"
+#include "core/numerics/two_pi.hpp"
+#include "core/numerics/worst.hpp"
 #include "tests/core/random_loops.hpp"
 #include "tests/core/scenes.hpp"
 
@@ -29,8 +29,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// The metrology frame at 1 kHz with what a rig has: a fraction of a sample more delay, slow
 /// actuators.

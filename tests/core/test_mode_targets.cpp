@@ -4,13 +4,13 @@
 #include <numbers>
 #include <string>
 
+#include "core/control/continuous_loop.hpp"
 #include "core/control/design/control_loop.hpp"
 #include "core/control/design/gain_design.hpp"
-#include "core/control/continuous_loop.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/core/random_pairs.hpp"
 #include "tests/core/scenes.hpp"
 

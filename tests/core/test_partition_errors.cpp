@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/model/model.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/errors/input_error.hpp"
 
 // Partitions of beams and hinges that cannot work: the message says which elements or nodes, and
 // what to release or add.

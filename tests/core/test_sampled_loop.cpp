@@ -5,14 +5,14 @@
 #include <complex>
 #include <deque>
 #include <iostream>
-#include <numbers>
 
+#include "core/control/close_loop.hpp"
 #include "core/control/design/control_loop.hpp"
 #include "core/mechanics/frequency_response.hpp"
-#include "core/numerics/balance.hpp"
-#include "core/control/close_loop.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/balance.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
 
@@ -24,8 +24,6 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 Sampling at(double sample_time) {
   Sampling sampling;

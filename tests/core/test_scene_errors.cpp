@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <string>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/mechanics/model/model.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/core/bad_elements.hpp"
 #include "tests/core/bad_motions.hpp"
 #include "tests/core/bad_planar_scenes.hpp"

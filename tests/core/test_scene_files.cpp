@@ -5,8 +5,8 @@
 #include <string>
 #include <variant>
 
-#include "core/mechanics/scene/scene_reader.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/core/bad_scenes.hpp"
 
 namespace stillframe::test {

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "core/control/design/control_loop.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 
 // docs/scene.md is held to the reader: the same keys, the same required ones, and an example that

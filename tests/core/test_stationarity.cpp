@@ -3,13 +3,13 @@
 #include <cmath>
 #include <string>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/buckling.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/core/differences.hpp"
 
 // Stationary motions are those that stay what they are: the rest are refused, whatever the dofs.

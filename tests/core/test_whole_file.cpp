@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/files/whole_file.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 
 namespace stillframe::test {
 namespace {

@@ -5,12 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/certificate.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/core/scenes.hpp"
 
 // What cannot be computed is not certified, not sorted and not looked up.

@@ -5,8 +5,8 @@
 #include <random>
 #include <string>
 
-#include "core/files/utf8.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/utf8.hpp"
 #include "core/yaml/load.hpp"
 #include "core/yaml/reader.hpp"
 

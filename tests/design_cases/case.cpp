@@ -4,19 +4,17 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
-#include <numbers>
 
 #include "core/control/continuous_loop.hpp"
 #include "core/control/margins.hpp"
-#include "core/numerics/singular_values.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::test {
 
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 const std::filesystem::path config = std::filesystem::path(STILLFRAME_SOURCE_DIR) / "config";
 

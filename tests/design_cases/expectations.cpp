@@ -1,10 +1,11 @@
-#include "core/numerics/worst.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <iostream>
+
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::test {
 

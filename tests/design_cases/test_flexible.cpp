@@ -4,9 +4,9 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 #include "core/mechanics/modes.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/design_cases/expectations.hpp"
 
@@ -14,7 +14,6 @@
 namespace stillframe::test {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
 /// Hz, of the first mode beyond the six of the frame on its legs.
 constexpr double first_internal_hz = 147.3;
 

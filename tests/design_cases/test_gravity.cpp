@@ -1,16 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <numbers>
 
+#include "core/numerics/two_pi.hpp"
 #include "tests/design_cases/expectations.hpp"
 
 // The frame with its weight on its legs. The law cancels the stiffness of the legs; what the weight
 // takes off stays.
 namespace stillframe::test {
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 Scene gravity_scene(double target_hz, double leak_hz, double high_pass_hz) {
   Scene scene = case_scene("frame_under_gravity", "force_feedback_5hz");

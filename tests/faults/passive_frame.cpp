@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 
 namespace stillframe::faults {

@@ -1,6 +1,6 @@
 #include "controller/start_check.hpp"
-#include "core/systems/sampled_loop.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "tests/fuzz/decay.hpp"
 #include "tests/fuzz/targets.hpp"
 

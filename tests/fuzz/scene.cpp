@@ -1,5 +1,5 @@
-#include "core/mechanics/scene/scene_reader.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/fuzz/targets.hpp"
 
 namespace stillframe::fuzz {

@@ -10,10 +10,10 @@
 
 #include "controller/gains.hpp"
 #include "controller/start_check.hpp"
-#include "core/systems/sampled_loop.hpp"
 #include "core/errors/input_error.hpp"
-#include "tests/fuzz/decay.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "judge/loop_design.hpp"
+#include "tests/fuzz/decay.hpp"
 
 namespace stillframe::controller {
 namespace {

@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <numbers>
 #include <vector>
 
 #include "core/control/design/control_loop.hpp"
 #include "core/control/design/gain_design.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "tests/core/random_pairs.hpp"
 #include "tests/core/scenes.hpp"
 #include "tests/hard_cases/reached.hpp"
@@ -19,8 +19,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 LegMatrices frame_legs() {
   const Scene scene = frame_scene();

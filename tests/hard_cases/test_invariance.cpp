@@ -5,10 +5,10 @@
 #include <random>
 
 #include "core/mechanics/frequency_response.hpp"
-#include "core/numerics/singular_values.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/core/scenes.hpp"
 #include "tests/hard_cases/reached.hpp"

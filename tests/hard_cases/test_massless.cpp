@@ -4,12 +4,12 @@
 #include <numbers>
 #include <string>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe::test {
 namespace {

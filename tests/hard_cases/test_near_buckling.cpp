@@ -3,12 +3,12 @@
 #include <cmath>
 #include <string>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/buckling.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/hard_cases/reached.hpp"
 
 namespace stillframe::test {

@@ -6,12 +6,12 @@
 #include <numbers>
 #include <string>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/hard_cases/reached.hpp"
 
 namespace stillframe::test {

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/frequency_response.hpp"
-#include "core/systems/augment.hpp"
 #include "core/mechanics/model/model.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/two_pi.hpp"
+#include "core/systems/augment.hpp"
 
 namespace stillframe::octave {
 
@@ -21,8 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 const fs::path folder = STILLFRAME_SOURCE_DIR "/config/scenes";
 
@@ -62,8 +60,7 @@ OpenCase make_open_case(const fs::path& file) {
   Scene scene = read_scene(file);
   take_accelerations(scene.inputs);
   const Model model = make_model(scene);
-  const LinearModel linear =
-      linearise(model, nominal_motion(model), scene.inputs, scene.outputs);
+  const LinearModel linear = linearise(model, nominal_motion(model), scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);
   OpenCase c;
   c.name = file.stem();

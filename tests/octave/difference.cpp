@@ -1,4 +1,3 @@
-#include "core/numerics/worst.hpp"
 #include "tests/octave/difference.hpp"
 
 #include <algorithm>
@@ -6,6 +5,8 @@
 #include <complex>
 #include <limits>
 #include <vector>
+
+#include "core/numerics/worst.hpp"
 
 namespace stillframe::octave {
 

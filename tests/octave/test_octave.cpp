@@ -8,11 +8,11 @@
 #include <complex>
 #include <iostream>
 
-#include "core/numerics/extended/decompositions.hpp"
-#include "core/numerics/balance.hpp"
 #include "core/control/continuous_loop.hpp"
-#include "core/systems/frequency_sweep.hpp"
+#include "core/numerics/balance.hpp"
+#include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "core/systems/frequency_sweep.hpp"
 #include "tests/octave/cases.hpp"
 #include "tests/octave/difference.hpp"
 

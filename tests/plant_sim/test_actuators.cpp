@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <numbers>
 
+#include "core/numerics/two_pi.hpp"
 #include "core/numerics/worst.hpp"
 #include "plant_sim/actuators.hpp"
 #include "plant_sim/force_sensors.hpp"
@@ -19,7 +19,6 @@ namespace {
 
 constexpr double sample_time = 1e-3, force_size = 10;  // s, N
 constexpr int n_legs = 3, n_samples = 30;
-constexpr double two_pi = 2 * std::numbers::pi;
 
 struct Case {
   const char* name;

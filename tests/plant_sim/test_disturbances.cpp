@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "core/mechanics/scene/scene_reader.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "plant_sim/disturbances.hpp"
 
 namespace stillframe {

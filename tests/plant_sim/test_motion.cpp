@@ -3,9 +3,9 @@
 #include <map>
 #include <random>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "plant_sim/motion/minimal_equations.hpp"
 #include "tests/plant_sim/motion_rig.hpp"
 

@@ -2,19 +2,18 @@
 
 #include <cmath>
 #include <iostream>
-#include <numbers>
 
 #include "controller/law.hpp"
+#include "core/numerics/two_pi.hpp"
+#include "judge/loop_design.hpp"
 #include "plant_sim/sensor_errors.hpp"
 #include "tests/plant_sim/frame.hpp"
-#include "judge/loop_design.hpp"
 
 // The noise of the force sensors in the closed loop of the nonlinear plant against what the sampled
 // loop says of it, number by number and in the mean square.
 namespace stillframe {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
 // N/sqrt(Hz): forces so small that the nonlinearity is below the integrator's tolerance.
 constexpr ForceSensorErrors errors{.noise = 1e-8, .seed = 3};
 

@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/numerics/worst.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/plant_sim/motion_rig.hpp"
 
 // What a run starts from: the scene's operating point, whose prescribed motion goes on in it.

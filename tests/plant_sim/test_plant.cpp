@@ -122,7 +122,8 @@ struct BareFrame {
     floor.take(k);
     ASSERT_TRUE(derivative(sample_time, y, rate));
     const double acceleration = std::max(before, q_ddot.lpNorm<Eigen::Infinity>());
-    ASSERT_EQ(integrator.advance(y, sample_time, acceleration, sample_time), Integrator::Status::ok);
+    ASSERT_EQ(integrator.advance(y, sample_time, acceleration, sample_time),
+              Integrator::Status::ok);
     ASSERT_TRUE(derivative(sample_time, y, rate));
     floor.finish(sample_time);
   }

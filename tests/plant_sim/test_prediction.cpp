@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "controller/law.hpp"
-#include "tests/plant_sim/frame.hpp"
 #include "judge/loop_design.hpp"
+#include "tests/plant_sim/frame.hpp"
 
 // Plant and law in one program against the exact linear sampled-data system, sample by sample. What
 // remains between them is nonlinearity, which shrinks with the amplitude, and integrator tolerance,

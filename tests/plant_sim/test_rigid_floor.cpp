@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <string>
 
-#include "core/mechanics/scene/scene_reader.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/sources.hpp"
 #include "plant_sim/floor_motion.hpp"

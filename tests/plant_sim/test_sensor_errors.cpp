@@ -3,8 +3,8 @@
 #include <cmath>
 #include <complex>
 #include <iostream>
-#include <numbers>
 
+#include "core/numerics/two_pi.hpp"
 #include "core/numerics/worst.hpp"
 #include "plant_sim/sensor_errors.hpp"
 
@@ -15,7 +15,6 @@ namespace {
 using Eigen::Index;
 
 constexpr double sample_time = 1e-3, density = 2e-3;  // s, N/sqrt(Hz)
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// The errors alone, legs x samples.
 Eigen::MatrixXd drawn(const ForceSensorErrors& errors, Index n_legs, Index n_samples,

@@ -7,9 +7,9 @@
 
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "judge/scene_design.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor_motion.hpp"
-#include "judge/scene_design.hpp"
 
 namespace stillframe::random_scenes {
 

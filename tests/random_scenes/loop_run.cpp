@@ -5,9 +5,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/numerics/eigenvalues.hpp"
 #include "core/mechanics/node_moves.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/worst.hpp"
 #include "plant_sim/floor/sources.hpp"
 #include "tools/run/closed_loop.hpp"
@@ -83,19 +83,19 @@ double fastest_rate(Case& scene) {
 
 RunRounding::RunRounding(Case& scene) {
   const double fastest = fastest_rate(scene);
-    const Model& model = scene.model();
-    double stiffest = 0, static_force = 0;
-    for (const ModelElement& element : model.elements) {
-      if (element.S.size() > 0) stiffest = std::max(stiffest, element.S.cwiseAbs().maxCoeff());
-    }
-    for (const SceneElement& element : scene.scene().elements) {
-      static_force = std::max(static_force, worst_of(element.preload));
-    }
-    // Positions that satisfy conditions are known to some 1e-12 of the scene's size, what changes of
-    // them from one sample to the next to some hundred epsilon: a rotor turns all the time.
-    const double eps = 1000 * std::numeric_limits<double>::epsilon(), size = scene_size(model);
-    acceleration = eps * size * fastest * fastest;
-    sigma = 1e-12 * (size * stiffest + static_force);
+  const Model& model = scene.model();
+  double stiffest = 0, static_force = 0;
+  for (const ModelElement& element : model.elements) {
+    if (element.S.size() > 0) stiffest = std::max(stiffest, element.S.cwiseAbs().maxCoeff());
+  }
+  for (const SceneElement& element : scene.scene().elements) {
+    static_force = std::max(static_force, worst_of(element.preload));
+  }
+  // Positions that satisfy conditions are known to some 1e-12 of the scene's size, what changes of
+  // them from one sample to the next to some hundred epsilon: a rotor turns all the time.
+  const double eps = 1000 * std::numeric_limits<double>::epsilon(), size = scene_size(model);
+  acceleration = eps * size * fastest * fastest;
+  sigma = 1e-12 * (size * stiffest + static_force);
 }
 
 }  // namespace stillframe::random_scenes

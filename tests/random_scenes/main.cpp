@@ -11,8 +11,8 @@
 #include <sstream>
 #include <thread>
 
-#include "core/mechanics/modes.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/modes.hpp"
 #include "tests/random_scenes/generator/draft.hpp"
 #include "tests/random_scenes/relation.hpp"
 #include "tests/random_scenes/shrink.hpp"
@@ -61,8 +61,8 @@ std::string refusal(Case& scene) {
 struct Tally {
   int applied = 0, violations = 0;
   std::int64_t compared = 0, unknown = 0;  ///< numbers, as in Finding
-  double seconds = 0, longest = 0;  ///< of all scenes, and of one
-  std::map<std::string, int> skipped;  ///< what was too dear to compare, and on how many scenes
+  double seconds = 0, longest = 0;         ///< of all scenes, and of one
+  std::map<std::string, int> skipped;      ///< what was too dear to compare, and on how many scenes
   Finding worst;
   std::uint64_t worst_seed = 0, longest_seed = 0;
 };
@@ -113,7 +113,8 @@ class Run {
     if (!refused.empty()) {
       const std::lock_guard lock(mutex_);
       // Without the numbers and names of the scene.
-      ++refused_[refused.substr(0, std::min(refused.find_first_of("0123456789:"), refused.find(" of leg_")))];
+      ++refused_[refused.substr(
+          0, std::min(refused.find_first_of("0123456789:"), refused.find(" of leg_")))];
       return;
     }
     std::ostringstream times;
@@ -233,13 +234,14 @@ class Run {
       const Tally& t = tallies_[i];
       int skipped = 0;
       for (const auto& [what, n] : t.skipped) skipped += n;
-      std::printf("%-14s %8d %10d %9lld %9lld %8d %10.2e %10.2e %9.1f %7.1f s  %s, scene %llu; "
-                  "longest: %llu\n",
-                  relations_[i]->name, t.applied, t.violations, static_cast<long long>(t.compared),
-                  static_cast<long long>(t.unknown), skipped, t.worst.value, t.worst.bound,
-                  1e3 * t.seconds / std::max(1, options_.n), t.longest, t.worst.what.c_str(),
-                  static_cast<unsigned long long>(t.worst_seed),
-                  static_cast<unsigned long long>(t.longest_seed));
+      std::printf(
+          "%-14s %8d %10d %9lld %9lld %8d %10.2e %10.2e %9.1f %7.1f s  %s, scene %llu; "
+          "longest: %llu\n",
+          relations_[i]->name, t.applied, t.violations, static_cast<long long>(t.compared),
+          static_cast<long long>(t.unknown), skipped, t.worst.value, t.worst.bound,
+          1e3 * t.seconds / std::max(1, options_.n), t.longest, t.worst.what.c_str(),
+          static_cast<unsigned long long>(t.worst_seed),
+          static_cast<unsigned long long>(t.longest_seed));
     }
     for (size_t i = 0; i < relations_.size(); ++i) {
       for (const auto& [what, n] : tallies_[i].skipped) {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "core/numerics/worst.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/worst.hpp"
 #include "report/identification/multisine.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/toy_frame.hpp"

@@ -2,11 +2,11 @@
 
 #include <numbers>
 
-#include "core/numerics/singular_values.hpp"
-#include "core/mechanics/model/model.hpp"
 #include "core/control/robustness/draws.hpp"
+#include "core/mechanics/model/model.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/robustness/frame.hpp"
 

@@ -1,7 +1,7 @@
+#include "judge/floor_nodes.hpp"
 #include "tests/tools/damaged_log.hpp"
 #include "tests/tools/three_feet.hpp"
 #include "tests/tools/verb.hpp"
-#include "judge/floor_nodes.hpp"
 
 namespace stillframe::test {
 namespace {

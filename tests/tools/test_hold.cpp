@@ -6,13 +6,13 @@
 
 #include "controller/law.hpp"
 #include "core/errors/input_error.hpp"
+#include "judge/hold_of.hpp"
+#include "judge/run_analysis.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 #include "tests/report/sample_log.hpp"
 #include "tests/tools/replay_logs.hpp"
 #include "tests/tools/verb.hpp"
-#include "judge/hold_of.hpp"
-#include "judge/run_analysis.hpp"
 
 namespace stillframe::test {
 namespace {

@@ -1,11 +1,11 @@
 #include <fstream>
 
-#include "report/identification/frequency_response.hpp"
-#include "tests/tools/verb.hpp"
 #include "judge/loop_target.hpp"
 #include "judge/recorded_run.hpp"
 #include "judge/response_prediction.hpp"
 #include "judge/run_analysis.hpp"
+#include "report/identification/frequency_response.hpp"
+#include "tests/tools/verb.hpp"
 
 namespace stillframe::test {
 namespace {

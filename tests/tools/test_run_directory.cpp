@@ -1,9 +1,9 @@
 #include <random>
 #include <thread>
 
+#include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/errors/input_error.hpp"
 #include "tests/tools/verb.hpp"
 #include "tools/run/run_directory.hpp"
 

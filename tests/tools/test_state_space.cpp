@@ -2,14 +2,14 @@
 
 #include <numbers>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/equilibrium.hpp"
 #include "core/mechanics/frequency_response.hpp"
-#include "core/systems/frequency_sweep.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
-#include "core/errors/input_error.hpp"
+#include "core/systems/frequency_sweep.hpp"
 
 namespace stillframe::test {
 namespace {

@@ -6,6 +6,8 @@
 #include <random>
 #include <regex>
 
+#include "judge/page_tables_of.hpp"
+#include "judge/prediction_checks.hpp"
 #include "msgs/channels.hpp"
 #include "report/page/sections.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
@@ -13,8 +15,6 @@
 #include "tests/tools/damaged_log.hpp"
 #include "tests/tools/three_feet.hpp"
 #include "tests/tools/verb.hpp"
-#include "judge/page_tables_of.hpp"
-#include "judge/prediction_checks.hpp"
 #include "tools/exit_code.hpp"
 
 namespace stillframe::test {

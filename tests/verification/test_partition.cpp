@@ -84,9 +84,9 @@ TEST(Partition, TurningTableBySpringsAndByObliqueProbes) {
 
 /// The tip of a rotating blade by its deformations and by four probes from posts on the hub.
 TEST(Partition, RotatingBladeByDeformationsAndByProbes) {
-  const std::string text = with(
-      with(divided(blade_without_twist(), 1), "deformation: blade/1", "deformation: blade"),
-      "stress: blade/1", "stress: blade");
+  const std::string text =
+      with(with(divided(blade_without_twist(), 1), "deformation: blade/1", "deformation: blade"),
+           "stress: blade/1", "stress: blade");
   const std::string damped =
       with(text, "second_order: true", "damping_time: 1e-3, second_order: true");
   std::string probed = damped;

@@ -4,10 +4,10 @@
 #include <iostream>
 
 #include "core/errors/input_error.hpp"
-#include "report/plots/plots.hpp"
 #include "judge/loop_comparison.hpp"
-#include "judge/verdict_of.hpp"
 #include "judge/loop_peaks.hpp"
+#include "judge/verdict_of.hpp"
+#include "report/plots/plots.hpp"
 
 namespace stillframe::tools {
 

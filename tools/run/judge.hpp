@@ -1,9 +1,9 @@
 #pragma once
 
+#include "judge/loop_design.hpp"
+#include "judge/run_analysis.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "report/verdict/verdict.hpp"
-#include "judge/run_analysis.hpp"
-#include "judge/loop_design.hpp"
 #include "tools/run/run_directory.hpp"
 
 namespace stillframe::tools {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <sstream>
 
-#include "core/files/whole_file.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"

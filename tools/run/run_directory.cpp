@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "core/files/whole_file.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 
 namespace stillframe::tools {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "plant_sim/floor/floor_block.hpp"
 #include "judge/loop_design.hpp"
+#include "plant_sim/floor/floor_block.hpp"
 #include "tools/run/phase.hpp"
 
 namespace stillframe::tools {

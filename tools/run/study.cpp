@@ -7,20 +7,20 @@
 #include <thread>
 
 #include "controller/start_check.hpp"
-#include "core/mechanics/scene/scene_reader.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "judge/loop_between.hpp"
+#include "judge/loop_design.hpp"
+#include "judge/loop_target.hpp"
+#include "judge/multisine_motion.hpp"
+#include "judge/recorded_run.hpp"
+#include "judge/verdict_of.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
 #include "plant_sim/run_length.hpp"
 #include "report/analysis/summaries.hpp"
 #include "report/verdict/acceptance.hpp"
 #include "report/verdict/motion_level.hpp"
-#include "judge/loop_between.hpp"
-#include "judge/loop_target.hpp"
-#include "judge/multisine_motion.hpp"
-#include "judge/recorded_run.hpp"
-#include "judge/verdict_of.hpp"
-#include "judge/loop_design.hpp"
 #include "tools/run/closed_loop.hpp"
 
 namespace stillframe::tools {

@@ -1,7 +1,7 @@
-#include "core/numerics/extended/decompositions.hpp"
 #include "core/control/design/gain_design.hpp"
-#include "core/numerics/positive_definite.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/extended/decompositions.hpp"
+#include "core/numerics/positive_definite.hpp"
 
 namespace stillframe {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/systems/sampled_plant.hpp"
 #include "core/mechanics/scene/scene.hpp"
+#include "core/systems/sampled_plant.hpp"
 
 namespace stillframe {
 

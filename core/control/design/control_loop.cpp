@@ -1,20 +1,18 @@
 #include "core/control/design/control_loop.hpp"
 
 #include <algorithm>
-#include <numbers>
 
-#include "core/mechanics/frequency_response.hpp"
 #include "core/control/loop_settings.hpp"
+#include "core/errors/input_error.hpp"
+#include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/signals.hpp"
 #include "core/mechanics/state_space.hpp"
-#include "core/errors/input_error.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 void require_accelerations(const std::vector<SceneSignal>& signals, const std::string& what) {
   for (const SceneSignal& signal : signals) {

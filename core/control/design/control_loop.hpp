@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "core/control/design/gain_design.hpp"
 #include "core/control/close_loop.hpp"
+#include "core/control/design/gain_design.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/mechanics/scene/scene.hpp"
 
@@ -36,9 +36,9 @@ LinearModel loop_model(const Scene& scene, const Model& model);
 /// The targets of n virtual modes: one for all, or n. Errors: InputError on another number.
 std::vector<ModeTarget> mode_targets(const SceneController& controller, Eigen::Index n_modes);
 
-/// Linearises a scene's loop about its operating point and designs its gains. Errors: InputError if the
-/// scene has no controller, no inputs or no outputs, or an input that is no acceleration; Refusal
-/// as design_gains and leg_matrices.
+/// Linearises a scene's loop about its operating point and designs its gains. Errors: InputError if
+/// the scene has no controller, no inputs or no outputs, or an input that is no acceleration;
+/// Refusal as design_gains and leg_matrices.
 ControlLoop make_control_loop(const Scene& scene, const Model& model);
 
 /// Checks that a scene has a controller, acceleration inputs and acceleration outputs, as a loop

@@ -8,9 +8,9 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/errors/input_error.hpp"
 #include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/positive_definite.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/errors/input_error.hpp"
 #include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/positive_definite.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/control/design/design_model.hpp"
-#include "core/numerics/extended/double_double.hpp"
 #include "core/control/force_feedback.hpp"
 #include "core/mechanics/scene/scene.hpp"
+#include "core/numerics/extended/double_double.hpp"
 
 namespace stillframe {
 

@@ -9,14 +9,14 @@
 #include <set>
 
 #include "core/control/design/control_loop.hpp"
-#include "core/numerics/eigenvalues.hpp"
-#include "core/systems/frequency_sweep.hpp"
-#include "core/numerics/golden_section.hpp"
-#include "core/systems/resonances.hpp"
-#include "core/numerics/singular_values.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/model/model.hpp"
 #include "core/mechanics/state_space.hpp"
-#include "core/errors/input_error.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/golden_section.hpp"
+#include "core/numerics/singular_values.hpp"
+#include "core/systems/frequency_sweep.hpp"
+#include "core/systems/resonances.hpp"
 
 namespace stillframe::robustness {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/control/discrete_law.hpp"
-#include "core/systems/sampled_loop.hpp"
 #include "core/control/robustness/parameters.hpp"
+#include "core/systems/sampled_loop.hpp"
 
 namespace stillframe::robustness {
 

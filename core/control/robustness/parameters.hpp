@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/systems/sampled_plant.hpp"
 #include "core/mechanics/scene/scene.hpp"
+#include "core/systems/sampled_plant.hpp"
 
 namespace stillframe::robustness {
 

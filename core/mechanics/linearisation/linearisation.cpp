@@ -1,12 +1,12 @@
 #include "core/mechanics/linearisation/linearisation.hpp"
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/linearisation/columns.hpp"
 #include "core/mechanics/linearisation/mass_rounding.hpp"
 #include "core/mechanics/linearisation/projection.hpp"
 #include "core/mechanics/linearisation/signal_rows.hpp"
 #include "core/mechanics/model/prescribed.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

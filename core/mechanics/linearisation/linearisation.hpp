@@ -97,7 +97,8 @@ class Lineariser {
   std::unique_ptr<Work> work_;
 };
 
-/// Linearises about any motion; about the operating point of the scene: core/mechanics/operating_point.hpp.
+/// Linearises about any motion; about the operating point of the scene:
+/// core/mechanics/operating_point.hpp.
 LinearModel linearise(const Model& model, const NominalMotion& nominal,
                       const std::vector<SceneSignal>& inputs,
                       const std::vector<SceneSignal>& outputs, Blocks blocks = {});

@@ -11,8 +11,8 @@ using Eigen::VectorXd;
 
 VectorXd mass_rounding(const Model& model, const VectorXd& x, const RowMatrix& X) {
   // Some ten roundings for every element on the way to a node.
-  const double eps = 10 * static_cast<double>(model.elements.size() + 1) *
-                     std::numeric_limits<double>::epsilon();
+  const double eps =
+      10 * static_cast<double>(model.elements.size() + 1) * std::numeric_limits<double>::epsilon();
   const Index n = X.cols();
   ArrayXd turn(n), translation(n);
   for (Index i = 0; i < n; ++i) {
@@ -40,9 +40,8 @@ VectorXd mass_rounding(const Model& model, const VectorXd& x, const RowMatrix& X
       Index column = 0;
       for (size_t q = 0; q < item.parts.size(); column += item.parts[q++].size) {
         const ArrayXd& far_q = item.parts[q].size == 3 ? translation : turn;
-        const double largest = M.block(row, column, item.parts[p].size, item.parts[q].size)
-                                   .cwiseAbs()
-                                   .maxCoeff();
+        const double largest =
+            M.block(row, column, item.parts[p].size, item.parts[q].size).cwiseAbs().maxCoeff();
         rounding += eps * largest * (moved[p] * moved[q] + eps * far_p * far_q);
       }
     }

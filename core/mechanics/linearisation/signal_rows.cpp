@@ -1,8 +1,8 @@
 #include "core/mechanics/linearisation/signal_rows.hpp"
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/elements/rotation.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

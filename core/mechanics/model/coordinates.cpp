@@ -1,6 +1,6 @@
 // The coordinates of the nodes: which there are, who claims them, and their numbers.
-#include "core/mechanics/model/builder.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/model/builder.hpp"
 
 namespace stillframe {
 

@@ -24,9 +24,9 @@ struct MergedScene {
 /// Takes out the nodes that rigid beams join to another node and to which nothing but trusses is
 /// attached besides, with those beams; the trusses get arms. The motion of what is left is the same
 /// as before (the rigid beams are solved for), in fewer coordinates: the metrology frame has 7
-/// instead of 28. Nodes with a mass, load, support, prescribed motion, dof, input or disturbance, and
-/// those in `keep`, stay; so does everything in a planar scene. Outputs and monitors are left as
-/// they are, also where they name a node that is carried. Set-up.
+/// instead of 28. Nodes with a mass, load, support, prescribed motion, dof, input or disturbance,
+/// and those in `keep`, stay; so does everything in a planar scene. Outputs and monitors are left
+/// as they are, also where they name a node that is carried. Set-up.
 MergedScene merge_rigid_bodies(const Scene& scene, const std::set<std::string>& keep = {});
 
 }  // namespace stillframe

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "core/systems/instruments.hpp"
-#include "core/systems/realisation.hpp"
 #include "core/mechanics/scene/disturbances.hpp"
 #include "core/mechanics/scene/plant_methods.hpp"
+#include "core/systems/instruments.hpp"
+#include "core/systems/realisation.hpp"
 
 // A scene as a person wrote it, checked key by key; names are not resolved yet. `place` is
 // "file:line:column".

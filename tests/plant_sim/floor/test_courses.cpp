@@ -1,5 +1,3 @@
-#include "plant_sim/floor/courses.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/numerics/worst.hpp"
+#include "plant_sim/floor/courses.hpp"
 #include "plant_sim/floor/held_acceleration.hpp"
 
 namespace stillframe::floor {

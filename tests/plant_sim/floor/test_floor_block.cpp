@@ -1,10 +1,9 @@
-#include "plant_sim/floor/floor_block.hpp"
-
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 #include <string>
 
+#include "plant_sim/floor/floor_block.hpp"
 #include "tests/plant_sim/floor/scratch_folder.hpp"
 
 namespace stillframe::floor {

@@ -1,6 +1,3 @@
-#include "core/numerics/worst.hpp"
-#include "plant_sim/floor/high_pass.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +5,9 @@
 #include <numbers>
 #include <stdexcept>
 #include <vector>
+
+#include "core/numerics/worst.hpp"
+#include "plant_sim/floor/high_pass.hpp"
 
 namespace stillframe::floor {
 namespace {

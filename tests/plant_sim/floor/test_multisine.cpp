@@ -1,6 +1,3 @@
-#include "core/numerics/worst.hpp"
-#include "plant_sim/floor/multisine.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,9 +5,11 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/numerics/worst.hpp"
 #include "core/yaml/reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/low_crest.hpp"
+#include "plant_sim/floor/multisine.hpp"
 #include "tests/plant_sim/floor/spectrum.hpp"
 
 namespace stillframe::floor {

@@ -1,11 +1,10 @@
-#include "plant_sim/floor/recording_file.hpp"
-
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "core/numerics/worst.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/worst.hpp"
+#include "plant_sim/floor/recording_file.hpp"
 #include "tests/plant_sim/floor/scratch_folder.hpp"
 
 namespace stillframe::floor {

@@ -1,12 +1,12 @@
-#include "core/numerics/worst.hpp"
-#include "plant_sim/floor/resample.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
+
+#include "core/numerics/worst.hpp"
+#include "plant_sim/floor/resample.hpp"
 
 namespace stillframe::floor {
 namespace {

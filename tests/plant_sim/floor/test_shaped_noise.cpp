@@ -1,5 +1,3 @@
-#include "plant_sim/floor/shaped_noise.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "core/numerics/worst.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/resample.hpp"
+#include "plant_sim/floor/shaped_noise.hpp"
 #include "report/spectra/spectra.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 

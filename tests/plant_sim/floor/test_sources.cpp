@@ -1,5 +1,3 @@
-#include "plant_sim/floor/sources.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "plant_sim/floor/high_pass.hpp"
 #include "plant_sim/floor/recording_file.hpp"
 #include "plant_sim/floor/resample.hpp"
+#include "plant_sim/floor/sources.hpp"
 #include "tests/plant_sim/floor/spectrum.hpp"
 #include "tests/support/allocation_count.hpp"
 

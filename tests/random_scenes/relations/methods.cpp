@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/systems/sampled_loop.hpp"
 #include "core/numerics/worst.hpp"
+#include "core/systems/sampled_loop.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"
 
@@ -90,7 +90,7 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
     return whole;
   };
   std::vector<std::string> ends;
-  std::string ended;  // names
+  std::string ended;    // names
   bool passed = false;  // a method in these coordinates came to the end
   for (const Method& method : minimal) {
     try {

@@ -8,16 +8,16 @@
 #include <set>
 #include <sstream>
 
-#include "core/systems/sampled_loop.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/systems/sampled_loop.hpp"
+#include "judge/page_of.hpp"
+#include "judge/verdict_of.hpp"
 #include "report/export/log_export.hpp"
 #include "report/page/write_page.hpp"
 #include "report/spectra/spectra.hpp"
 #include "report/verdict/motion_level.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"
-#include "judge/page_of.hpp"
-#include "judge/verdict_of.hpp"
 #include "tools/run/single_process.hpp"
 
 namespace stillframe::random_scenes {

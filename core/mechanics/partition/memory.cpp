@@ -1,4 +1,4 @@
-#include "core/mechanics/model/memory.hpp"
+#include "core/mechanics/partition/memory.hpp"
 
 #include <unistd.h>
 

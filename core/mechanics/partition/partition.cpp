@@ -1,11 +1,11 @@
-#include "core/mechanics/model/partition.hpp"
+#include "core/mechanics/partition/partition.hpp"
 
 #include <Eigen/SVD>
 #include <algorithm>
 #include <map>
 
-#include "core/mechanics/kinematics.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/kinematics.hpp"
 
 namespace stillframe {
 

@@ -1,16 +1,16 @@
-#include "core/mechanics/model/automatic_dofs.hpp"
+#include "core/mechanics/partition/automatic_dofs.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <set>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/kinematics.hpp"
 #include "core/mechanics/model/builder.hpp"
 #include "core/mechanics/model/local.hpp"
-#include "core/mechanics/model/memory.hpp"
-#include "core/mechanics/model/partition.hpp"
+#include "core/mechanics/partition/memory.hpp"
+#include "core/mechanics/partition/partition.hpp"
 #include "core/mechanics/node_moves.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 

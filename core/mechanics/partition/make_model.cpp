@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/elements/arm_truss.hpp"
 #include "core/mechanics/elements/beam.hpp"
 #include "core/mechanics/elements/hinge.hpp"
@@ -14,12 +15,11 @@
 #include "core/mechanics/inertia/body.hpp"
 #include "core/mechanics/inertia/lumped.hpp"
 #include "core/mechanics/inertia/planar_beam_mass.hpp"
-#include "core/mechanics/model/automatic_dofs.hpp"
+#include "core/mechanics/partition/automatic_dofs.hpp"
 #include "core/mechanics/model/builder.hpp"
-#include "core/mechanics/model/memory.hpp"
-#include "core/mechanics/model/partition.hpp"
+#include "core/mechanics/partition/memory.hpp"
+#include "core/mechanics/partition/partition.hpp"
 #include "core/mechanics/model/section.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe {
 
