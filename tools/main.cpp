@@ -36,6 +36,18 @@ constexpr const char* footer =
     "its\n"
     "scene accepts.";
 
+/// What belongs together, in the order of the work.
+struct Group {
+  const char* title;
+  std::vector<void (*)(CLI::App&, int&)> add;
+};
+const std::vector<Group> groups{
+    {"Model", {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma}},
+    {"Control", {add_design, add_robustness, add_merge}},
+    {"Runs", {add_run, add_batch, add_ctl, add_watch, add_replay}},
+    {"Logs", {add_identify, add_report, add_export}},
+};
+
 /// CLI11 says no more of an unknown verb than that one is required.
 void require_known_verb(CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return;
@@ -70,27 +82,19 @@ int main(int argc, char** argv) {
   CLI::App app{description, "stillframe"};
   app.footer(footer);
   app.set_version_flag("--version", STILLFRAME_VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   int exit_code = exit_done;
   try {
-    add_modes(app, exit_code);
-    add_equilibrium(app, exit_code);
-    add_buckling(app, exit_code);
-    add_linearise(app, exit_code);
-    add_sigma(app, exit_code);
-    add_design(app, exit_code);
-    add_robustness(app, exit_code);
-    add_merge(app, exit_code);
-    add_run(app, exit_code);
-    add_identify(app, exit_code);
-    add_report(app, exit_code);
-    add_batch(app, exit_code);
-    add_ctl(app, exit_code);
-    add_replay(app, exit_code);
-    add_export(app, exit_code);
-    add_watch(app, exit_code);
+    for (const Group& group : groups) {
+      const size_t n_before = app.get_subcommands({}).size();
+      for (const auto add : group.add) add(app, exit_code);
+      const auto verbs = app.get_subcommands({});
+      for (size_t i = n_before; i < verbs.size(); ++i) verbs[i]->group(group.title);
+    }
     require_known_verb(app, argc, argv);
     app.parse(argc, argv);
+    // Alone it says what there is.
+    if (app.get_subcommands().empty()) std::cout << app.help();
     return exit_code;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? exit_done : exit_bad_input;

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr int p_position = 0, p_angle = 3, q_position = 4, q_angle = 7;
 
-Vector3d planar_difference(const LocalVector& u) {
+Vector3d difference(const LocalVector& u) {
   return u.segment<3>(q_position) - u.segment<3>(p_position);
 }
 
@@ -36,7 +36,7 @@ PlanarBeam::PlanarBeam(Eigen::Index node_p, Eigen::Index node_q, const Vector3d&
 }
 
 void PlanarBeam::deformations(const LocalVector& u, LocalDeformation& e) const noexcept {
-  const Vector3d d = planar_difference(u);
+  const Vector3d d = difference(u);
   const Span span(l_0_vector_, l_0_, d);
   e(0) = span.elongation;
   for (int i = 0; i < 2; ++i) {
@@ -47,7 +47,7 @@ void PlanarBeam::deformations(const LocalVector& u, LocalDeformation& e) const n
 }
 
 void PlanarBeam::jacobian(const LocalVector& u, LocalJacobian& D) const noexcept {
-  const Span span(l_0_vector_, l_0_, planar_difference(u));
+  const Span span(l_0_vector_, l_0_, difference(u));
   D.setZero();
   D.block<1, 3>(0, p_position) = -span.direction.transpose();
   D.block<1, 3>(0, q_position) = span.direction.transpose();
@@ -62,8 +62,8 @@ void PlanarBeam::jacobian(const LocalVector& u, LocalJacobian& D) const noexcept
 
 void PlanarBeam::second_derivative(const LocalVector& u, const LocalVector& v, const LocalVector& w,
                                    LocalDeformation& result) const noexcept {
-  const Span span(l_0_vector_, l_0_, planar_difference(u));
-  const Vector3d dv = planar_difference(v), dw = planar_difference(w);
+  const Span span(l_0_vector_, l_0_, difference(u));
+  const Vector3d dv = difference(v), dw = difference(w);
   result(0) = span.second(dv, dw);
   for (int i = 0; i < 2; ++i) {
     const auto [angle, sign] = bendings[i];
@@ -75,8 +75,8 @@ void PlanarBeam::second_derivative(const LocalVector& u, const LocalVector& v, c
 
 void PlanarBeam::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
                                 LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
-  const Span span(l_0_vector_, l_0_, planar_difference(u));
-  const Vector3d l = span.l_vector, l_1 = planar_difference(v), l_2 = planar_difference(a);
+  const Span span(l_0_vector_, l_0_, difference(u));
+  const Vector3d l = span.l_vector, l_1 = difference(v), l_2 = difference(a);
   rate.setZero();
   second_rate.setZero();
   const auto elongation = span.direction_rates(l_1, l_2);
@@ -102,7 +102,7 @@ void PlanarBeam::jacobian_rates(const LocalVector& u, const LocalVector& v, cons
 
 void PlanarBeam::hessian(const LocalVector& u, const LocalDeformation& sigma,
                          LocalHessian& H) const noexcept {
-  const Span span(l_0_vector_, l_0_, planar_difference(u));
+  const Span span(l_0_vector_, l_0_, difference(u));
   H.setZero();
   const Eigen::Matrix3d curvature = sigma(0) * span.curvature();
   H.block<3, 3>(p_position, p_position) = curvature;

@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Local coordinates of end k: position at 4 k, angle at 4 k + 3.
-constexpr int planar_position(int k) { return 4 * k; }
+constexpr int position(int k) { return 4 * k; }
 constexpr int angle(int k) { return 4 * k + 3; }
 
 /// End tangents t and their derivatives n = dt/dphi.
@@ -29,7 +29,7 @@ HermiteVectors accelerations(const Tangents& ends, const LocalVector& v, const L
   HermiteVectors w;
   for (int k = 0; k < 2; ++k) {
     const double rate = v(angle(k));
-    w.col(2 * k) = a.segment<3>(planar_position(k)) - g;
+    w.col(2 * k) = a.segment<3>(position(k)) - g;
     w.col(2 * k + 1) = a(angle(k)) * ends.n[k] - rate * rate * ends.t[k];
   }
   return w;
@@ -47,10 +47,9 @@ void PlanarBeamMass::mass(const LocalVector& u, LocalHessian& M) const noexcept 
   const Tangents ends(u, n_x_);
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
-      M.block<3, 3>(planar_position(i), planar_position(j)) =
-          M_(2 * i, 2 * j) * Eigen::Matrix3d::Identity();
-      M.block<3, 1>(planar_position(i), angle(j)) = M_(2 * i, 2 * j + 1) * ends.n[j];
-      M.block<1, 3>(angle(i), planar_position(j)) = M_(2 * i + 1, 2 * j) * ends.n[i].transpose();
+      M.block<3, 3>(position(i), position(j)) = M_(2 * i, 2 * j) * Eigen::Matrix3d::Identity();
+      M.block<3, 1>(position(i), angle(j)) = M_(2 * i, 2 * j + 1) * ends.n[j];
+      M.block<1, 3>(angle(i), position(j)) = M_(2 * i + 1, 2 * j) * ends.n[i].transpose();
       M(angle(i), angle(j)) = M_(2 * i + 1, 2 * j + 1) * ends.n[i].dot(ends.n[j]);
     }
   }
@@ -61,7 +60,7 @@ void PlanarBeamMass::force(const LocalVector& u, const LocalVector& v, const Loc
   const Tangents ends(u, n_x_);
   const HermiteVectors y = accelerations(ends, v, a, g) * M_;
   for (int k = 0; k < 2; ++k) {
-    F.segment<3>(planar_position(k)) = y.col(2 * k);
+    F.segment<3>(position(k)) = y.col(2 * k);
     F(angle(k)) = ends.n[k].dot(y.col(2 * k + 1));
   }
 }
@@ -78,8 +77,8 @@ void PlanarBeamMass::tangents(const LocalVector& u, const LocalVector& v, const 
     // t'' = phi'' n - phi'^2 t changes with phi' and with phi.
     const Vector3d in_v = -2.0 * w * ends.t[j], in_u = -w_1 * ends.t[j] - w * w * ends.n[j];
     for (int i = 0; i < 2; ++i) {
-      d_F_d_v.block<3, 1>(planar_position(i), angle(j)) = M_(2 * i, 2 * j + 1) * in_v;
-      d_F_d_u.block<3, 1>(planar_position(i), angle(j)) = M_(2 * i, 2 * j + 1) * in_u;
+      d_F_d_v.block<3, 1>(position(i), angle(j)) = M_(2 * i, 2 * j + 1) * in_v;
+      d_F_d_u.block<3, 1>(position(i), angle(j)) = M_(2 * i, 2 * j + 1) * in_u;
       d_F_d_v(angle(i), angle(j)) = M_(2 * i + 1, 2 * j + 1) * ends.n[i].dot(in_v);
       d_F_d_u(angle(i), angle(j)) = M_(2 * i + 1, 2 * j + 1) * ends.n[i].dot(in_u);
     }
@@ -90,7 +89,7 @@ void PlanarBeamMass::tangents(const LocalVector& u, const LocalVector& v, const 
 double PlanarBeamMass::gravity_energy(const LocalVector& u, const Vector3d& g) const noexcept {
   HermiteVectors change;
   for (int k = 0; k < 2; ++k) {
-    change.col(2 * k) = u.segment<3>(planar_position(k));
+    change.col(2 * k) = u.segment<3>(position(k));
     change.col(2 * k + 1) = turned_by(u(angle(k)), n_x_);
   }
   return -g.dot(change * (M_.col(0) + M_.col(2)));
