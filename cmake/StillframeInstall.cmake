@@ -13,6 +13,7 @@ foreach(folder core msgs plant_sim controller report)
     # Libraries of the programs alone.
     PATTERN "analysis" EXCLUDE PATTERN "export" EXCLUDE PATTERN "live" EXCLUDE PATTERN "page" EXCLUDE)
 endforeach()
+install(FILES include/stillframe.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillframe)
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe)
 install(PROGRAMS scripts/private_network DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe)
 

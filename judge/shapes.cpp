@@ -4,6 +4,7 @@
 
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/node_displacements.hpp"
+#include "core/mechanics/operating_point.hpp"
 
 namespace stillframe::tools {
 

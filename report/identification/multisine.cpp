@@ -133,7 +133,7 @@ double condition_of(const MatrixXcd& W) {
 }
 
 /// Beyond this the inputs of the blocks are one and the same experiment; the plan's own are at 1.
-constexpr double largest_condition = 1e6;
+constexpr double largest_input_condition = 1e6;
 
 bool is_lost(const MatrixXd& inputs, const MatrixXd& outputs, Index row) {
   return !inputs.row(row).allFinite() || !outputs.row(row).allFinite();
@@ -208,7 +208,7 @@ FrequencyResponse identify(const MultisinePlan& plan, const MatrixXd& inputs,
     const Index bin = raster.bins[static_cast<std::size_t>(l)];
     const MatrixXcd W = bin_of_blocks(W_all, bin), Y = bin_of_blocks(Y_all, bin);
     const double condition = condition_of(W);
-    if (!(condition < largest_condition)) {
+    if (!(condition < largest_input_condition)) {
       throw InputError("multisine: the inputs at " + std::to_string(response.frequencies_hz[l]) +
                        " Hz are no independent experiments (condition of W " +
                        std::to_string(condition) + "): is this the log of another excitation?");

@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <iterator>
+
+#include "report/log/same_bits.hpp"
 
 namespace stillframe::report {
 
 namespace {
-
-bool same_bits(const double* values, const std::vector<double>& others) {
-  return others.empty() || std::memcmp(values, others.data(), others.size() * sizeof(double)) == 0;
-}
 
 /// What may be seen to move where a channel should: the frame beside the floor, the command beside
 /// the force of its leg, and floor and sigma beside the frame.

@@ -1,9 +1,10 @@
 #include "report/log/sample_window.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
+
+#include "report/log/same_bits.hpp"
 
 namespace stillframe::report {
 
@@ -43,10 +44,6 @@ void cut_gaps(ChannelCount& count, std::int64_t end) {
 
 void require_positive(std::int64_t value, const char* name) {
   if (value < 1) throw std::invalid_argument(std::string(name) + " must be positive");
-}
-
-bool same_bits(const double* a, const std::vector<double>& b) {
-  return b.empty() || std::memcmp(a, b.data(), b.size() * sizeof(double)) == 0;
 }
 
 }  // namespace
