@@ -4,9 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <nlohmann/json.hpp>
 
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
@@ -242,7 +242,8 @@ json all_honesty() {
   for (const auto& file : files) {
     if (const auto scene = runnable(file)) scenes.emplace_back(file.stem(), *scene);
   }
-  scenes.emplace_back("swinging_boom at 100 Hz", *runnable(top / "config/scenes/swinging_boom.yaml"));
+  scenes.emplace_back("swinging_boom at 100 Hz",
+                      *runnable(top / "config/scenes/swinging_boom.yaml"));
   scenes.back().second.controller->sample_rate_hz = 100;
   json all = json::array();
   for (const auto& [name, scene] : scenes) {

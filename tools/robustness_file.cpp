@@ -17,7 +17,7 @@ using robustness::Tally;
 
 namespace {
 
-constexpr const char* format = "stillframe robustness";
+constexpr const char* file_format = "stillframe robustness";
 constexpr int version = 2;
 
 /// The keys under which the samples that are worst by each measure stand.
@@ -165,11 +165,11 @@ SceneUncertainty uncertainty_from(const Json& value) {
 
 void require_format(const Json& document) {
   const bool has = document.contains("format");
-  if (has && document.at("format") == format) return;
+  if (has && document.at("format") == file_format) return;
   throw InputError(
       "it is no robustness record: " +
       (has ? "its format is " + document.at("format").dump() : std::string("it has no format")) +
-      ", allowed is \"" + format + "\", as `stillframe robustness --out` writes it");
+      ", allowed is \"" + file_format + "\", as `stillframe robustness --out` writes it");
 }
 
 /// Every sample of the shards counts once, and every stable one in each histogram.
@@ -259,7 +259,7 @@ Json to_json(const Outcome& outcome) {
 }
 
 Json to_json(const Record& record) {
-  Json document{{"format", format},
+  Json document{{"format", file_format},
                 {"version", version},
                 {"scene", record.scene},
                 {"scene_hash", record.scene_hash},

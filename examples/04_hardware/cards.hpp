@@ -1,5 +1,6 @@
-// The converters of a rig, here without the rig: stiff legs on a floor that moves at 3 Hz, and a clock
-// that does not wait: it is at once 15 us past the time that is waited for, and every hundredth time 2.2 ms.
+// The converters of a rig, here without the rig: stiff legs on a floor that moves at 3 Hz, and a
+// clock that does not wait: it is at once 15 us past the time that is waited for, and every
+// hundredth time 2.2 ms.
 #pragma once
 
 #include <cmath>
@@ -19,7 +20,9 @@ class Cards {
     return read_applied(leg) + std::sin(18.8e-9 * static_cast<double>(now_ns_) + leg);
   }
   double read_applied(int leg) const noexcept { return force_[static_cast<std::size_t>(leg)]; }
-  void write_force(int leg, double force) noexcept { force_[static_cast<std::size_t>(leg)] = force; }
+  void write_force(int leg, double force) noexcept {
+    force_[static_cast<std::size_t>(leg)] = force;
+  }
 
  private:
   std::vector<double> force_;

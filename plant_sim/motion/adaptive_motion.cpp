@@ -8,7 +8,8 @@ namespace {
 
 /// Parts over which costs are averaged, and a trial lasts.
 constexpr int trial_parts = 8;
-/// Parts between two trials, at first and at most: a shock that is over soon costs some trials only.
+/// Parts between two trials, at first and at most: a shock that is over soon costs some trials
+/// only.
 constexpr int least_wait = 32, most_wait = 1024;
 /// Evaluations a part of the method for small motion with which no other can be cheaper: two
 /// sweeps. An explicit step alone takes seven.

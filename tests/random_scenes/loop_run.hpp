@@ -45,8 +45,8 @@ Scene without_nonlinear_instruments(Scene scene);
 /// Fastest rate of the linear model, 1/s, of all its modes: the design may go without most of them.
 double fastest_rate(Case& scene);
 
-/// What rounding makes of a run (m/s^2, N): that of positions, of the size of the scene, in the stiffest leg
-/// and in the fastest motion, and that of the forces that balance.
+/// What rounding makes of a run (m/s^2, N): that of positions, of the size of the scene, in the
+/// stiffest leg and in the fastest motion, and that of the forces that balance.
 struct RunRounding {
   double acceleration = 0, sigma = 0;
 

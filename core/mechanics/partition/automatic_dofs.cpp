@@ -8,9 +8,9 @@
 #include "core/mechanics/kinematics.hpp"
 #include "core/mechanics/model/builder.hpp"
 #include "core/mechanics/model/local.hpp"
+#include "core/mechanics/node_moves.hpp"
 #include "core/mechanics/partition/memory.hpp"
 #include "core/mechanics/partition/partition.hpp"
-#include "core/mechanics/node_moves.hpp"
 
 namespace stillframe {
 

@@ -15,11 +15,11 @@
 #include "core/mechanics/inertia/body.hpp"
 #include "core/mechanics/inertia/lumped.hpp"
 #include "core/mechanics/inertia/planar_beam_mass.hpp"
-#include "core/mechanics/partition/automatic_dofs.hpp"
 #include "core/mechanics/model/builder.hpp"
+#include "core/mechanics/model/section.hpp"
+#include "core/mechanics/partition/automatic_dofs.hpp"
 #include "core/mechanics/partition/memory.hpp"
 #include "core/mechanics/partition/partition.hpp"
-#include "core/mechanics/model/section.hpp"
 
 namespace stillframe {
 

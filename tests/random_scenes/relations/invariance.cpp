@@ -22,8 +22,8 @@ double reach(const Scene& scene) {
   return far;
 }
 
-/// Roundings of some ten operations with each number, as both formulations sum over all elements, and
-/// of positions: they carry eps of their distance from the origin, or of that at which they are
+/// Roundings of some ten operations with each number, as both formulations sum over all elements,
+/// and of positions: they carry eps of their distance from the origin, or of that at which they are
 /// `shifted` to, into the lengths of elements.
 double few_eps(const Scene& scene, double shifted = 0) {
   return 10 * static_cast<double>(scene.elements.size() + 1) *
