@@ -163,8 +163,9 @@ void add_batch(CLI::App& app, int& exit_code) {
   verb->add_option("--duration", options->duration_s,
                    "Seconds of plant time (default: the scene's, or the floor's)")
       ->check(positive_number());
-  verb->add_option("--jobs", options->jobs, "Runs at a time (default: as many as processors)")
-      ->check(CLI::Range(1, 1024));
+  verb->add_option("--jobs", options->jobs,
+                   "Runs at a time; 0: one for each core. Changes no result")
+      ->check(CLI::Range(0, 1024));
   verb->add_flag(
       "--json", options->json,
       "JSON: a row a run, with outcome and reason, axes (rms in 1 to 80 Hz), forces and failures");

@@ -132,8 +132,8 @@ std::string fault_of(const controller_status_t& status) {
 }
 
 Json to_json(const controller_status_t& status) {
-  return {{"run_id", status.run_id},
-          {"instance", status.instance},
+  return {{"run_id", std::to_string(status.run_id)},
+          {"instance", std::to_string(status.instance)},
           {"pid", status.pid},
           {"started_ns", status.started_ns},
           {"state", state_of(status)},
@@ -222,7 +222,8 @@ void add_ctl(CLI::App& app, int& exit_code) {
       "A reset leads to idle; start takes hold again. States, faults and the policy behind them "
       "are in\n"
       "docs/safety.md.\n"
-      "Keys of --json: run_id, instance, pid, started_ns, state, fault, latched, text, answer "
+      "Keys of --json: run_id and instance (texts), pid, started_ns, state, fault, latched, text, "
+      "answer "
       "(why it\n"
       "refused, empty if it did not); the counters n_periods, n_late, n_lost, n_duplicate, "
       "n_missing,\n"

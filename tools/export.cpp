@@ -32,7 +32,7 @@ Json to_json(const report::ExportSummary& summary, const std::filesystem::path& 
   return {{"file", file.string()},
           {"format", format},
           {"bytes", summary.n_bytes},
-          {"run_id", info.run_id},
+          {"run_id", std::to_string(info.run_id)},
           {"scene", info.scene_name},
           {"loop", info.loop},
           {"sample_rate_hz", info.sample_rate_hz},

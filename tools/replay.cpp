@@ -43,7 +43,7 @@ Json to_json(const ReplayLog& log, const ReplayResult& result) {
              {"leg", result.first->leg},          {"recorded", result.first->recorded},
              {"computed", result.first->computed}};
   }
-  return {{"run_id", log.info.run_id},
+  return {{"run_id", std::to_string(log.info.run_id)},
           {"mode", log.info.mode},
           {"n_commands", result.n_commands},
           {"n_different", result.n_different},

@@ -30,7 +30,7 @@ std::string source_word(RunNames::Source source) {
 }
 
 Json json_of(const RunView& run) {
-  return {{"run_id", run.run_id},
+  return {{"run_id", std::to_string(run.run_id)},  // numbers of JavaScript and jq hold 53 bits
           {"names", source_word(run.names)},
           {"scene", run.scene},
           {"mode", run.mode},
@@ -148,11 +148,7 @@ std::string to_json(const LiveView& view, bool with_history) {
                {"n_missed", view.n_missed},
                {"channels", list_of(view.channels)},
                {"timing", list_of(view.timing)}};
-  if (with_history) {
-    json["history"] = json_of(view.history);
-    // Numbers of JavaScript hold 53 bits.
-    if (view.run) json["run"]["run_id"] = std::to_string(view.run->run_id);
-  }
+  if (with_history) json["history"] = json_of(view.history);
   // Names come from the bus, so bytes that are no UTF-8 are replaced rather than thrown over.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

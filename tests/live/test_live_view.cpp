@@ -194,7 +194,7 @@ TEST_F(LiveViewTest, JsonHasTheViewAndItsKeysAreDocumented) {
   EXPECT_EQ(line.find('\n'), std::string::npos);
   const json document = json::parse(line);
   EXPECT_EQ(document["format"], 1);
-  EXPECT_EQ(document["run"]["run_id"], "7");  // a text, for JavaScript
+  EXPECT_EQ(document["run"]["run_id"], "7");
   EXPECT_EQ(document["run"]["names"], "run_info");
   EXPECT_EQ(document["run"]["duration_s"], 60.001);
   EXPECT_EQ(document["controller"]["n_lost"], 1003);
@@ -213,7 +213,7 @@ TEST_F(LiveViewTest, JsonHasTheViewAndItsKeysAreDocumented) {
   expect_documented(document, docs.str());
 
   const json plain = json::parse(to_json(v, false));
-  EXPECT_EQ(plain["run"]["run_id"], 7);
+  EXPECT_EQ(plain["run"]["run_id"], "7");
   EXPECT_FALSE(plain.contains("history"));
   EXPECT_EQ(plain.size() + 1, document.size());
 }

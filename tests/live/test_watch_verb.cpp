@@ -70,7 +70,7 @@ TEST_F(WatchVerb, SeesARunThatBeganBefore) {
   const auto document = lines({"watch", "--json", "--once", "--duration", "4"});
   ASSERT_EQ(document.size(), 1u);
   const Json& view = document[0];
-  EXPECT_EQ(view["run"]["run_id"], 7);
+  EXPECT_EQ(view["run"]["run_id"], "7");
   EXPECT_EQ(view["run"]["names"], "run_info");
   EXPECT_GE(view["run"]["seq"], 31'000 + 1000);
   EXPECT_EQ(view["controller"]["state"], "active");

@@ -96,7 +96,7 @@ TEST_F(Ctl, StatusOnlyListens) {
   FakeController controller(some_status(7), "");
   const auto status = json({"ctl", "status", "--timeout", "60"});
   EXPECT_TRUE(controller.heard().empty());
-  EXPECT_EQ(status.at("run_id"), 7);
+  EXPECT_EQ(status.at("run_id"), "7");
   EXPECT_EQ(status.at("instance"), 1001);
   EXPECT_EQ(status.at("started_ns"), 1002);
   EXPECT_EQ(status.at("pid"), 1003);
@@ -199,8 +199,8 @@ TEST_F(Ctl, StatusDoesNotMindAnOldRefusal) {
 
 TEST_F(Ctl, RunIdChoosesAmongControllers) {
   FakeController other(some_status(7), ""), wanted(some_status(8), "");
-  EXPECT_EQ(json({"ctl", "status", "--run-id", "8", "--timeout", "60"}).at("run_id"), 8);
-  EXPECT_EQ(json({"ctl", "stop", "--run-id", "8", "--timeout", "60"}).at("run_id"), 8);
+  EXPECT_EQ(json({"ctl", "status", "--run-id", "8", "--timeout", "60"}).at("run_id"), "8");
+  EXPECT_EQ(json({"ctl", "stop", "--run-id", "8", "--timeout", "60"}).at("run_id"), "8");
   for (const auto& request : other.heard()) EXPECT_EQ(request.run_id, 8);
 }
 

@@ -310,7 +310,7 @@ TEST_F(Replay, LogsThatCannotBeReplayedAreExitCode2) {
   two.insert(two.end(), other.begin(), other.end());
   expect_refused({"replay", log_file(two)}, 2,
                  "several runs in one log, name one by --run-id: 7, 8");
-  EXPECT_EQ(result_of(two, 0, {"--run-id", "8"}).at("run_id"), 8);
+  EXPECT_EQ(result_of(two, 0, {"--run-id", "8"}).at("run_id"), "8");
   expect_refused({"replay", log_file(two), "--run-id", "9"}, 2, "found none with 9");
   Log bare;
   add(bare, channels::run_info, info_of(limited_gains(), 7, "wall_clock"));
