@@ -169,7 +169,7 @@ void Pace::listen(std::int64_t seq, const Ref<const VectorXd>& sigma) noexcept {
 
 bool Pace::knows_noise() const noexcept { return n_squares_ >= fewest_differences; }
 
-void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
+void Pace::begin(const Ref<const VectorXd>& doubt, const Law& law) noexcept {
   const auto n = static_cast<double>(std::max<std::int64_t>(1, n_squares_));
   for (Index i = 0; i < change_.size(); ++i) {
     // The steps of a converter are noise too, and those of one at rest are not met while arming.
@@ -179,6 +179,7 @@ void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
   change_ = doubt.cwiseMin(most_doubt_);
   for (PaceScale& scale : scales_) scale.begin(change_, variance_);
   designed_.reset();
+  designed_.hear_as(law);
 }
 
 Index Pace::noisy() noexcept {
@@ -220,10 +221,10 @@ void Pace::floor(const Ref<const VectorXd>& measured) noexcept {
   beyond_ = (w - believed_).cwiseAbs();
 }
 
-void Pace::expect(std::int64_t n, double gain) noexcept {
+void Pace::expect(std::int64_t n, double gain, double share) noexcept {
   if (!floor_known_) return;
   whole_ = gain == 1;
-  const VectorXd& change = designed_.step(n, believed_, quiet_, gain);
+  const VectorXd& change = designed_.step(n, believed_, quiet_, gain, share);
   // Between two samples that were heard a floor is on the line between them but for about as much
   // as they differ.
   if (n > 1) beyond_ += static_cast<double>(n - 1) * doubted_;
