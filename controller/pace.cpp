@@ -169,7 +169,7 @@ void Pace::listen(std::int64_t seq, const Ref<const VectorXd>& sigma) noexcept {
 
 bool Pace::knows_noise() const noexcept { return n_squares_ >= fewest_differences; }
 
-void Pace::begin(const Ref<const VectorXd>& doubt, const Law& law) noexcept {
+void Pace::begin(const Ref<const VectorXd>& doubt) noexcept {
   const auto n = static_cast<double>(std::max<std::int64_t>(1, n_squares_));
   for (Index i = 0; i < change_.size(); ++i) {
     // The steps of a converter are noise too, and those of one at rest are not met while arming.
@@ -179,7 +179,6 @@ void Pace::begin(const Ref<const VectorXd>& doubt, const Law& law) noexcept {
   change_ = doubt.cwiseMin(most_doubt_);
   for (PaceScale& scale : scales_) scale.begin(change_, variance_);
   designed_.reset();
-  designed_.hear_as(law);
 }
 
 Index Pace::noisy() noexcept {

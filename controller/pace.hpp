@@ -49,9 +49,10 @@ class Pace {
   void restart() noexcept;
   /// A measurement with the loop open: sample seq and sigma (m, N).
   void listen(std::int64_t seq, const Eigen::Ref<const Eigen::VectorXd>& sigma) noexcept;
-  /// The loop is closed; doubt: m, N, by which the offsets that were taken out may be wrong; law: the
-  /// one that runs, whose feed-forward has heard the floor before.
-  void begin(const Eigen::Ref<const Eigen::VectorXd>& doubt, const Law& law) noexcept;
+  /// The loop is closed; doubt: m, N, by which the offsets that were taken out may be wrong.
+  void begin(const Eigen::Ref<const Eigen::VectorXd>& doubt) noexcept;
+  /// After begin: the feed-forward of the law that runs has heard the floor before.
+  void hear_as(const Law& law) noexcept { designed_.hear_as(law); }
   /// After begin: the leg whose sensor was broken while arming, by its noise: of that alone the
   /// loop would make larger forces than the legs had, and it is ten times that of the middle one of
   /// all sensors. -1: none.
@@ -63,7 +64,7 @@ class Pace {
   void floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
   /// The law has answered that measurement, n samples after the one before; its force is commanded
   /// times gain, with that share of its feed-forward.
-  void expect(std::int64_t n, double gain, double share) noexcept;
+  void expect(std::int64_t n, double gain, double share = 1) noexcept;
   /// The loop is not where the designed one is: it met a limit of its actuators, or was let go of.
   void lose_track() noexcept;
   /// The largest change of each force now (m, N) from the last command, n samples ago; infinite

@@ -428,7 +428,8 @@ void Supervisor::arm(const Event& event) noexcept {
   if (limits_.is_beyond(event.measurement->applied)) return latch(Fault::out_of_range);
   const Fault found = arming_.judge(offset_, u_);
   if (found != Fault::none) return latch(found);
-  pace_.begin(u_, law_);
+  pace_.begin(u_);
+  pace_.hear_as(law_);
   watch_.restart();
   obedience_.begin();
   if (const Index leg = pace_.noisy(); leg >= 0) {

@@ -8,8 +8,9 @@
 #include "controller/floor_filter.hpp"
 #include "controller/floor_watch.hpp"
 #include "controller/handshake.hpp"
+#include "core/control/feed_forward_design.hpp"
 #include "core/errors/input_error.hpp"
-#include "tests/controller/toy_plant.hpp"
+#include "tests/controller/rig.hpp"
 #include "tests/support/allocation_count.hpp"
 
 // The feed-forward as the controller runs it: the same system as the analysis has, through gaps and
@@ -161,7 +162,7 @@ TEST(GainsWithFeedForward, AreRefusedWithFileLineKeyAndWhatIsAllowed) {
       {"floor: [\"floor\"]", "floor: [\"a\", \"b\"]",
        "found 2 names, allowed is one for each acceleration of the floor that plant: B_w has, 1"},
       {"floor: [\"floor\"]", "floor: [\"a\", \"a\"]", "found \"a\" twice"},
-      {"floor: [\"floor\"]", "floors: [\"floor\"]", "'floors'"},
+      {"floor: [\"floor\"]", "floors: [\"floor\"]", "floors: unknown key"},
       {"memory: 0.97", "memory: 1.97", "found '1.97"},
       {"taps: 4", "taps: 5", "weights"},
       {"taps: 4", "taps: 1", "taps"},
@@ -250,6 +251,123 @@ TEST_F(Watched, TakesAFloorAtRestForWhatItIs) {
 TEST_F(Watched, DoesNotAskForASensorThatNeverMoved) {
   hear(2000, true, false);
   EXPECT_EQ(watch_.share(), 1);
+}
+
+/// The toy frame on two floors, one below the two soft legs, one below the two stiff ones, with the
+/// feed-forward that is designed for it. Its masses are accelerated by what the sensors read.
+Gains designed_gains(bool with_feed_forward = true) {
+  Gains gains = toy::damped_gains();
+  gains.lead_samples = 0.3;
+  const Index n = gains.plant.A.rows(), m = gains.n_legs();
+  gains.plant.B_w = MatrixXd::Zero(n, 2);
+  gains.plant.B_w.block(m, 0, 2, 1).setConstant(-1);
+  gains.plant.B_w.block(m + 2, 1, 2, 1).setConstant(-1);
+  if (!with_feed_forward) return gains;
+  const LoopSettings loop{.plant = gains.loop_plant(),
+                          .feedback = gains.feedback(),
+                          .law = gains.law_sampling(),
+                          .sampling = gains.sampling()};
+  const auto goal = [](double omega) {
+    const std::complex<double> s(0, omega), omega_d = toy::two_pi * 5;
+    const auto T = omega_d * omega_d / (s * s + 1.4 * omega_d * s + omega_d * omega_d);
+    Eigen::MatrixXcd all = Eigen::MatrixXcd::Zero(4, 2);
+    all.block(0, 0, 2, 1).setConstant(-T);
+    all.block(2, 1, 2, 1).setConstant(-T);
+    return all;
+  };
+  gains.feed_forward = {{"soft", "stiff"},
+                        design_feed_forward(loop, goal, {.to_hz = 50, .corner_hz = 0.5})};
+  return gains;
+}
+
+/// The largest root mean square of a mass over some seconds of a run that is active.
+struct Run {
+  explicit Run(const Gains& gains, bool active = true) : rig({}, active, gains) {
+    if (active) EXPECT_TRUE(rig.reaches(State::active, 2500));
+  }
+  double rms(int n, const Rig::Wire& wire = {}) {
+    VectorXd sum = VectorXd::Zero(4);
+    for (int k = 0; k < n; ++k) {
+      rig.step(wire);
+      sum += rig.sigma.cwiseAbs2();
+    }
+    return std::sqrt(sum.maxCoeff() / n);
+  }
+  Rig rig;
+};
+
+constexpr int twenty_seconds = 20'000;
+
+TEST(SupervisorWithFeedForward, IsolatesMoreAndTakesItsOwnCommandsForSound) {
+  Run with(designed_gains()), without(designed_gains(false));
+  // A lead of 0.3 for the margin leaves half of what a floor of 10 Hz does at 49 Hz; the
+  // feed-forward takes nine tenths of that away, and follows below its target.
+  EXPECT_LT(with.rms(twenty_seconds), 0.7 * without.rms(twenty_seconds));
+  EXPECT_EQ(with.rig.state(), State::active);
+  EXPECT_EQ(with.rig.fault(), Fault::none);
+  EXPECT_EQ(with.rig.supervisor().broken_floor(), -1);
+}
+
+TEST(SupervisorWithFeedForward, GoesOnByFeedbackAloneWhereASensorDies) {
+  Run run(designed_gains()), alone(designed_gains(false)), passive(designed_gains(false), false);
+  double frozen = 0;
+  run.rms(2000);
+  run.rig.step([&](Measurement& m) {
+    frozen = m.floor(1);
+    return true;
+  });
+  const auto dead = [&](Measurement& m) {
+    m.floor(1) = frozen;
+    return true;
+  };
+  run.rig.largest_jump = alone.rig.largest_jump = 0;
+  run.rms(2000, dead);
+  alone.rms(4000);
+  EXPECT_EQ(run.rig.supervisor().broken_floor(), 1);
+  // No step in the force that is not one of the loop's own.
+  EXPECT_LT(run.rig.largest_jump, 3 * alone.rig.largest_jump);
+  const double left = run.rms(twenty_seconds, dead);
+  EXPECT_NEAR(left, alone.rms(twenty_seconds), 0.2 * left);
+  EXPECT_LT(left, passive.rms(twenty_seconds));
+  EXPECT_EQ(run.rig.state(), State::active);
+  run.rms(3000);
+  EXPECT_EQ(run.rig.supervisor().broken_floor(), -1);
+  EXPECT_EQ(run.rig.fault(), Fault::none);
+}
+
+TEST(SupervisorWithFeedForward, IsNoWorseThanPassiveWithSensorsSwapped) {
+  Run run(designed_gains()), passive(designed_gains(false), false);
+  const auto swapped = [](Measurement& m) {
+    std::swap(m.floor(0), m.floor(1));
+    return true;
+  };
+  passive.rms(2000);
+  EXPECT_LT(run.rms(twenty_seconds, swapped), passive.rms(twenty_seconds));
+}
+
+TEST(SupervisorWithFeedForward, HasTheSameMemoryAfterARestore) {
+  const Gains gains = designed_gains();
+  Supervisor one(gains, {}, true), other(gains, {}, true);
+  Measurement measurement = measurement_of(4, 2);
+  Command a = command_of(4), b = command_of(4);
+  const MatrixXd values = random_matrix(6, 3000, 8);
+  for (Index k = 0; k < values.cols(); ++k) {
+    measurement.seq = k;
+    measurement.time_ns = k * 1'000'000;
+    measurement.sigma = 1e-3 * values.col(k).head(4);
+    measurement.floor = 1e-3 * values.col(k).tail(2);
+    if (k == 1234) {
+      std::vector<double> memory(one.memory_size());
+      one.save(memory);
+      other.restore(memory);
+    }
+    const Event event{.measurement = &measurement, .defect = Defect::none};
+    one.step(event, a);
+    if (k < 1234) continue;
+    other.step(event, b);
+    ASSERT_EQ(a.force, b.force) << k;
+    measurement.applied = a.force;
+  }
 }
 
 }  // namespace
