@@ -182,7 +182,6 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   pace_.forget(event.n_elapsed);
   if (event.measurement != nullptr) {
     seq_ = event.measurement->seq;
-    pace_.floor(event.measurement->floor);
     hear_floor(event);
     time_ns_ = static_cast<double>(event.measurement->time_ns);
     if (!met_) fall_silent(0);
@@ -456,8 +455,12 @@ void Supervisor::arm(const Event& event) noexcept {
 void Supervisor::hear_floor(const Event& event) noexcept {
   const std::int64_t n = floor_seq_ < 0 ? 1 : event.measurement->seq - floor_seq_;
   floor_seq_ = event.measurement->seq;
+  const bool was_broken = floor_watch_.broken() >= 0;
   floor_watch_.hear(n, event.measurement->floor);
   law_.hear_floor(n, event.measurement->floor, floor_watch_.share());
+  const bool broken = floor_watch_.broken() >= 0;
+  if (was_broken && !broken) pace_.hear_as(law_);
+  pace_.floor(event.measurement->floor, broken);
 }
 
 void Supervisor::run_law(const Event& event) noexcept {
