@@ -13,9 +13,9 @@ using Eigen::VectorXd;
 FloorFilter::FloorFilter(const LinearSystem& system, Index m)
     : A_(system.A.sparseView()), B_(system.B.sparseView()), C_(system.C), D_(system.D) {
   const Index n = system.A.rows(), p = system.D.cols();
-  const bool fits = p == 0 || (system.A.cols() == n && system.B.rows() == n &&
-                               system.B.cols() == p && system.C.rows() == m &&
-                               system.C.cols() == n && system.D.rows() == m);
+  const bool fits =
+      p == 0 || (system.A.cols() == n && system.B.rows() == n && system.B.cols() == p &&
+                 system.C.rows() == m && system.C.cols() == n && system.D.rows() == m);
   if (!fits) throw std::invalid_argument("FloorFilter: the matrices are not those of one system");
   at_rest_ = (MatrixXd::Identity(n, n) - system.A).partialPivLu().solve(system.B);
   x_ = x_next_ = VectorXd::Zero(n);

@@ -9,9 +9,9 @@
 namespace stillframe::controller {
 
 /// A feed-forward as it runs, one step a sample: u[k] = C x[k] + D w[k], x[k+1] = A x[k] + B w[k],
-/// p accelerations of the floor in (m/s^2), m forces out (N). A and B are nearly empty, and kept so.
-/// It has no loop through the frame, so it hears the floor whether or not its force is commanded.
-/// Construction is set-up; the rest is hot: noexcept, no allocation.
+/// p accelerations of the floor in (m/s^2), m forces out (N). A and B are nearly empty, and kept
+/// so. It has no loop through the frame, so it hears the floor whether or not its force is
+/// commanded. Construction is set-up; the rest is hot: noexcept, no allocation.
 class FloorFilter {
  public:
   /// More samples than this without a floor, and it begins anew.

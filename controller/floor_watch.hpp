@@ -22,7 +22,8 @@ class FloorWatch {
   void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
 
   double share() const noexcept { return smooth_step(p_); }  ///< 0 to 1
-  /// The sensor that repeats itself, or did last while the feed-forward is not wholly back; -1: none.
+  /// The sensor that repeats itself, or did last while the feed-forward is not wholly back; -1:
+  /// none.
   Eigen::Index broken() const noexcept { return broken_; }
 
   template <class Archive>

@@ -54,7 +54,8 @@ class Law {
   void hear_as(const Law& other) noexcept { floor_ = other.floor_; }
   const FloorFilter& floor() const noexcept { return floor_; }
 
-  /// The feedback back to rest, x = 0, e = 0 and r = 0. The feed-forward, which has no loop, goes on.
+  /// The feedback back to rest, x = 0, e = 0 and r = 0. The feed-forward, which has no loop, goes
+  /// on.
   void reset() noexcept {
     x_.setZero();
     e_last_.setZero();

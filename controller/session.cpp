@@ -176,7 +176,8 @@ void Session::tell(bool whatever) {
   const std::int64_t n_faults = counters.n_faults;
   const bool latched = counters.latched;
   if (state == told_state_ && n_faults == told_faults_ && latched == told_latched_ &&
-      loop_.counters().broken_floor == told_floor_ && now - told_ns_ < status_every_ns && !whatever) {
+      loop_.counters().broken_floor == told_floor_ && now - told_ns_ < status_every_ns &&
+      !whatever) {
     return;
   }
   telemetry_.publish_status(last_request_);

@@ -172,7 +172,8 @@ report::ForceModel force_model(const LoopDesign& design, const std::vector<std::
     inputs.push_back(signal);
   }
   const SampledPlant plant = plant_between(design, inputs, outputs);
-  report::ForceModel model{loop_around(plant, design, active, Heard::nothing), [courses](std::int64_t k) {
+  report::ForceModel model{loop_around(plant, design, active, Heard::nothing),
+                           [courses](std::int64_t k) {
                              Eigen::VectorXd forces(std::ssize(*courses));
                              for (Index i = 0; i < forces.size(); ++i) {
                                forces(i) = (*courses)[static_cast<std::size_t>(i)].at(k);

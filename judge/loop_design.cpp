@@ -78,14 +78,16 @@ controller::FloorFeedForward make_feed_forward(const Scene& scene, const Control
   if (!block || !(spectral_radius(settings) < largest_stable_radius)) return {};
   controller::FloorFeedForward made;
   made.floor = names_of(scene.inputs);
-  made.filter = design_feed_forward(
-      settings, [&](double omega) { return loop.closed({0, omega}); },
-      {.to_hz = block->to_hz,
-       .corner_hz = block->corner_hz,
-       .at_most = std::pow(10, block->at_most_db / 20),
-       .actuator_error = block->actuator_error,
-       .noise_over_floor = block->noise_over_floor,
-       .n_taps = block->taps});
+  made.filter = design_feed_forward(settings,
+                                    [&](double omega) {
+                                      return loop.closed({0, omega});
+                                    },
+                                    {.to_hz = block->to_hz,
+                                     .corner_hz = block->corner_hz,
+                                     .at_most = std::pow(10, block->at_most_db / 20),
+                                     .actuator_error = block->actuator_error,
+                                     .noise_over_floor = block->noise_over_floor,
+                                     .n_taps = block->taps});
   return made;
 }
 

@@ -40,7 +40,8 @@ std::string feed_forward_line(const LoopDesign& design) {
     return "Feed-forward: none is designed on a feedback that is not stable\n";
   }
   return cell(
-      "Feed-forward from %td accelerations of the floor: the continuous law's T is aimed at from %g "
+      "Feed-forward from %td accelerations of the floor: the continuous law's T is aimed at from "
+      "%g "
       "to %g Hz, %g dB\nfrom %g Hz on; %d taps; \"closed\" below has it, margins are the "
       "feedback's\n",
       std::ssize(design.gains.feed_forward.floor), block->corner_hz, block->to_hz,

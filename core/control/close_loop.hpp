@@ -19,8 +19,8 @@ struct GainedLoop {
   SampledLoop closed;        ///< as close_loop
   SampledLoop released;      ///< in the same states: commands are zero, but the law goes on
   Eigen::MatrixXd C_e;       ///< what the law hears: e[k] = C_e xi[k] + v[k]
-  Eigen::Index n_plant = 0;  ///< leading states that do not need the law's command: the plant's and the
-                           ///< exogenous ones
+  Eigen::Index n_plant = 0;  ///< leading states that do not need the law's command: the plant's and
+                             ///< the exogenous ones
 
   SampledLoop at(double share) const;
 };

@@ -15,8 +15,8 @@ namespace stillframe {
 /// up for delay, hold and instruments, the leaky integrals are the floor's velocity and position
 /// above the corner of a. Source: THEORY section 6.
 struct FeedForward {
-  double memory = 0;            ///< a, 1
-  Eigen::Index n_taps = 0;      ///< n, 2 or more; 0: there is no feed-forward
+  double memory = 0;             ///< a, 1
+  Eigen::Index n_taps = 0;       ///< n, 2 or more; 0: there is no feed-forward
   Eigen::MatrixXd weights = {};  ///< m x p (n + 2), N per m/s^2: Theta_0 to Theta_{n+1}
 
   bool empty() const { return n_taps == 0; }

@@ -140,7 +140,8 @@ FeedForward design_feed_forward(LoopSettings loop, const std::function<MatrixXcd
     const auto [T_weak, H_weak] = weak.at(omega);
     const auto [T_strong, H_strong] = strong.at(omega);
     const MatrixXcd G = aims ? goal(omega) : MatrixXcd::Zero(n_y, p);
-    const double noise = weights.noise_over_floor * std::hypot(1, std::pow(weights.corner_hz / hz, 2));
+    const double noise =
+        weights.noise_over_floor * std::hypot(1, std::pow(weights.corner_hz / hz, 2));
     rows.add(H, terms, (G - T) / b);
     rows.add((H_strong - H_weak) / 2, terms, (T_weak - T_strong) / (2 * b));
     rows.add(noise * H, terms, MatrixXcd::Zero(n_y, p));

@@ -192,8 +192,9 @@ TEST(GainsWithFeedForward, AreForAPlantThatMeasuresWhatTheyHear) {
   info.n_floor = 1;
   EXPECT_EQ(disagreement(gains, info), "");
   info.floor_names = {"another"};
-  EXPECT_NE(disagreement(gains, info).find("feed_forward: floor: the gains file says [floor], the "
-                                           "plant says [another]"),
+  EXPECT_NE(disagreement(gains, info)
+                .find("feed_forward: floor: the gains file says [floor], the "
+                      "plant says [another]"),
             std::string::npos);
   info.floor_names = {};
   EXPECT_NE(disagreement(gains, info), "");

@@ -84,7 +84,8 @@ LoopSettings one_mode(double mode_hz, double rate_hz, double delay, double lead)
 
 MatrixXcd target(double omega) {
   const Complex s(0, omega), omega_d = two_pi * 5;
-  return MatrixXcd::Constant(1, 1, omega_d * omega_d / (s * s + 1.4 * omega_d * s + omega_d * omega_d));
+  return MatrixXcd::Constant(1, 1,
+                             omega_d * omega_d / (s * s + 1.4 * omega_d * s + omega_d * omega_d));
 }
 
 const FeedForwardWeights weights{.to_hz = 50, .corner_hz = 0.5};
@@ -148,8 +149,8 @@ double cost(LoopSettings loop, const FeedForward& filter) {
     const double hz = 0.1 * std::pow(499.0 / 0.1, static_cast<double>(i) / n), omega = two_pi * hz;
     const double edge = 0.4 * std::abs(target(two_pi * 50)(0)), above = 0.3;
     const double part = std::min(1.0, std::log(hz / 50) / std::log(1.5));
-    const double b = hz <= 50 ? 0.4 * std::abs(target(omega)(0))
-                              : edge * std::pow(above / edge, part);
+    const double b =
+        hz <= 50 ? 0.4 * std::abs(target(omega)(0)) : edge * std::pow(above / edge, part);
     const Complex goal = hz <= 50 ? target(omega)(0) : 0;
     const Complex spread = transfer(high, omega)(0) - transfer(low, omega)(0);
     sum += (std::norm(transfer(exact, omega)(0) - goal) + std::norm(spread) / 4) / (b * b);

@@ -70,8 +70,9 @@ SceneFeedForward read_feed_forward(const YamlReader& block, const SceneControlle
   if (const auto value = block.find("corner_hz")) {
     found.corner_hz = positive_up_to(*value, found.to_hz);
   } else if (found.corner_hz > found.to_hz) {
-    block.fail("corner_hz: a tenth of the lowest target is above to_hz; the target is too high for "
-               "a feed-forward at this rate");
+    block.fail(
+        "corner_hz: a tenth of the lowest target is above to_hz; the target is too high for "
+        "a feed-forward at this rate");
   }
   if (const auto value = block.find("at_most_db")) {
     found.at_most_db = number_within(*value, -2 * most_db, most_db);
