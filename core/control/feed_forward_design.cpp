@@ -3,23 +3,21 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <utility>
 
 #include "core/control/close_loop.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
-using Complex = std::complex<double>;
 
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
 constexpr Index n_frequencies = 240;  // twice as many change T by less than 0.05 dB
 constexpr double lowest_part = 0.2, highest_part = 0.998;  // of the corner, of half the rate
 // How near T is to come to the goal is counted as 0.4 of it, which leaves it within 3 dB.

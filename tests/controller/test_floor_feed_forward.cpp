@@ -270,7 +270,7 @@ Gains designed_gains(bool with_feed_forward = true) {
                           .law = gains.law_sampling(),
                           .sampling = gains.sampling()};
   const auto goal = [](double omega) {
-    const std::complex<double> s(0, omega), omega_d = toy::two_pi * 5;
+    const std::complex<double> s(0, omega), omega_d = two_pi * 5;
     const auto T = omega_d * omega_d / (s * s + 1.4 * omega_d * s + omega_d * omega_d);
     Eigen::MatrixXcd all = Eigen::MatrixXcd::Zero(4, 2);
     all.block(0, 0, 2, 1).setConstant(-T);

@@ -3,12 +3,12 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <random>
 
 #include "core/control/close_loop.hpp"
 #include "core/control/feed_forward_design.hpp"
 #include "core/control/margins.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "tests/core/random_loops.hpp"
 
 // The feed-forward filter, the exact loop that has it, and its design: each against a second way.
@@ -20,8 +20,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 MatrixXd random_matrix(Index rows, Index cols, unsigned seed) {
   std::mt19937 engine(seed);
