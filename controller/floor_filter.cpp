@@ -23,9 +23,11 @@ FloorFilter::FloorFilter(const LinearSystem& system, Index m)
   force_ = VectorXd::Zero(m);
 }
 
-void FloorFilter::restart() noexcept {
-  rest();
-  begun_ = false;
+void FloorFilter::hear_as(const FloorFilter& other) noexcept {
+  x_ = other.x_;
+  last_ = other.last_;
+  force_ = other.force_;
+  begun_ = other.begun_;
 }
 
 void FloorFilter::rest() noexcept {

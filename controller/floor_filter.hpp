@@ -30,8 +30,9 @@ class FloorFilter {
   /// The force (m, N) that goes with the floor that was heard last.
   const Eigen::VectorXd& force() const noexcept { return force_; }
 
-  /// Nothing was heard yet.
-  void restart() noexcept;
+  /// It has heard what another of the same system has.
+  void hear_as(const FloorFilter& other) noexcept;
+
   /// The floor has been at rest, and what comes next is its motion.
   void rest() noexcept;
 

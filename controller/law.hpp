@@ -51,7 +51,7 @@ class Law {
     share_ = share;
   }
   /// What the feed-forward of another law has heard, which is the same one.
-  void hear_as(const Law& other) noexcept { floor_ = other.floor_; }
+  void hear_as(const Law& other) noexcept { floor_.hear_as(other.floor_); }
   const FloorFilter& floor() const noexcept { return floor_; }
 
   /// The feedback back to rest, x = 0, e = 0 and r = 0. The feed-forward, which has no loop, goes

@@ -348,6 +348,26 @@ TEST(SupervisorWithFeedForward, IsNoWorseThanPassiveWithSensorsSwapped) {
   EXPECT_LT(run.rms(twenty_seconds, swapped), passive.rms(twenty_seconds));
 }
 
+TEST(SupervisorWithFeedForward, DoesNotAllocate) {
+  Supervisor supervisor(designed_gains(), {}, true);
+  Measurement measurement = measurement_of(4, 2);
+  Command command = command_of(4);
+  const MatrixXd values = 1e-3 * random_matrix(6, 4000, 9);
+  const auto before = test::allocation_count();
+  for (Index k = 0; k < values.cols(); ++k) {
+    measurement.seq = k;
+    measurement.time_ns = k * 1'000'000;
+    measurement.sigma = values.col(k).head(4);
+    // Alive, broken, and well again.
+    measurement.floor(0) = values(4, k);
+    if (k < 2500 || k > 2700) measurement.floor(1) = values(5, k);
+    supervisor.step({.measurement = &measurement, .defect = Defect::none}, command);
+    measurement.applied = command.force;
+  }
+  EXPECT_EQ(test::allocation_count(), before);
+  EXPECT_EQ(supervisor.state(), State::active);
+}
+
 TEST(SupervisorWithFeedForward, HasTheSameMemoryAfterARestore) {
   const Gains gains = designed_gains();
   Supervisor one(gains, {}, true), other(gains, {}, true);
