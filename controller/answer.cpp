@@ -23,6 +23,8 @@ void Answer::answer(const stillframe_msgs::measurement_t& measurement,
                     stillframe_msgs::command_t& command) noexcept {
   const Map<const VectorXd> sigma(measurement.sigma.data(), law_.n_legs());
   const Map<const VectorXd> applied(measurement.applied_force.data(), law_.n_legs());
+  const Map<const VectorXd> floor(measurement.floor_acceleration.data(),
+                                  std::ssize(measurement.floor_acceleration));
   Map<VectorXd> force(command.force.data(), law_.n_legs());
   command.run_id = measurement.run_id;
   command.plant_instance = measurement.plant_instance;
@@ -35,11 +37,14 @@ void Answer::answer(const stillframe_msgs::measurement_t& measurement,
     return;
   }
   if (!active_) return;
-  law_.step_over(last_seq_ < 0 ? 1 : measurement.seq - last_seq_, sigma, applied, force);
+  const std::int64_t n = last_seq_ < 0 ? 1 : measurement.seq - last_seq_;
+  law_.hear_floor(n, floor);
+  law_.step_over(n, sigma, applied, force);
   last_seq_ = measurement.seq;
   if (!force.allFinite() || !law_.state().allFinite()) {
     force.setZero();
     law_.reset();
+    law_.rest_floor();
     ++n_fallback_;
     return;
   }

@@ -43,6 +43,7 @@ void DesignedLoop::reset() noexcept {
   commands_.setZero();
   reports_.setZero();
   law_.reset();
+  law_.rest_floor();
 }
 
 void DesignedLoop::push(const VectorXd& command) noexcept {
@@ -65,7 +66,8 @@ void DesignedLoop::sample(const Ref<const VectorXd>& w) noexcept {
 }
 
 const VectorXd& DesignedLoop::step(std::int64_t n, const Ref<const VectorXd>& w,
-                                   const Ref<const VectorXd>& v, double gain) noexcept {
+                                   const Ref<const VectorXd>& v, double gain,
+                                   double share) noexcept {
   last_ = commands_.col(newest_command_);
   const std::int64_t samples = std::clamp<std::int64_t>(n, 1, longest_step);
   for (std::int64_t j = 1; j <= samples; ++j) {
@@ -78,6 +80,7 @@ const VectorXd& DesignedLoop::step(std::int64_t n, const Ref<const VectorXd>& w,
   sigma_ = v;
   sigma_.noalias() += plant_.C_sigma * x_;
   sigma_.noalias() += plant_.D_sigma * before_;
+  law_.hear_floor(samples, w, share);
   law_.step_over(samples, sigma_, reports_.col((newest_report_ + 1) % reports_.cols()), u_);
   u_ *= gain;
   change_ = u_ - last_;

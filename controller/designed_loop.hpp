@@ -22,12 +22,16 @@ class DesignedLoop {
   explicit DesignedLoop(const Gains& gains);
 
   void reset() noexcept;
+  /// Its feed-forward has heard what that of this law has.
+  void hear_as(const Law& law) noexcept { law_.hear_as(law); }
   /// The next command after n samples, of which the last had the floor's acceleration w (p, m/s^2),
   /// those between the one before and it what lies between; commands were held meanwhile. v: m, N,
-  /// beside what the sensors read; gain: of the law in the command. Returns the change of the
+  /// beside what the sensors read; gain: of the law in the command; share: of the feed-forward in
+  /// the law. Returns the change of the
   /// command, m, N. A loop that has run away, as none that is stable does, begins again at rest.
   const Eigen::VectorXd& step(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w,
-                              const Eigen::Ref<const Eigen::VectorXd>& v, double gain) noexcept;
+                              const Eigen::Ref<const Eigen::VectorXd>& v, double gain,
+                              double share = 1) noexcept;
 
   Eigen::Index n_floor() const noexcept { return plant_.Gamma_w.cols(); }
 

@@ -71,6 +71,35 @@ PassivePlant read_plant(const YamlReader& reader, Index n_legs) {
   return plant;
 }
 
+FloorFeedForward read_feed_forward(const YamlReader& reader, const Gains& gains) {
+  reader.allow_only({"floor", "memory", "taps", "weights"});
+  FloorFeedForward found;
+  const YamlReader floor = reader.require("floor");
+  std::set<std::string> seen;
+  for (const YamlReader& item : floor.items()) {
+    found.floor.push_back(item.text());
+    if (!seen.insert(item.text()).second) item.fail("found \"" + item.text() + "\" twice");
+  }
+  const Index p = std::ssize(found.floor);
+  if (p == 0 || p != gains.plant.B_w.cols()) {
+    floor.fail("found " + std::to_string(p) +
+               " names, allowed is one for each acceleration of the floor that plant: B_w has, " +
+               std::to_string(gains.plant.B_w.cols()) + ", and one at least");
+  }
+  const YamlReader memory = reader.require("memory");
+  found.filter.memory = number_within(memory, 0, 1);
+  if (found.filter.memory == 1) memory.fail("found 1, allowed is 0 to below 1");
+  const YamlReader taps = reader.require("taps");
+  const int n_taps = taps.integer(2);
+  if (n_taps > most_taps) {
+    taps.fail("found " + taps.text() + ", allowed are 2 to " + std::to_string(most_taps));
+  }
+  found.filter.n_taps = n_taps;
+  found.filter.weights =
+      read_matrix(reader.require("weights"), gains.n_legs(), p * found.filter.n_terms());
+  return found;
+}
+
 /// What a design wrote into the file it knows again: a plant that was changed since by hand, disk
 /// or wire would judge another loop than the one that runs. Whether there is a hash.
 bool check_plant_hash(const YamlReader& plant, const Gains& gains) {
@@ -89,7 +118,8 @@ Gains read(const YamlReader& reader) {
   if (version.integer(1) != 1) version.fail("found " + version.text() + ", allowed is 1");
   reader.allow_only({"stillframe_gains", "scene_hash", "legs", "sample_rate_hz", "delay_samples",
                      "target_hz", "realisation", "leak_hz", "high_pass_hz", "lead_samples",
-                     "roll_off_hz", "force_limit_n", "instruments", "K_P", "K_I", "plant"});
+                     "roll_off_hz", "force_limit_n", "instruments", "K_P", "K_I", "plant",
+                     "feed_forward"});
   Gains gains;
   gains.scene_hash = reader.require("scene_hash").text();
   gains.legs = read_legs(reader.require("legs"));
@@ -121,6 +151,9 @@ Gains read(const YamlReader& reader) {
   const YamlReader plant = reader.require("plant");
   gains.plant = read_plant(plant, gains.n_legs());
   gains.plant_is_as_designed = check_plant_hash(plant, gains);
+  if (const auto block = reader.find("feed_forward")) {
+    gains.feed_forward = read_feed_forward(*block, gains);
+  }
   if (most_loop_states(gains) > largest_loop) {
     reader.fail("found a loop of " + std::to_string(most_loop_states(gains)) +
                 " states (plant, law, and what is under way by delay_samples and "

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/control/discrete_law.hpp"
+#include "core/control/feed_forward.hpp"
 #include "core/systems/sampled_plant.hpp"
 
 namespace stillframe::controller {
@@ -26,6 +27,13 @@ struct PassivePlant {
   Eigen::MatrixXd A, B, C, B_w, A_w = {}, C_w = {};
 };
 
+/// The feed-forward of a gains file, and the names of the accelerations that it hears, p: those of
+/// the measurement, which are the columns of PassivePlant::B_w.
+struct FloorFeedForward {
+  std::vector<std::string> floor;
+  FeedForward filter;
+};
+
 /// The contents of a gains file: all that the controller needs to know of a design, for m legs.
 struct Gains {
   std::string scene_hash;         ///< of the scene that the gains were designed for
@@ -42,6 +50,7 @@ struct Gains {
   std::optional<double> force_limit_n;  ///< N, the largest force of every leg
   Eigen::MatrixXd K_P;                  ///< m x m, 1
   Eigen::MatrixXd K_I;                  ///< m x m, 1/s
+  FloorFeedForward feed_forward = {};   ///< empty: none
   Instruments instruments;
   PassivePlant plant;
   bool plant_is_as_designed = false;  ///< read from a file whose hash of the plant is right
@@ -68,6 +77,9 @@ inline constexpr Eigen::Index most_floor_channels = 64;
 /// States of the sampled loop that gains are judged by, at most: plant, law, instruments, and what
 /// is under way.
 Eigen::Index most_loop_states(const Gains& gains);
+
+/// Taps of a feed-forward, at most: its step would take longer than that of all else.
+inline constexpr int most_taps = 128;
 
 /// Of the legs, the scene's hash and the matrices of the plant: 16 hexadecimal digits.
 std::string plant_hash(const Gains& gains);

@@ -110,6 +110,13 @@ std::string to_yaml(const Gains& gains) {
     out += "  A_w:\n" + rows(gains.plant.A_w, "    ");
     out += "  C_w:\n" + rows(gains.plant.C_w, "    ");
   }
+  if (!gains.feed_forward.filter.empty()) {
+    const FeedForward& filter = gains.feed_forward.filter;
+    out += "feed_forward:\n  floor: " + names(gains.feed_forward.floor) + "\n";
+    out += "  memory: " + digits(filter.memory) + "\n";
+    out += "  taps: " + std::to_string(filter.n_taps) + "\n";
+    out += "  weights:\n" + rows(filter.weights, "    ");
+  }
   return out;
 }
 

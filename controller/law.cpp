@@ -12,10 +12,13 @@ using Eigen::Ref;
 using Eigen::VectorXd;
 
 DiscreteLaw law_from_gains(const Gains& gains) {
-  return sample_law(gains.feedback(), gains.law_sampling());
+  DiscreteLaw law = sample_law(gains.feedback(), gains.law_sampling());
+  law.feed_forward = feed_forward_system(gains.feed_forward.filter);
+  return law;
 }
 
-Law::Law(DiscreteLaw matrices) : matrices_(std::move(matrices)) {
+Law::Law(DiscreteLaw matrices)
+    : matrices_(std::move(matrices)), floor_(matrices_.feed_forward, matrices_.D.rows()) {
   const Index n = matrices_.A.rows(), m = matrices_.D.rows();
   const bool fits = matrices_.A.cols() == n && matrices_.B.rows() == n && matrices_.B.cols() == m &&
                     matrices_.C.rows() == m && matrices_.C.cols() == n && matrices_.D.cols() == m;
@@ -56,6 +59,7 @@ void Law::step_over(std::int64_t n_samples, const Ref<const VectorXd>& sigma,
   e_ = e_now_;
   force.noalias() = matrices_.C * x_;
   force.noalias() += matrices_.D * e_;
+  if (floor_.n_floor() > 0) force += share_ * floor_.force();
   advance();
   e_last_ = e_now_;
 }

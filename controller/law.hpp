@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "controller/floor_filter.hpp"
 #include "controller/gains.hpp"
 #include "core/control/discrete_law.hpp"
 
@@ -15,7 +16,8 @@ DiscreteLaw law_from_gains(const Gains& gains);
 
 /// The law as it runs, one step a sample:
 ///   r[k] = a r[k-1] + (1 - a) applied[k],   e[k] = sigma[k] - (subtract_applied ? r[k] : 0),
-///   u[k] = C x[k] + D e[k],   x[k+1] = A x[k] + B e[k].
+///   u[k] = C x[k] + D e[k] + s f[k],   x[k+1] = A x[k] + B e[k],
+/// f the force of the feed-forward (floor_filter.hpp), s its share, 1 or less.
 /// Source: core/control/discrete_law.hpp. Construction is set-up; step and reset are
 /// hot: noexcept, no allocation.
 class Law {
@@ -40,12 +42,28 @@ class Law {
                  const Eigen::Ref<const Eigen::VectorXd>& applied,
                  Eigen::Ref<Eigen::VectorXd> force) noexcept;
 
-  /// Back to rest, x = 0, e = 0 and r = 0.
+  /// The floor (p, m/s^2) of the measurement that is answered next, n samples after the one before:
+  /// heard before step, or without any step. share: of the feed-forward in the force. A floor of
+  /// another size than the feed-forward has inputs is not heard.
+  void hear_floor(std::int64_t n_samples, const Eigen::Ref<const Eigen::VectorXd>& floor,
+                  double share = 1) noexcept {
+    floor_.hear(n_samples, floor);
+    share_ = share;
+  }
+  /// What the feed-forward of another law has heard, which is the same one.
+  void hear_as(const Law& other) noexcept { floor_.hear_as(other.floor_); }
+  const FloorFilter& floor() const noexcept { return floor_; }
+
+  /// The feedback back to rest, x = 0, e = 0 and r = 0. The feed-forward, which has no loop, goes
+  /// on.
   void reset() noexcept {
     x_.setZero();
     e_last_.setZero();
     r_.setZero();
   }
+
+  /// What was heard of the floor is forgotten: it has been at rest.
+  void rest_floor() noexcept { floor_.rest(); }
 
   /// n states of the law, N.
   const Eigen::VectorXd& state() const noexcept { return x_; }
@@ -53,13 +71,16 @@ class Law {
   /// Hands all that a later force depends on to an archive.
   template <class Archive>
   void visit(Archive& archive) {
-    archive(x_), archive(e_last_), archive(r_);
+    archive(x_), archive(e_last_), archive(r_), archive(share_);
+    floor_.visit(archive);
   }
 
  private:
   void advance() noexcept;
 
   DiscreteLaw matrices_;
+  FloorFilter floor_;
+  double share_ = 1;
   Eigen::VectorXd x_, x_next_, e_, e_now_, e_last_, r_;
 };
 

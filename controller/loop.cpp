@@ -146,6 +146,7 @@ void Loop::count(std::int64_t now_ns) noexcept {
   counters_.n_rejoins.store(supervisor_.n_rejoins(), relaxed);
   counters_.n_saturated.store(supervisor_.n_saturated(), relaxed);
   counters_.fault.store(record_.fault, relaxed);
+  counters_.broken_floor.store(supervisor_.broken_floor(), relaxed);
   counters_.first_leg.store(supervisor_.first_leg(), relaxed);
   counters_.latched.store(supervisor_.latched(), relaxed);
   counters_.driving.store(supervisor_.driving(), relaxed);

@@ -31,7 +31,8 @@ struct LoopCounters {
   std::atomic<std::int64_t> worst_wake_up_ns{0}, worst_compute_ns{0};
   std::atomic<State> state{State::idle};
   std::atomic<Fault> fault{Fault::none};
-  std::atomic<std::int64_t> first_leg{-1};  ///< Supervisor::first_leg
+  std::atomic<std::int64_t> broken_floor{-1};  ///< Supervisor::broken_floor
+  std::atomic<std::int64_t> first_leg{-1};     ///< Supervisor::first_leg
   std::atomic<bool> latched{false};
   std::atomic<bool> driving{false};  ///< a force is commanded, or is about to be
 };

@@ -200,13 +200,14 @@ Index Pace::noisy() noexcept {
 
 void Pace::forget(std::int64_t n_elapsed) noexcept {
   const double kept = n_elapsed == 1 ? keep_ : std::pow(keep_, static_cast<double>(n_elapsed));
-  largest_ *= kept;
+  if (!blind_) largest_ *= kept;
   for (PaceScale& scale : scales_) scale.forget(kept, n_elapsed, whole_, floor_known_);
 }
 
-void Pace::floor(const Ref<const VectorXd>& measured) noexcept {
+void Pace::floor(const Ref<const VectorXd>& measured, bool broken) noexcept {
   floor_known_ = largest_.size() > 0 && measured.size() == largest_.size();
-  if (!floor_known_) return;
+  blind_ = broken;
+  if (!floor_known_ || blind_) return;
   // At first the mean of all there were.
   ++n_rest_;
   rest_ += std::max(rests_, 1 / static_cast<double>(n_rest_)) * (measured - rest_);
@@ -220,10 +221,14 @@ void Pace::floor(const Ref<const VectorXd>& measured) noexcept {
   beyond_ = (w - believed_).cwiseAbs();
 }
 
-void Pace::expect(std::int64_t n, double gain) noexcept {
+void Pace::expect(std::int64_t n, double gain, double share) noexcept {
   if (!floor_known_) return;
   whole_ = gain == 1;
-  const VectorXd& change = designed_.step(n, believed_, quiet_, gain);
+  if (blind_) {
+    for (PaceScale& scale : scales_) scale.expect(n, quiet_);
+    return lose_track();
+  }
+  const VectorXd& change = designed_.step(n, believed_, quiet_, gain, share);
   // Between two samples that were heard a floor is on the line between them but for about as much
   // as they differ.
   if (n > 1) beyond_ += static_cast<double>(n - 1) * doubted_;

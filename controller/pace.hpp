@@ -51,6 +51,8 @@ class Pace {
   void listen(std::int64_t seq, const Eigen::Ref<const Eigen::VectorXd>& sigma) noexcept;
   /// The loop is closed; doubt: m, N, by which the offsets that were taken out may be wrong.
   void begin(const Eigen::Ref<const Eigen::VectorXd>& doubt) noexcept;
+  /// After begin: the feed-forward of the law that runs has heard the floor before.
+  void hear_as(const Law& law) noexcept { designed_.hear_as(law); }
   /// After begin: the leg whose sensor was broken while arming, by its noise: of that alone the
   /// loop would make larger forces than the legs had, and it is ten times that of the middle one of
   /// all sensors. -1: none.
@@ -58,11 +60,12 @@ class Pace {
   /// So many periods have passed.
   void forget(std::int64_t n_elapsed) noexcept;
   /// The floor (p, m/s^2; empty: not measured) as a measurement has it. One sample alone is not
-  /// believed, and what its sensors read all the time is no motion.
-  void floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
+  /// believed, and what its sensors read all the time is no motion. broken: one of its sensors is.
+  /// Then it is taken to move as much as it did before, and the designed loop is not followed.
+  void floor(const Eigen::Ref<const Eigen::VectorXd>& w, bool broken = false) noexcept;
   /// The law has answered that measurement, n samples after the one before; its force is commanded
-  /// times gain.
-  void expect(std::int64_t n, double gain) noexcept;
+  /// times gain, with that share of its feed-forward.
+  void expect(std::int64_t n, double gain, double share = 1) noexcept;
   /// The loop is not where the designed one is: it met a limit of its actuators, or was let go of.
   void lose_track() noexcept;
   /// The largest change of each force now (m, N) from the last command, n samples ago; infinite
@@ -86,7 +89,7 @@ class Pace {
         archive(last_), archive(squares_);
     archive(smallest_), archive(fourth_), archive(products_), archive(mean_), archive(moved_);
     archive(seq_), archive(n_in_row_), archive(n_squares_);
-    archive(floor_known_), archive(whole_);
+    archive(floor_known_), archive(whole_), archive(blind_);
     for (PaceScale& scale : scales_) scale.visit(archive);
     designed_.visit(archive);
   }
@@ -112,7 +115,7 @@ class Pace {
   Eigen::MatrixXd force_per_noise_;  ///< m x m, 1, the sum of squares of leg forces after a reading
   Eigen::VectorXd most_, change_, quiet_, variance_, sorted_;
   std::int64_t n_rest_ = 0, seq_ = -1, n_in_row_ = 0, n_squares_ = 0;
-  bool floor_known_ = false, whole_ = false;
+  bool floor_known_ = false, whole_ = false, blind_ = false;
 };
 
 }  // namespace stillframe::controller

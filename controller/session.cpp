@@ -176,7 +176,8 @@ void Session::tell(bool whatever) {
   const std::int64_t n_faults = counters.n_faults;
   const bool latched = counters.latched;
   if (state == told_state_ && n_faults == told_faults_ && latched == told_latched_ &&
-      now - told_ns_ < status_every_ns && !whatever) {
+      loop_.counters().broken_floor == told_floor_ && now - told_ns_ < status_every_ns &&
+      !whatever) {
     return;
   }
   telemetry_.publish_status(last_request_);
@@ -187,10 +188,21 @@ void Session::tell(bool whatever) {
   } else if (state != told_state_ && state != State::fading && state != State::ramp_in) {
     options_.say(std::string(to_text(state)));
   }
+  tell_floor();
   told_state_ = state;
   told_faults_ = n_faults;
   told_latched_ = latched;
   told_ns_ = now;
+}
+
+void Session::tell_floor() {
+  const std::int64_t sensor = loop_.counters().broken_floor;
+  if (sensor == told_floor_) return;
+  told_floor_ = sensor;
+  const auto& names = link_.run_info().floor_names;
+  if (sensor < 0) return options_.say("feed-forward is back");
+  options_.warn("feed-forward fades out, feedback goes on alone: " +
+                names[static_cast<std::size_t>(sensor)] + " repeats one reading");
 }
 
 void Session::keep_latch() {

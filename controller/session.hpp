@@ -57,6 +57,7 @@ class Session {
   void serve_requests();
   std::string refusal(Request request) const;
   void tell(bool whatever);
+  void tell_floor();
   void keep_latch();
   void give_flight();
   void look_for_end();
@@ -82,6 +83,7 @@ class Session {
   std::string reason_;
   State told_state_ = State::idle;
   bool told_latched_, flight_given_ = false;
+  std::int64_t told_floor_ = -1;  ///< LoopCounters::broken_floor
   std::int64_t told_ns_ = 0, told_faults_ = 0, alive_ns_, alive_count_ = 0;
   std::int64_t n_unheard_ = 0;
 };

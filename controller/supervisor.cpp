@@ -129,6 +129,7 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
       obedience_(gains, policy.disobeyed_part),
       pace_(gains, pace_settings(gains, policy)),
+      floor_watch_(law_.floor().n_floor(), policy, gains.sample_time()),
       sample_time_(gains.sample_time()),
       forgets_(sample_time_ / slowed(missing_s, gains.sample_rate_hz)),
       let_go_(let_go_samples(sample_time_)),
@@ -151,7 +152,7 @@ void Supervisor::visit(Archive& archive) {
   archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
   archive(base_), archive(step_), archive(force_), archive(offset_);
   archive(asked_before_), archive(met_limit_);
-  archive(seq_), archive(law_seq_), archive(time_ns_);
+  archive(seq_), archive(law_seq_), archive(floor_seq_), archive(time_ns_);
   archive(n_faults_), archive(n_rejoins_), archive(n_saturated_);
   law_.visit(archive);
   limits_.visit(archive);
@@ -159,6 +160,7 @@ void Supervisor::visit(Archive& archive) {
   watch_.visit(archive);
   obedience_.visit(archive);
   pace_.visit(archive);
+  floor_watch_.visit(archive);
 }
 
 void Supervisor::save(std::span<double> memory) const noexcept {
@@ -180,7 +182,7 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
   pace_.forget(event.n_elapsed);
   if (event.measurement != nullptr) {
     seq_ = event.measurement->seq;
-    pace_.floor(event.measurement->floor);
+    hear_floor(event);
     time_ns_ = static_cast<double>(event.measurement->time_ns);
     if (!met_) fall_silent(0);
     met_ = true;
@@ -426,6 +428,7 @@ void Supervisor::arm(const Event& event) noexcept {
   const Fault found = arming_.judge(offset_, u_);
   if (found != Fault::none) return latch(found);
   pace_.begin(u_);
+  pace_.hear_as(law_);
   watch_.restart();
   obedience_.begin();
   if (const Index leg = pace_.noisy(); leg >= 0) {
@@ -448,6 +451,18 @@ void Supervisor::arm(const Event& event) noexcept {
   state_ = State::ramp_in;
 }
 
+// In every state: when the loop takes hold, the feed-forward knows what the floor did before.
+void Supervisor::hear_floor(const Event& event) noexcept {
+  const std::int64_t n = floor_seq_ < 0 ? 1 : event.measurement->seq - floor_seq_;
+  floor_seq_ = event.measurement->seq;
+  const bool was_broken = floor_watch_.broken() >= 0;
+  floor_watch_.hear(n, event.measurement->floor);
+  law_.hear_floor(n, event.measurement->floor, floor_watch_.share());
+  const bool broken = floor_watch_.broken() >= 0;
+  if (was_broken && !broken) pace_.hear_as(law_);
+  pace_.floor(event.measurement->floor, broken);
+}
+
 void Supervisor::run_law(const Event& event) noexcept {
   const Measurement& now = *event.measurement;
   n_samples_ = law_ran_ ? now.seq - law_seq_ : 1;
@@ -461,7 +476,7 @@ void Supervisor::run_law(const Event& event) noexcept {
   const double gain = smooth_step(p_);
   force_ = asked_ = gain * u_;
   if (unheard_ > 0) pace_.lose_track();
-  pace_.expect(n_samples_, gain);
+  pace_.expect(n_samples_, gain, floor_watch_.share());
 }
 
 void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {

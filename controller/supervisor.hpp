@@ -7,6 +7,7 @@
 
 #include "controller/arming.hpp"
 #include "controller/command_watch.hpp"
+#include "controller/floor_watch.hpp"
 #include "controller/io.hpp"
 #include "controller/law.hpp"
 #include "controller/limits.hpp"
@@ -59,6 +60,8 @@ class Supervisor {
   /// The leg whose force first changed faster than it may before the fault restless, that did not
   /// do as it was told, or whose sensor was noisy; -1: none.
   Eigen::Index first_leg() const noexcept { return watch_.first(); }
+  /// The sensor of the floor for which the feed-forward is out, or on its way; -1: none.
+  Eigen::Index broken_floor() const noexcept { return floor_watch_.broken(); }
   bool latched() const noexcept { return latched_; }
   bool active() const noexcept { return active_; }
   std::int64_t n_faults() const noexcept { return n_faults_; }
@@ -88,6 +91,7 @@ class Supervisor {
   void come_back(const Event& event) noexcept;
   void restart_arming() noexcept;
   void arm(const Event& event) noexcept;
+  void hear_floor(const Event& event) noexcept;
   void run_law(const Event& event) noexcept;
   void move_gain(std::int64_t n_elapsed) noexcept;
 
@@ -98,6 +102,7 @@ class Supervisor {
   CommandWatch watch_;
   Obedience obedience_;
   Pace pace_;
+  FloorWatch floor_watch_;
   double sample_time_;
   double forgets_;       ///< of missing_part_, in a period
   std::int64_t let_go_;  ///< periods in which amplifiers that hear nothing let go of a force
@@ -118,7 +123,7 @@ class Supervisor {
   double p_ = 0, q_ = 0;
   Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_;  ///< m, N
   Eigen::VectorXd asked_, asked_before_, change_;  ///< m, N, by the law, before the last gate
-  std::int64_t seq_ = -1, law_seq_ = -1;
+  std::int64_t seq_ = -1, law_seq_ = -1, floor_seq_ = -1;
   bool met_limit_ = false;      ///< of an actuator, and has not caught up since
   std::int64_t n_samples_ = 1;  ///< that the law has made up for now
   double time_ns_ = 0;

@@ -129,6 +129,14 @@ std::string fault_in_words(const LoopCounters& counters,
   return text;
 }
 
+std::string floor_in_words(const LoopCounters& counters,
+                           const std::vector<std::string>& floor_names) {
+  const std::int64_t sensor = counters.broken_floor;
+  if (sensor < 0 || sensor >= static_cast<std::int64_t>(floor_names.size())) return "";
+  return ", feedback alone: " + floor_names[static_cast<std::size_t>(sensor)] +
+         " repeats one reading";
+}
+
 void Telemetry::publish_status(const LastRequest& request) {
   const LoopCounters& counters = loop_.counters();
   const State state = counters.state.load(std::memory_order_acquire);
@@ -146,6 +154,9 @@ void Telemetry::publish_status(const LastRequest& request) {
   status.text = std::string(to_text(state));
   if (state == State::fault) {
     status.text += ": " + fault_in_words(counters, link_.run_info().leg_names);
+  }
+  if (state == State::ramp_in || state == State::active) {
+    status.text += floor_in_words(counters, link_.run_info().floor_names);
   }
   status.nonce = request.nonce;
   status.answer = request.answer;

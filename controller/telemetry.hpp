@@ -24,6 +24,10 @@ LoopRecord from_message(const stillframe_msgs::loop_record_t& message);
 /// The last fault, with the leg that began it where one did: "restless, leg_2 first". Set-up.
 std::string fault_in_words(const LoopCounters& counters, const std::vector<std::string>& leg_names);
 
+/// What a status adds where the feed-forward does not act, and why; else nothing.
+std::string floor_in_words(const LoopCounters& counters,
+                           const std::vector<std::string>& floor_names);
+
 /// Tells the bus what the loop does, from a thread that may be slow. Set-up.
 class Telemetry {
  public:

@@ -33,21 +33,32 @@ SampledPlant plant_between(const LoopDesign& design, const std::vector<SceneSign
   return sample_and_hold(plant, design.gains.sampling());
 }
 
-SampledLoop loop_around(const SampledPlant& plant, const LoopDesign& design, bool active) {
-  return active ? close_loop(plant, controller::law_from_gains(design.gains)) : open_loop(plant);
+/// Whether the first inputs of a plant are those that the floor's sensors read.
+enum class Heard { floor, nothing };
+
+DiscreteLaw law_with(const LoopDesign& design, Heard heard) {
+  DiscreteLaw law = controller::law_from_gains(design.gains);
+  if (heard == Heard::nothing) law.feed_forward = {};
+  return law;
+}
+
+SampledLoop loop_around(const SampledPlant& plant, const LoopDesign& design, bool active,
+                        Heard heard) {
+  return active ? close_loop(plant, law_with(design, heard)) : open_loop(plant);
 }
 
 std::optional<report::LateLoop> late_loop(const SampledPlant& plant, const LoopDesign& design,
-                                          const std::optional<report::Takeover>& takeover) {
+                                          const std::optional<report::Takeover>& takeover,
+                                          Heard heard) {
   if (!takeover) return std::nullopt;
-  return report::LateLoop{*takeover, gain_loop(plant, controller::law_from_gains(design.gains))};
+  return report::LateLoop{*takeover, gain_loop(plant, law_with(design, heard))};
 }
 
 }  // namespace
 
 SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
                          const std::vector<std::string>& outputs, bool active) {
-  return loop_around(plant_between(design, inputs, outputs), design, active);
+  return loop_around(plant_between(design, inputs, outputs), design, active, Heard::nothing);
 }
 
 namespace {
@@ -93,7 +104,7 @@ FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::st
   const MatrixXd D_w = directions_of(measured);
   const MatrixXd to_floor = D_w.completeOrthogonalDecomposition().pseudoInverse();
   SampledPlant plant = plant_between(design, measured, outputs);
-  FollowedFloor result{.loop = loop_around(plant, design, active),
+  FollowedFloor result{.loop = loop_around(plant, design, active, Heard::floor),
                        .late = {},
                        .rigid = D_w * to_floor,
                        .leans_on_rigid = std::vector<bool>(outputs.size(), false)};
@@ -101,7 +112,7 @@ FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::st
     std::vector<SceneSignal> all = measured;
     all.insert(all.end(), beside.begin(), beside.end());
     SampledPlant wide = plant_between(design, all, outputs);
-    const SampledLoop loop = loop_around(wide, design, active);
+    const SampledLoop loop = loop_around(wide, design, active, Heard::floor);
     Eigen::VectorXd by_measured = Eigen::VectorXd::Zero(n_y), by_others = by_measured;
     for (const double f : frequencies_hz) {
       const MatrixXd T = transfer(loop, 2 * std::numbers::pi * f).cwiseAbs();
@@ -120,10 +131,10 @@ FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::st
         *M = (M->leftCols(n_w) + M->rightCols(n_u) * others).eval();
       }
       plant = std::move(wide);
-      result.loop = loop_around(plant, design, active);
+      result.loop = loop_around(plant, design, active, Heard::floor);
     }
   }
-  if (active) result.late = late_loop(plant, design, takeover);
+  if (active) result.late = late_loop(plant, design, takeover, Heard::floor);
   return result;
 }
 
@@ -161,14 +172,15 @@ report::ForceModel force_model(const LoopDesign& design, const std::vector<std::
     inputs.push_back(signal);
   }
   const SampledPlant plant = plant_between(design, inputs, outputs);
-  report::ForceModel model{loop_around(plant, design, active), [courses](std::int64_t k) {
+  report::ForceModel model{loop_around(plant, design, active, Heard::nothing),
+                           [courses](std::int64_t k) {
                              Eigen::VectorXd forces(std::ssize(*courses));
                              for (Index i = 0; i < forces.size(); ++i) {
                                forces(i) = (*courses)[static_cast<std::size_t>(i)].at(k);
                              }
                              return forces;
                            }};
-  if (active) model.late = late_loop(plant, design, takeover);
+  if (active) model.late = late_loop(plant, design, takeover, Heard::nothing);
   return model;
 }
 

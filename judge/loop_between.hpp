@@ -12,8 +12,8 @@
 namespace stillframe::tools {
 
 /// The sampled loop of a design, with its law or with zero commands, from inputs of one's own
-/// (accelerations and forces) to outputs and monitors of its scene by name. Errors: InputError for
-/// a name that the scene has not.
+/// (accelerations and forces, of which a feed-forward hears nothing) to outputs and monitors of its
+/// scene by name. Errors: InputError for a name that the scene has not.
 SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
                          const std::vector<std::string>& outputs, bool active);
 

@@ -2,8 +2,10 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 
 #include "controller/law.hpp"
+#include "core/control/feed_forward_design.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
@@ -59,8 +61,39 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .plant = passive_plant(plant)};
 }
 
-/// Replaces the design by that of another model with the controller block of this one.
-void take_design_of(const std::filesystem::path& file, LoopDesign& design) {
+std::vector<std::string> names_of(const std::vector<SceneSignal>& signals) {
+  std::vector<std::string> names;
+  for (const SceneSignal& signal : signals) names.push_back(signal.name);
+  return names;
+}
+
+/// The feed-forward of a scene's controller block on a loop, aiming at what the continuous law of
+/// that does; empty where none is asked for, or the feedback is not stable: then nothing is held.
+controller::FloorFeedForward make_feed_forward(const Scene& scene, const ControlLoop& loop,
+                                               LoopSettings settings) {
+  const auto& block = scene.controller->feed_forward;
+  settings.plant = loop_plant(loop.plant, loop.n_w, loop.n_y);
+  // An error of calibration is what the design does not know.
+  settings.sampling.instruments.actuator_gain = 1;
+  if (!block || !(spectral_radius(settings) < largest_stable_radius)) return {};
+  controller::FloorFeedForward made;
+  made.floor = names_of(scene.inputs);
+  made.filter = design_feed_forward(settings,
+                                    [&](double omega) {
+                                      return loop.closed({0, omega});
+                                    },
+                                    {.to_hz = block->to_hz,
+                                     .corner_hz = block->corner_hz,
+                                     .at_most = std::pow(10, block->at_most_db / 20),
+                                     .actuator_error = block->actuator_error,
+                                     .noise_over_floor = block->noise_over_floor,
+                                     .n_taps = block->taps});
+  return made;
+}
+
+/// Replaces the design by that of another model with the controller block of this one. The loop of
+/// that model.
+ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design) {
   Scene scene = read_scene(file, std::nullopt);
   for (const std::string& leg : design.scene.controller->legs) {
     const bool there = std::any_of(
@@ -72,9 +105,14 @@ void take_design_of(const std::filesystem::path& file, LoopDesign& design) {
     }
   }
   scene.controller = design.scene.controller;
-  const ControlLoop other = make_control_loop(scene, make_model(scene));
+  if (scene.controller->feed_forward && names_of(scene.inputs) != names_of(design.scene.inputs)) {
+    throw InputError(file.string() + ": inputs: a feed-forward of its model needs the inputs of " +
+                     design.scene.file + ", by the same names and in the same order");
+  }
+  ControlLoop other = make_control_loop(scene, make_model(scene));
   design.loop.design = other.design;
   design.loop.gains = other.gains;
+  return other;
 }
 
 }  // namespace
@@ -84,7 +122,8 @@ void sample(LoopDesign& design) {
   design.settings = {.plant = plant,
                      .feedback = design.gains.feedback(),
                      .law = design.gains.law_sampling(),
-                     .sampling = design.gains.sampling()};
+                     .sampling = design.gains.sampling(),
+                     .feed_forward = design.gains.feed_forward.filter};
   design.loop.gains = continuous_law(design.settings);
   design.sampled = sample_and_hold(plant, design.gains.sampling());
   design.open = open_loop(design.sampled);
@@ -104,9 +143,14 @@ LoopDesign designed(Scene scene, const std::optional<std::filesystem::path>& des
   design.scene = std::move(scene);
   design.model = make_model(design.scene);
   design.loop = make_control_loop(design.scene, design.model);
-  if (design_scene) take_design_of(*design_scene, design);
+  std::optional<ControlLoop> other;
+  if (design_scene) other = take_design_of(*design_scene, design);
   const LoopPlant plant = loop_plant(design.loop.plant, design.loop.n_w, design.loop.n_y);
   design.gains = make_gains(design.scene, design.loop, plant);
+  sample(design);
+  if (!design.scene.controller->feed_forward) return design;
+  design.gains.feed_forward =
+      make_feed_forward(design.scene, other ? *other : design.loop, design.settings);
   sample(design);
   return design;
 }

@@ -118,11 +118,35 @@ MatrixXd inputs_of_floors(const Scene& scene, const std::vector<std::string>& na
                                            .pseudoInverse();
 }
 
+namespace {
+
+/// The law of a design behind a plant whose inputs are other motions of the same floor: what the
+/// feed-forward hears of each is its part along the measured accelerations of that node.
+DiscreteLaw law_hearing(const LoopDesign& design, const std::vector<SceneSignal>& inputs) {
+  DiscreteLaw law = controller::law_from_gains(design.gains);
+  const std::vector<SceneSignal>& measured = design.scene.inputs;
+  if (law.feed_forward.D.cols() == 0) return law;
+  MatrixXd heard = MatrixXd::Zero(std::ssize(measured), std::ssize(inputs));
+  for (Index i = 0; i < heard.rows(); ++i) {
+    for (Index j = 0; j < heard.cols(); ++j) {
+      const SceneSignal &a = measured[static_cast<std::size_t>(i)],
+                        &b = inputs[static_cast<std::size_t>(j)];
+      if (a.node == b.node) heard(i, j) = a.direction.dot(b.direction);
+    }
+  }
+  law.feed_forward.B *= heard;
+  law.feed_forward.D *= heard;
+  return law;
+}
+
+}  // namespace
+
 ResponsePrediction::ResponsePrediction(const LoopDesign& design,
                                        const report::ResponseSignals& signals, FloorNodes nodes) {
   Scene scene = design.scene;
   std::vector<SceneSignal> outputs;
   for (const std::string& name : signals.outputs) outputs.push_back(signal_of(scene, name));
+  bool same = true;
   if (are_the_inputs(scene, signals.inputs)) {
     E_ = MatrixXd::Identity(static_cast<Index>(scene.inputs.size()),
                             static_cast<Index>(scene.inputs.size()));
@@ -134,7 +158,10 @@ ResponsePrediction::ResponsePrediction(const LoopDesign& design,
       throw InputError("'" + signals.inputs[static_cast<std::size_t>(other - independent.begin())] +
                        "' moves as the other floor signals say, and is no input of its own");
     }
-    if (nodes != FloorNodes::rest) scene.inputs = prescribed_translations(scene);
+    if (nodes != FloorNodes::rest) {
+      scene.inputs = prescribed_translations(scene);
+      same = false;
+    }
     E_ = inputs_of_floors(scene, signals.inputs);
   }
   scene.outputs = outputs;
@@ -145,7 +172,8 @@ ResponsePrediction::ResponsePrediction(const LoopDesign& design,
   const LoopPlant plant = loop_plant(loop_.plant, loop_.n_w, loop_.n_y);
   const SampledPlant sampled = sample_and_hold(plant, design.gains.sampling());
   open_ = open_loop(sampled);
-  closed_ = close_loop(sampled, controller::law_from_gains(design.gains));
+  closed_ = close_loop(sampled, same ? controller::law_from_gains(design.gains)
+                                    : law_hearing(design, scene.inputs));
 }
 
 PredictedResponse ResponsePrediction::at(const std::vector<double>& frequencies_hz,

@@ -98,6 +98,8 @@ void add_design(CLI::App& app, int& exit_code) {
       "loop is not stable are printed and refused: exit code 3, no file written.\n"
       "Keys of --json:\n"
       "  scene, scene_hash, order, legs, target_hz, damping_ratio, K_P, K_I, leak_hz\n"
+      "  feed_forward                floor, to_hz, corner_hz, at_most_db, actuator_error,\n"
+      "                              noise_over_floor, taps; null where there is none\n"
       "  closed_loop_poles           [re, im] in rad/s, continuous law on the whole plant\n"
       "  exact_order, deck_order     lowest and highest pole over its target's, largest_real "
       "(1/s)\n"

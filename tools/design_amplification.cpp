@@ -83,7 +83,7 @@ std::vector<std::string> amplification_warnings(const LoopSettings& settings, do
   const ForceFeedback feedback = continuous_law(settings);
   const Eigen::VectorXcd poles = closed_loop_poles(plant, feedback);
   const Index n_w = plant.B_w.cols();
-  LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, law_of(settings))),
+  LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, whole_law_of(settings))),
       law(continuous_loop(plant, feedback), n_w),
       without({plant.A, plant.B_w, plant.C_y, plant.D_yw}, n_w);
   const Eigen::VectorXd grid =

@@ -33,6 +33,21 @@ std::string instruments_line(const Instruments& has) {
   return text + "\n";
 }
 
+std::string feed_forward_line(const LoopDesign& design) {
+  const auto& block = design.scene.controller->feed_forward;
+  if (!block) return "";
+  if (design.gains.feed_forward.filter.empty()) {
+    return "Feed-forward: none is designed on a feedback that is not stable\n";
+  }
+  return cell(
+      "Feed-forward from %td accelerations of the floor: the continuous law's T is aimed at from "
+      "%g "
+      "to %g Hz, %g dB\nfrom %g Hz on; %d taps; \"closed\" below has it, margins are the "
+      "feedback's\n",
+      std::ssize(design.gains.feed_forward.floor), block->corner_hz, block->to_hz,
+      block->at_most_db, 1.5 * block->to_hz, block->taps);
+}
+
 std::string heading(const LoopDesign& design) {
   const SceneController& block = *design.scene.controller;
   std::string text = design.scene.title + "\n";
@@ -46,6 +61,7 @@ std::string heading(const LoopDesign& design) {
       "\nSampled at %g Hz, a command acts %g sample(s) after its measurement, lead %g "
       "sample(s)\n",
       block.sample_rate_hz, block.delay_samples, block.lead_samples);
+  text += feed_forward_line(design);
   return text + instruments_line(design.scene.instruments);
 }
 
@@ -229,6 +245,18 @@ Json recommendation_json(const DesignAnalysis& analysis) {
           {"warnings", best.standing}};
 }
 
+Json feed_forward_json(const LoopDesign& design) {
+  const auto& block = design.scene.controller->feed_forward;
+  if (!block || design.gains.feed_forward.filter.empty()) return {};
+  return {{"floor", design.gains.feed_forward.floor},
+          {"to_hz", block->to_hz},
+          {"corner_hz", block->corner_hz},
+          {"at_most_db", block->at_most_db},
+          {"actuator_error", block->actuator_error},
+          {"noise_over_floor", block->noise_over_floor},
+          {"taps", block->taps}};
+}
+
 Json spread_json(const PoleSpread& effect) {
   return {{"lowest", effect.lowest},
           {"highest", effect.highest},
@@ -280,6 +308,7 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
            {"K_P", to_json(design.gains.K_P)},
            {"K_I", to_json(design.gains.K_I)},
            {"leak_hz", design.gains.leak_hz},
+           {"feed_forward", feed_forward_json(design)},
            {"closed_loop_poles", to_json(analysis.poles)},
            {"exact_order", spread_json(analysis.exact)},
            {"deck_order", spread_json(analysis.deck)},

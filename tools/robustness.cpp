@@ -72,7 +72,7 @@ Evaluator evaluator_of(const LoopDesign& design, const SceneUncertainty& uncerta
   }
   return Evaluator({.scene = design.scene,
                     .sampling = design.settings.sampling,
-                    .law = law_of(design.settings),
+                    .law = whole_law_of(design.settings),
                     .parameters = std::move(parameters),
                     .frequencies_hz = robustness::outcome_frequencies_hz(
                         controller.lowest_target_hz(), controller.sample_rate_hz)});

@@ -24,16 +24,33 @@ void check_shapes(const SampledPlant& plant, const DiscreteLaw& law) {
     throw std::invalid_argument("close_loop: the law does not fit a plant of " + std::to_string(m) +
                                 " legs");
   }
+  const LinearSystem& feed = law.feed_forward;
+  if (feed.D.cols() == 0 || plant.Gamma_w.cols() == 0) return;
+  if (feed.D.rows() != m || feed.D.cols() > plant.Gamma_w.cols()) {
+    throw std::invalid_argument("close_loop: the feed-forward hears " +
+                                std::to_string(feed.D.cols()) + " accelerations, the plant has " +
+                                std::to_string(plant.Gamma_w.cols()));
+  }
 }
 
-/// Where the parts of xi stand: plant, law, c_0 (the command that held before t_k), the filtered
+/// The floor that a feed-forward hears: as many of the plant's inputs.
+Index n_heard(const SampledPlant& plant, const DiscreteLaw& law) {
+  return plant.Gamma_w.cols() > 0 ? law.feed_forward.D.cols() : 0;
+}
+
+/// Where the parts of xi stand: plant, the floor as it was measured last and the feed-forward that
+/// hears it, law, c_0 (the command that held before t_k), the filtered
 /// report, the reports on their way, oldest first, and the commands on their way, leg by leg,
 /// oldest first.
 struct Layout {
-  Index n, m, law, held, filtered, reports, pending, total;
+  Index n, m, floor, feed, law, held, filtered, reports, pending, total;
 
   Layout(const SampledPlant& plant, const DiscreteLaw& control)
-      : n(plant.Phi.rows()), m(plant.Gamma_u.cols()), law(n), held(law + control.A.rows()) {
+      : n(plant.Phi.rows()), m(plant.Gamma_u.cols()), floor(n) {
+    const Index p = n_heard(plant, control);
+    feed = floor + p;
+    law = feed + (p > 0 ? control.feed_forward.A.rows() : 0);
+    held = law + control.A.rows();
     filtered = held + m;
     reports = filtered + (control.subtract_applied && control.applied_memory > 0 ? m : 0);
     pending = reports + (control.subtract_applied ? m * plant.report_age : 0);
@@ -56,6 +73,7 @@ void shift_in(MatrixXd& A, Index begin, Index end, Index m, const MatrixXd& newe
 struct Connected {
   SampledLoop loop;
   MatrixXd C_e;
+  Index n_plant;  ///< before those of the law
 };
 
 Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
@@ -84,6 +102,12 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
   }
   MatrixXd C_u = law.D * C_e;
   C_u.middleCols(at.law, n_law) += law.C;
+  const LinearSystem& forward = law.feed_forward;
+  const Index p = at.feed - at.floor, n_feed = at.law - at.feed;
+  if (p > 0) {
+    C_u.middleCols(at.floor, p) += forward.D;
+    C_u.middleCols(at.feed, n_feed) += forward.C;
+  }
   // A leg whose command takes effect at once has it straight from the law, others from the queue.
   MatrixXd C_f = C_u, D_f = law.D;  // of xi and v
   Index queue = at.pending;
@@ -96,7 +120,7 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
   }
 
   SampledLoop loop;
-  loop.n_exogenous = plant.n_exogenous;
+  loop.n_exogenous = plant.n_exogenous + p + n_feed;
   loop.sample_time = plant.sample_time;
   loop.A = MatrixXd::Zero(at.total, at.total);
   loop.A.topRows(n) = plant.Gamma_u * C_f;
@@ -109,6 +133,12 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
   shift_in(loop.A, at.reports, at.pending, m, C_report);
   loop.B = MatrixXd::Zero(at.total, plant.Gamma_w.cols());
   loop.B.topRows(n) = plant.Gamma_w;
+  if (p > 0) {
+    // What the floor did up to t_{k+1} is in the measurement of t_{k+1}.
+    loop.B.block(at.floor, 0, p, p).setIdentity();
+    loop.A.block(at.feed, at.floor, n_feed, p) = forward.B;
+    loop.A.block(at.feed, at.feed, n_feed, n_feed) = forward.A;
+  }
   loop.B_v = MatrixXd::Zero(at.total, m);
   loop.B_v.topRows(n) = plant.Gamma_u * D_f;
   loop.B_v.middleRows(at.law, n_law) = law.B;
@@ -126,23 +156,25 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
   loop.C.middleCols(at.held, m) += plant.D_0;
   loop.D = plant.D_yw;
   loop.D_v = plant.D_yu * D_f;
-  return {std::move(loop), std::move(C_e)};
+  return {std::move(loop), std::move(C_e), at.law};
 }
 
 }  // namespace
 
 SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
-  SampledLoop loop = connected(plant, law).loop;
-  const BalancedStates states(loop, plant.Phi.rows());
-  return states.of(std::move(loop));
+  Connected closed = connected(plant, law);
+  const BalancedStates states(closed.loop, closed.n_plant);
+  return states.of(std::move(closed.loop));
 }
 
 GainedLoop gain_loop(const SampledPlant& plant, const DiscreteLaw& law) {
   DiscreteLaw silent = law;
   silent.C.setZero();
   silent.D.setZero();
+  silent.feed_forward.C.setZero();
+  silent.feed_forward.D.setZero();
   Connected closed = connected(plant, law);
-  const Index n_plant = plant.Phi.rows();
+  const Index n_plant = closed.n_plant;
   const BalancedStates states(closed.loop, n_plant);
   return {.closed = states.of(std::move(closed.loop)),
           .released = states.of(connected(plant, silent).loop),

@@ -8,8 +8,9 @@
 
 namespace stillframe {
 
-/// The closed loop of a sampled plant and a law. Source: THEORY section 5. Errors:
-/// std::invalid_argument on shapes that do not match.
+/// The closed loop of a sampled plant and a law. A feed-forward hears the first inputs w of the
+/// plant, and nothing where the plant has none; its states are exogenous. Source: THEORY section 5.
+/// Errors: std::invalid_argument on shapes that do not match.
 SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law);
 
 /// A closed loop whose law may act by a share g of its command: A, B_v, C and D_v are then
@@ -18,7 +19,8 @@ struct GainedLoop {
   SampledLoop closed;        ///< as close_loop
   SampledLoop released;      ///< in the same states: commands are zero, but the law goes on
   Eigen::MatrixXd C_e;       ///< what the law hears: e[k] = C_e xi[k] + v[k]
-  Eigen::Index n_plant = 0;  ///< leading states that are the plant's, the exogenous ones with them
+  Eigen::Index n_plant = 0;  ///< leading states that do not need the law's command: the plant's and
+                             ///< the exogenous ones
 
   SampledLoop at(double share) const;
 };

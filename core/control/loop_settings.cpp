@@ -27,6 +27,12 @@ DiscreteLaw law_of(const LoopSettings& settings) {
   return sample_law(settings.feedback, sampling);
 }
 
+DiscreteLaw whole_law_of(const LoopSettings& settings) {
+  DiscreteLaw law = law_of(settings);
+  law.feed_forward = feed_forward_system(settings.feed_forward);
+  return law;
+}
+
 double lateness(const Sampling& sampling) {
   const double lag = 2 * std::numbers::pi * sampling.instruments.actuator_lag_hz;
   return sampling.delay_samples + 0.5 + (lag > 0 ? 1 / (lag * sampling.sample_time) : 0.0);
@@ -40,7 +46,7 @@ ForceFeedback continuous_law(const LoopSettings& settings) {
 }
 
 SampledLoop close_loop(const LoopSettings& settings) {
-  return close_loop(sample_and_hold(settings.plant, settings.sampling), law_of(settings));
+  return close_loop(sample_and_hold(settings.plant, settings.sampling), whole_law_of(settings));
 }
 
 double spectral_radius(const LoopSettings& settings) {
@@ -50,6 +56,7 @@ double spectral_radius(const LoopSettings& settings) {
 
 LoopSettings at_rate(LoopSettings settings, double rate_hz) {
   settings.sampling.sample_time = 1 / rate_hz;
+  settings.feed_forward = {};
   return settings;
 }
 

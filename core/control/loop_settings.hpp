@@ -5,6 +5,7 @@
 
 #include "core/control/close_loop.hpp"
 #include "core/control/discrete_law.hpp"
+#include "core/control/feed_forward.hpp"
 #include "core/systems/sampled_plant.hpp"
 
 namespace stillframe {
@@ -15,10 +16,14 @@ struct LoopSettings {
   ForceFeedback feedback;  ///< its lead is not asked for: see continuous_law
   LawSampling law;         ///< its sample time and sensor filter are taken from `sampling`
   Sampling sampling;
+  FeedForward feed_forward = {};  ///< no part of what is stable, robust or late
 };
 
-/// The sampled law of a loop. Errors: as sample_law.
+/// The sampled feedback of a loop, without its feed-forward. Errors: as sample_law.
 DiscreteLaw law_of(const LoopSettings& settings);
+
+/// The whole sampled law. Errors: as sample_law and feed_forward_system.
+DiscreteLaw whole_law_of(const LoopSettings& settings);
 
 /// Samples by which sampling makes a force late: its delay, half a sample of hold, the lag of the
 /// actuators.
@@ -44,7 +49,8 @@ double spectral_radius(const LoopSettings& settings);
 std::vector<std::pair<double, double>> stable_rates(const LoopSettings& settings, double lowest_hz,
                                                     double highest_hz);
 
-/// The same loop at another sample rate; delay, lead and report age stay so many samples.
+/// The same feedback at another sample rate; delay, lead and report age stay so many samples. A
+/// feed-forward is of one rate, and is left out.
 LoopSettings at_rate(LoopSettings settings, double rate_hz);
 
 }  // namespace stillframe

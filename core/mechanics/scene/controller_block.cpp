@@ -53,12 +53,51 @@ double read_part(const YamlReader& block, const std::string& key) {
   return part;
 }
 
+// What is left of the axis behind to_hz has to have room for the transition and for what is paid.
+constexpr double highest_part_of_rate = 0.25, part_of_rate = 0.05, part_of_target = 0.1;
+constexpr double most_db = 40;
+constexpr int most_taps = 64;
+
+SceneFeedForward read_feed_forward(const YamlReader& block, const SceneController& controller) {
+  block.allow_only(
+      {"to_hz", "corner_hz", "at_most_db", "actuator_error", "noise_over_floor", "taps"});
+  const double rate = controller.sample_rate_hz;
+  SceneFeedForward found{.to_hz = part_of_rate * rate,
+                         .corner_hz = part_of_target * controller.lowest_target_hz()};
+  if (const auto value = block.find("to_hz")) {
+    found.to_hz = positive_up_to(*value, highest_part_of_rate * rate);
+  }
+  if (const auto value = block.find("corner_hz")) {
+    found.corner_hz = positive_up_to(*value, found.to_hz);
+  } else if (found.corner_hz > found.to_hz) {
+    block.fail(
+        "corner_hz: a tenth of the lowest target is above to_hz; the target is too high for "
+        "a feed-forward at this rate");
+  }
+  if (const auto value = block.find("at_most_db")) {
+    found.at_most_db = number_within(*value, -2 * most_db, most_db);
+  }
+  if (const auto value = block.find("actuator_error")) {
+    found.actuator_error = number_within(*value, 0, 0.5);
+  }
+  if (const auto value = block.find("noise_over_floor")) {
+    found.noise_over_floor = positive_up_to(*value, 1);
+  }
+  if (const auto value = block.find("taps")) {
+    found.taps = value->integer(2);
+    if (found.taps > most_taps) {
+      value->fail("found " + value->text() + ", allowed are 2 to " + std::to_string(most_taps));
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 SceneController read_controller(const YamlReader& block, const Scene& scene) {
   block.allow_only({"legs", "target_hz", "damping_ratio", "order", "reduction", "realisation",
                     "sample_rate_hz", "delay_samples", "leak_hz", "high_pass_hz", "lead_samples",
-                    "roll_off_hz", "force_limit_n"});
+                    "roll_off_hz", "force_limit_n", "feed_forward"});
   SceneController controller;
   controller.place = block.place();
   controller.legs = read_legs(block.require("legs"), scene);
@@ -99,6 +138,9 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
   }
   if (const auto value = block.find("force_limit_n")) {
     controller.force_limit_n = positive_up_to(*value, largest_force_n);
+  }
+  if (const auto value = block.find("feed_forward")) {
+    controller.feed_forward = read_feed_forward(*value, controller);
   }
   return controller;
 }

@@ -130,6 +130,14 @@ enum class GainOrder { exact, deck };
 /// or the motion of least strain energy.
 enum class Reduction { modes, static_shapes };
 
+/// What a feed-forward from the floor is to do (core/control/feed_forward_design.hpp).
+struct SceneFeedForward {
+  double to_hz = 0, corner_hz = 0;
+  double at_most_db = -10;
+  double actuator_error = 0.02, noise_over_floor = 1e-3;
+  int taps = 16;
+};
+
 struct SceneController {
   std::string place;
   std::vector<std::string> legs;
@@ -144,6 +152,7 @@ struct SceneController {
   double high_pass_hz = 0;
   double lead_samples = 0;
   std::optional<double> roll_off_hz, force_limit_n;
+  std::optional<SceneFeedForward> feed_forward;
 
   /// The lowest target and its damping, for what has room for one number only.
   double lowest_target_hz() const { return *std::min_element(target_hz.begin(), target_hz.end()); }

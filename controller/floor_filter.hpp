@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <cstdint>
+
+#include "core/systems/linear_system.hpp"
+
+namespace stillframe::controller {
+
+/// A feed-forward as it runs, one step a sample: u[k] = C x[k] + D w[k], x[k+1] = A x[k] + B w[k],
+/// p accelerations of the floor in (m/s^2), m forces out (N). A and B are nearly empty, and kept
+/// so. It has no loop through the frame, so it hears the floor whether or not its force is
+/// commanded. Construction is set-up; the rest is hot: noexcept, no allocation.
+class FloorFilter {
+ public:
+  /// More samples than this without a floor, and it begins anew.
+  static constexpr std::int64_t longest_gap = 100;
+
+  /// system: without columns in D hears nothing, and its force is zero. m: forces. Errors:
+  /// std::invalid_argument on shapes that do not match.
+  FloorFilter(const LinearSystem& system, Eigen::Index m);
+
+  Eigen::Index n_floor() const noexcept { return D_.cols(); }
+
+  /// The floor (p, m/s^2) n samples after the last one; of those between it is on the line from the
+  /// last to this one, as the floor of a law that lost samples is nowhere else more likely. The
+  /// first one is taken to have stood for ever: what a sensor is constantly off by is no motion.
+  void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
+  /// The force (m, N) that goes with the floor that was heard last.
+  const Eigen::VectorXd& force() const noexcept { return force_; }
+
+  /// It has heard what another of the same system has.
+  void hear_as(const FloorFilter& other) noexcept;
+
+  /// The floor has been at rest, and what comes next is its motion.
+  void rest() noexcept;
+
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(x_), archive(last_), archive(force_), archive(begun_);
+  }
+
+ private:
+  using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+  void step(const Eigen::VectorXd& w) noexcept;
+
+  RowMatrix A_, B_;
+  Eigen::MatrixXd C_, D_;
+  Eigen::MatrixXd at_rest_;  ///< n x p, (I - A)^-1 B: x of a floor that stands for ever
+  Eigen::VectorXd x_, x_next_, last_, w_, force_;
+  bool begun_ = false;
+};
+
+}  // namespace stillframe::controller

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "controller/policy.hpp"
+#include "core/numerics/smooth_step.hpp"
+
+namespace stillframe::controller {
+
+/// Whether the floor's sensors are to be believed, and how much of the feed-forward acts: s(p), p
+/// going to 0 within the policy's fade_s while a sensor is broken, and back within ramp_in_s when
+/// all have been well for a second. A sensor that has moved and then repeats one reading while
+/// others go on is broken; where all rest, the floor does. Feedback needs none of them.
+/// Construction is set-up; the rest is hot: noexcept, no allocation. Source: docs/safety.md.
+class FloorWatch {
+ public:
+  /// p sensors.
+  FloorWatch(Eigen::Index p, const Policy& policy, double sample_time);
+
+  /// What they read (p, m/s^2) n samples after the last time.
+  void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
+
+  double share() const noexcept { return smooth_step(p_); }  ///< 0 to 1
+  /// The sensor that repeats itself, or did last while the feed-forward is not wholly back; -1:
+  /// none.
+  Eigen::Index broken() const noexcept { return broken_; }
+
+  template <class Archive>
+  void visit(Archive& archive) {
+    archive(last_), archive(same_), archive(moved_), archive(well_), archive(p_), archive(broken_);
+    archive(begun_);
+  }
+
+ private:
+  Eigen::Index stuck() const noexcept;
+
+  double sample_time_, fade_s_, ramp_in_s_;
+  double stuck_after_;     ///< samples
+  Eigen::VectorXd last_;   ///< p, m/s^2
+  Eigen::VectorXd same_;   ///< p, samples for which it read the same
+  Eigen::VectorXd moved_;  ///< p, 1: it has changed before
+  double well_ = 0;        ///< s, for which none is stuck
+  double p_ = 1;
+  Eigen::Index broken_ = -1;
+  bool begun_ = false;
+};
+
+}  // namespace stillframe::controller
