@@ -127,8 +127,10 @@ void Obedience::follow_commands(double passed) noexcept {
 }
 
 bool Obedience::are_held(std::int64_t n, const Ref<const VectorXd>& applied, bool obey) noexcept {
+  // Of a noise the medians of three tell half the range or so, and two readings differ by all of
+  // it.
   bool moves = false;
-  for (Index i = 0; i < applied.size(); ++i) moves |= std::abs(applied(i) - held_(i)) > own(i);
+  for (Index i = 0; i < applied.size(); ++i) moves |= std::abs(applied(i) - held_(i)) > 2 * own(i);
   if (moves) {
     held_ = applied;
     held_obeyed_ = obey;

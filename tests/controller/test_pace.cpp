@@ -342,7 +342,7 @@ TEST(Pace, ToLetGoOfAForceThatIsHeldIsNoHaste) {
     };
     ASSERT_TRUE(rig.reaches(State::active, 3000, wire)) << to_text(rig.fault());
     for (int k = 0; k < 25'000; ++k) {
-      drift = 0.05 * std::min(1.0, k / 10'000.0);
+      drift = 0.005 * std::min(1.0, k / 10'000.0);
       rig.step(wire);
     }
     ASSERT_EQ(rig.state(), State::active) << to_text(rig.fault());
