@@ -33,17 +33,19 @@ DesignedLoop::DesignedLoop(const Gains& gains)
   x_ = x_next_ = VectorXd::Zero(plant_.Phi.rows());
   w_ = w_now_ = VectorXd::Zero(n_floor());
   before_ = u_ = last_ = sigma_ = change_ = VectorXd::Zero(m);
+  acts_ = VectorXd::Ones(m);
   // A gains file has one delay for all legs.
   commands_ = MatrixXd::Zero(m, plant_.whole_delay.maxCoeff() + 1);
   reports_ = MatrixXd::Zero(m, plant_.report_age + 1);
 }
 
-void DesignedLoop::reset() noexcept {
+void DesignedLoop::reset(double gain) noexcept {
   for (VectorXd* each : {&x_, &w_, &before_}) each->setZero();
   commands_.setZero();
   reports_.setZero();
   law_.reset();
   law_.rest_floor();
+  gain_ = gain;
 }
 
 void DesignedLoop::push(const VectorXd& command) noexcept {
@@ -52,13 +54,12 @@ void DesignedLoop::push(const VectorXd& command) noexcept {
 }
 
 void DesignedLoop::sample(const Ref<const VectorXd>& w) noexcept {
-  const auto now = commands_.col((newest_command_ + 1) % commands_.cols());
   x_next_.noalias() = plant_.Phi * x_;
   x_next_.noalias() += plant_.Gamma_w * w;
   x_next_.noalias() += plant_.Gamma_0 * before_;
-  x_next_.noalias() += plant_.Gamma_u * now;
+  before_ = acts_.cwiseProduct(commands_.col((newest_command_ + 1) % commands_.cols()));
+  x_next_.noalias() += plant_.Gamma_u * before_;
   x_.swap(x_next_);
-  before_ = now;
   newest_report_ = (newest_report_ + 1) % reports_.cols();
   auto report = reports_.col(newest_report_);
   report.noalias() = plant_.C_report * x_;
@@ -82,10 +83,11 @@ const VectorXd& DesignedLoop::step(std::int64_t n, const Ref<const VectorXd>& w,
   sigma_.noalias() += plant_.D_sigma * before_;
   law_.hear_floor(samples, w, share);
   law_.step_over(samples, sigma_, reports_.col((newest_report_ + 1) % reports_.cols()), u_);
+  change_ = gain_ * u_ - last_;
   u_ *= gain;
-  change_ = u_ - last_;
+  gain_ = gain;
   if (!change_.allFinite() || !x_.allFinite()) {
-    reset();
+    reset(gain);
     change_.setZero();
     return change_;
   }

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "controller/gains.hpp"
+#include "core/yaml/quoted.hpp"
 
 namespace stillframe::controller {
 
@@ -17,23 +18,6 @@ std::string digits(double value) {
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,
                                  std::chars_format::general, 17);
   return {buffer.data(), end.ptr};
-}
-
-std::string quoted(const std::string& text) {
-  constexpr std::string_view hexadecimal = "0123456789abcdef";
-  std::string out = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (code < 0x20) {
-      out += "\\x";
-      out += hexadecimal[code / 16];
-      out += hexadecimal[code % 16];
-      continue;
-    }
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + '"';
 }
 
 std::string rows(const Eigen::MatrixXd& matrix, const std::string& indent) {

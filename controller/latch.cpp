@@ -5,10 +5,12 @@
 #include <cstdlib>
 #include <ctime>
 #include <exception>
+#include <tuple>
 #include <utility>
 
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
+#include "core/yaml/quoted.hpp"
 #include "core/yaml/reader.hpp"
 
 namespace stillframe::controller {
@@ -46,16 +48,17 @@ bool is_there(const fs::path& file) {
                    "mend");
 }
 
-Fault read(const fs::path& file) {
+std::pair<Fault, std::string> read(const fs::path& file) {
   const auto root = YamlReader::from_file(file);
-  root.allow_only({"fault", "run_id", "since"});
+  root.allow_only({"fault", "leg", "run_id", "since"});
   const auto value = root.require("fault");
   const Fault fault = fault_named(value.text());
   if (fault == Fault::none) {
     value.fail("found '" + value.text() +
                "', allowed is a fault of docs/safety.md; --reset says that its cause is mended");
   }
-  return fault;
+  const auto leg = root.find("leg");
+  return {fault, leg ? leg->text() : ""};
 }
 
 }  // namespace
@@ -65,18 +68,19 @@ Latch::Latch(fs::path file, Background& disk, Warn warn, bool clear_at_once)
   if (clear_at_once) {
     clear();
   } else if (!file_.empty() && is_there(file_)) {
-    fault_ = read(file_);
+    std::tie(fault_, leg_) = read(file_);
   }
 }
 
-void Latch::hold(Fault fault, std::int64_t run_id) {
+void Latch::hold(Fault fault, std::int64_t run_id, const std::string& leg) {
   fault_ = fault;
+  leg_ = leg;
   if (file_.empty()) return;
   const std::string text =
       "# A fault that only a person ends: mend its cause, then `stillframe ctl reset`, or\n"
       "# stillframe-controller --reset.\nfault: " +
-      std::string(to_text(fault)) + "\nrun_id: " + std::to_string(run_id) +
-      "\nsince: " + utc_now() + "\n";
+      std::string(to_text(fault)) + (leg.empty() ? "" : "\nleg: " + quoted(leg)) +
+      "\nrun_id: " + std::to_string(run_id) + "\nsince: " + utc_now() + "\n";
   disk_.give([file = file_, warn = warn_, text] {
     try {
       if (file.has_parent_path()) fs::create_directories(file.parent_path());
@@ -89,6 +93,7 @@ void Latch::hold(Fault fault, std::int64_t run_id) {
 
 void Latch::clear() {
   fault_ = Fault::none;
+  leg_.clear();
   if (file_.empty()) return;
   disk_.give([file = file_, warn = warn_] {
     std::error_code error;

@@ -21,8 +21,10 @@ class Latch {
   Latch(std::filesystem::path file, Background& disk, Warn warn, bool clear_at_once);
 
   Fault fault() const { return fault_; }  ///< none: nothing is latched
+  /// The name of the leg that began it, as fault_in_words has it; empty: of none, or not known.
+  const std::string& leg() const { return leg_; }
   const std::filesystem::path& file() const { return file_; }
-  void hold(Fault fault, std::int64_t run_id);
+  void hold(Fault fault, std::int64_t run_id, const std::string& leg = "");
   /// A person says that the cause is mended.
   void clear();
 
@@ -31,6 +33,7 @@ class Latch {
   Background& disk_;
   Warn warn_;
   Fault fault_ = Fault::none;
+  std::string leg_;
 };
 
 /// Where the latch of a frame is kept if nobody says: $XDG_STATE_HOME/stillframe or

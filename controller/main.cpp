@@ -21,6 +21,7 @@
 #include "controller/realtime.hpp"
 #include "controller/session.hpp"
 #include "controller/start_check.hpp"
+#include "controller/telemetry.hpp"
 #include "controller/timing_file.hpp"
 #include "core/cli/numbers.hpp"
 #include "core/files/printable_log.hpp"
@@ -255,7 +256,8 @@ class WallClock {
     if (!write_files() && code == exit_done) code = exit_error;
     if (!never_active_.empty()) spdlog::error(never_active_);
     if (latch_.fault() == Fault::none) return never_active_.empty() ? code : exit_failed;
-    spdlog::error("the run ended with a latched fault: {}", to_text(latch_.fault()));
+    spdlog::error("the run ended with a latched fault: {}",
+                  fault_in_words(latch_.fault(), latch_.leg()));
     return exit_failed;
   }
 
@@ -318,7 +320,7 @@ Latch open_latch(const Options& options, ControllerLink& link, Background& disk)
       spdlog::warn(
           "a fault is latched from before ({}, {}): mend its cause, then `stillframe ctl "
           "reset` or --reset",
-          to_text(latch.fault()), latch.file().string());
+          fault_in_words(latch.fault(), latch.leg()), latch.file().string());
     }
     return latch;
   } catch (const InputError& error) {

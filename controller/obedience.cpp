@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "controller/law.hpp"
 #include "controller/slow_loops.hpp"
 
 namespace stillframe::controller {
@@ -34,10 +35,11 @@ Obedience::Obedience(const Gains& gains, double part)
                     gains.instruments.report == Instruments::Report::measured;
   lag_ =
       lags ? std::exp(-2 * std::numbers::pi * gains.instruments.actuator_lag_hz * sample_time_) : 0;
-  const auto delay = static_cast<Index>(std::ceil(gains.delay_samples));
-  commands_ = MatrixXd::Zero(m, delay + 1 + gains.instruments.report_age_samples + amplifiers_hold);
-  least_ = most_ = now_least_ = now_most_ = size_ = zero_ = low_ = high_ = last_ = step_ = in_row_ =
-      VectorXd::Zero(m);
+  age_ = static_cast<Index>(std::ceil(gains.delay_samples)) + gains.instruments.report_age_samples;
+  commands_ = MatrixXd::Zero(m, age_ + 1 + amplifiers_hold);
+  least_ = most_ = now_least_ = now_most_ = size_ = zero_ = sure_zero_ = VectorXd::Zero(m);
+  low_ = high_ = last_ = before_ = step_ = held_ = in_row_ = off_ = asked_ = mean_asked_ =
+      mean_read_ = squares_ = products_ = acts_ = least_;
   constexpr double left = 0.01;      // of what was behind the lag, below what calibrations are off
   constexpr double for_ever = 1e12;  // samples, of a lag that no sample shows
   settles_ = commands_.cols();
@@ -55,13 +57,19 @@ void Obedience::restart() noexcept {
 }
 
 void Obedience::listen(const Ref<const VectorXd>& applied) noexcept {
-  if (n_listened_++ == 0) low_ = high_ = last_ = applied;
-  low_ = low_.cwiseMin(applied);
-  high_ = high_.cwiseMax(applied);
+  ++n_listened_;
   for (Index i = 0; i < last_.size(); ++i) {
-    const double step = std::abs(applied(i) - last_(i));
-    if (step > 0) step_(i) = std::min(step_(i), step);
+    const double now = applied(i), last = last_(i), before = before_(i);
+    // One telegram that went wrong is in the middle of no three.
+    const double middle =
+        n_listened_ < 3 ? now
+                        : std::max(std::min(now, last), std::min(std::max(now, last), before));
+    const bool first = n_listened_ == 1 || n_listened_ == 3;
+    low_(i) = first ? middle : std::min(low_(i), middle);
+    high_(i) = first ? middle : std::max(high_(i), middle);
+    if (n_listened_ > 1 && now != last) step_(i) = std::min(step_(i), std::abs(now - last));
   }
+  before_ = last_;
   last_ = applied;
 }
 
@@ -71,8 +79,17 @@ void Obedience::begin() noexcept {
   most_.setZero();
   size_.setZero();
   zero_ = 0.5 * (low_ + high_);
+  sure_zero_ = zero_;
   since_ = settles_;
   in_row_.setZero();
+  for (VectorXd* each : {&asked_, &mean_asked_, &mean_read_, &squares_, &products_}) {
+    each->setZero();
+  }
+  acts_.setOnes();
+  n_learned_ = 0;
+  still_ = 0;
+  held_ = last_;
+  held_obeyed_ = true;
   leg_ = -1;
 }
 
@@ -90,41 +107,86 @@ double Obedience::beyond(Index i, double read) const noexcept {
   const double off = read > most_(i) ? read - most_(i) : least_(i) - read;
   if (!(off > 0)) return 0;
   const bool falls_short = read > most_(i) ? most_(i) < 0 && read < 0 : least_(i) > 0 && read > 0;
-  const double own = high_(i) - low_(i) + step_(i);
-  return off - own - (falls_short ? short_part_ : part_) * size_(i);
+  return off - own(i) - (falls_short ? short_part_ : part_) * size_(i);
 }
 
-void Obedience::hear(std::int64_t n, const Ref<const VectorXd>& applied) noexcept {
-  const auto passed = static_cast<double>(n);
+double Obedience::disobeys(Index i, double applied) const noexcept {
+  const double off = beyond(i, applied - zero_(i));
+  return off > 0 ? std::min(off, beyond(i, applied - sure_zero_(i))) : off;
+}
+
+void Obedience::follow_commands(double passed) noexcept {
   now_least_ = commands_.rowwise().minCoeff();
   now_most_ = commands_.rowwise().maxCoeff();
   const double left = lag_ > 0 ? std::pow(lag_, passed) : 0;
   least_ = left * least_ + (1 - left) * now_least_;
   most_ = left * most_ + (1 - left) * now_most_;
+  asked_ = left * asked_ +
+           (1 - left) * commands_.col((newest_ + commands_.cols() - age_) % commands_.cols());
   size_ = (std::pow(keep_, passed) * size_).cwiseMax(most_.cwiseMax(-least_));
+}
+
+bool Obedience::are_held(std::int64_t n, const Ref<const VectorXd>& applied, bool obey) noexcept {
+  // Of a noise the medians of three tell half the range or so, and two readings differ by all of
+  // it.
+  bool moves = false;
+  for (Index i = 0; i < applied.size(); ++i) moves |= std::abs(applied(i) - held_(i)) > 2 * own(i);
+  if (moves) {
+    held_ = applied;
+    held_obeyed_ = obey;
+    still_ = 0;
+    return false;
+  }
+  still_ += n;
+  return held_obeyed_ && still_ <= Law::longest_gap;
+}
+
+void Obedience::learn(Index i, double applied, double part) noexcept {
+  const double read = applied - zero_(i), surely = applied - sure_zero_(i);
+  zero_(i) += follows_ * (read - std::clamp(read, least_(i), most_(i)));
+  const double low = least_(i) * (least_(i) > 0 ? 1 - short_part_ : 1 + part_);
+  const double high = most_(i) * (most_(i) < 0 ? 1 - short_part_ : 1 + part_);
+  sure_zero_(i) += follows_ * (surely - std::clamp(surely, low, high));
+  // Of swings alone: a zero is none.
+  const double asked = asked_(i) - mean_asked_(i), said = applied - mean_read_(i);
+  mean_asked_(i) += part * asked;
+  mean_read_(i) += part * said;
+  squares_(i) = (1 - part) * (squares_(i) + part * asked * asked);
+  products_(i) = (1 - part) * (products_(i) + part * asked * said);
+  // What swings no more than it reads at rest tells nothing.
+  const double nothing = own(i) * own(i);
+  acts_(i) =
+      std::clamp((products_(i) + nothing) / (squares_(i) + nothing), 1 - least_short_part, 1.0);
+}
+
+void Obedience::hear(std::int64_t n, const Ref<const VectorXd>& applied) noexcept {
+  follow_commands(static_cast<double>(n));
   since_ += n;
-  Index leg = -1;
-  double furthest = 0;
   for (Index i = 0; i < applied.size(); ++i) {
     const double step = std::abs(applied(i) - last_(i));
     if (step > 0) step_(i) = std::min(step_(i), step);
-    const double read = applied(i) - zero_(i);
-    const double off = beyond(i, read);
-    in_row_(i) = off > 0 ? in_row_(i) + 1 : 0;
-    if (in_row_(i) >= enough && off > furthest) {
-      furthest = off;
-      leg = i;
-    }
-    // Of what disobeys nothing is learned.
-    if (!(off > 0)) zero_(i) += follows_ * (read - std::clamp(read, least_(i), most_(i)));
+    off_(i) = disobeys(i, applied(i));
   }
   last_ = applied;
-  // What was on its way when commands were not heard, or measurements did not come.
-  if (since_ < settles_) {
-    in_row_.setZero();
-  } else {
-    leg_ = leg;
+  const bool obey = (off_.array() <= 0).all();
+  // Forces that are held while others were commanded are behind where their lag would have them.
+  if (are_held(n, applied, obey) && !obey) lose_track();
+  const bool compares = since_ >= settles_;
+  if (compares) ++n_learned_;
+  const double part =
+      std::max(follows_, 1 / static_cast<double>(std::max<std::int64_t>(1, n_learned_)));
+  Index leg = -1;
+  double furthest = 0;
+  for (Index i = 0; i < applied.size(); ++i) {
+    in_row_(i) = compares && off_(i) > 0 ? in_row_(i) + 1 : 0;
+    if (in_row_(i) >= enough && off_(i) > furthest) {
+      furthest = off_(i);
+      leg = i;
+    }
+    // Of what disobeys nothing is learned, nor of what was on its way when nobody followed it.
+    if (compares && !(off_(i) > 0)) learn(i, applied(i), part);
   }
+  if (compares) leg_ = leg;
 }
 
 }  // namespace stillframe::controller

@@ -49,7 +49,7 @@ MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece, Ref<Vecto
   const VectorXd rest_w = VectorXd::Zero(p), rest_v = VectorXd::Zero(m);
   VectorXd after = rest_v, before = rest_v, all = rest_v, of_piece = rest_v;
   MatrixXd changes;
-  loop.reset();
+  loop.reset(1);
   squares.setZero();
   for (Index n = 0; n < most_samples;) {
     VectorXd w = rest_w, v = rest_v;
@@ -84,6 +84,17 @@ MatrixXd changes_by_offset(DesignedLoop& loop, Index m, Index k, Index ramp) {
   return changes;
 }
 
+/// The same after that, while the gain goes down within so many samples.
+MatrixXd changes_by_letting_go(DesignedLoop& loop, Index m, Index k, Index ramp) {
+  const VectorXd w = VectorXd::Zero(loop.n_floor()), v = VectorXd::Unit(m, k);
+  MatrixXd changes(m, ramp);
+  for (Index n = 0; n < ramp; ++n) {
+    const double left = static_cast<double>(ramp - n - 1) / static_cast<double>(ramp);
+    changes.col(n) = loop.step(1, w, v, smooth_step(left));
+  }
+  return changes;
+}
+
 }  // namespace
 
 Pace::Pace(const Gains& gains, const Settings& settings)
@@ -111,14 +122,18 @@ Pace::Pace(const Gains& gains, const Settings& settings)
     for (PaceScale& scale : scales_) scale.learn(changes, j);
   }
   force_per_noise_ = squares.rightCols(m);
-  const auto ramp = std::clamp<Index>(std::llround(settings.ramp_in_s * gains.sample_rate_hz), 1,
-                                      most_samples / 2);
+  const auto samples = [&](double seconds) {
+    return std::clamp<Index>(std::llround(seconds * gains.sample_rate_hz), 1, most_samples / 2);
+  };
   most_doubt_.resize(m);
   for (Index k = 0; k < m; ++k) {
-    const MatrixXd changes = changes_by_offset(designed_, m, k, ramp);
+    const MatrixXd changes = changes_by_offset(designed_, m, k, samples(settings.ramp_in_s));
     for (PaceScale& scale : scales_) scale.learn_offset(changes, k);
     // The leak leaves such a drift a gain of hundreds: what is more than this ends at the limit.
-    most_doubt_(k) = settings.force_limit / worst_of(changes.rowwise().sum());
+    const double held = designed_.command()(k);
+    most_doubt_(k) = settings.force_limit / worst_of(designed_.command());
+    const MatrixXd down = changes_by_letting_go(designed_, m, k, samples(settings.ramp_out_s));
+    for (PaceScale& scale : scales_) scale.learn_letting_go(down, k, held, keep_);
   }
   free_.setConstant(m, settings.free);
   if (p > 0 && std::isfinite(settings.beside)) {
@@ -221,8 +236,10 @@ void Pace::floor(const Ref<const VectorXd>& measured, bool broken) noexcept {
   beyond_ = (w - believed_).cwiseAbs();
 }
 
-void Pace::expect(std::int64_t n, double gain, double share) noexcept {
+void Pace::expect(std::int64_t n, double gain, const Ref<const VectorXd>& acts,
+                  double share) noexcept {
   if (!floor_known_) return;
+  designed_.actuators(acts);
   whole_ = gain == 1;
   if (blind_) {
     for (PaceScale& scale : scales_) scale.expect(n, quiet_);
@@ -237,6 +254,10 @@ void Pace::expect(std::int64_t n, double gain, double share) noexcept {
     scale.doubt_floor(beyond_);
   }
   if (n > DesignedLoop::longest_step) lose_track();
+}
+
+void Pace::let_go(const Ref<const VectorXd>& force) noexcept {
+  for (PaceScale& scale : scales_) scale.let_go(force);
 }
 
 void Pace::lose_track() noexcept {

@@ -16,30 +16,35 @@ namespace stillframe::controller {
 /// loop that wants more has a broken sensor, actuator or cable, whatever else it looks like. Of leg
 /// i and a sample:
 ///   most_i = min(max(F_i + G_i, |c_i| + F_i / 4), |c_i| + min(F_i / 4, 2 C_i) + D_i)
-///            + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i + sum_k B_ik d_k + free,
+///            + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i + sum_k B_ik d_k
+///            + sum_k R_ik f_k + free,
 ///   F_i = sum_j L_ij W_j.
-/// c: what the designed loop, which is followed sample by sample, changes its command by now; L_ij:
-/// the sum of |change of its command i| after one sample of unit acceleration of the floor, until
-/// it no longer swings, so that no floor with |w_j| <= W_j makes it meet F, but one that is
-/// accelerated one way for as long as the leak remembers; W_j the largest |w_j|, forgotten within
-/// seconds; G_i: the largest |c_i| since more samples in a row were lost than the designed loop
-/// follows, for as long as it swings; D_i: what samples of the floor that were lost or not believed
-/// may still do; N_ik: the root of the sum of squares after a unit reading of sensor k; v_k its
-/// noise, from the fourth differences of what it reads while arming; S_i the largest change of its
-/// reading then; B_ik: the largest change while the gain comes up with sensor k constantly off by
-/// one, d_k the doubt about its offset, no more of it than the force limit could hold; C_i the
-/// largest |c_i| of the last seconds; S_i and d_k are forgotten within seconds, too. The same holds
-/// of what a loop changes within some milliseconds, every change remembered for so long
-/// (pace_scale.hpp): what grows slowly is seen there. Where the floor is not measured, S_i counts
-/// four times and is kept. Construction is set-up; the rest is hot: noexcept, no allocation.
-/// Source: docs/safety.md.
+/// c: what the designed loop, which is followed sample by sample with as much of each command
+/// acting as the read-backs say, changes its command by now, but for what a gain that comes up or
+/// goes down changes by itself; L_ij: the sum of |change of its command i| after one sample of unit
+/// acceleration of the floor, until it no longer swings, so that no floor with |w_j| <= W_j makes
+/// it meet F, but one that is accelerated one way for as long as the leak remembers; W_j the
+/// largest |w_j|, forgotten within seconds; G_i: the largest |c_i| since more samples in a row were
+/// lost than the designed loop follows, for as long as it swings; D_i: what samples of the floor
+/// that were lost or not believed may still do; N_ik: the root of the sum of squares after a unit
+/// reading of sensor k; v_k its noise, from the fourth differences of what it reads while arming;
+/// S_i the largest change of its reading then; B_ik: the largest change while the gain comes up
+/// with sensor k constantly off by one, d_k the doubt about its offset, no more of it than the
+/// force limit could hold; C_i the largest |c_i| of the last seconds; S_i and d_k are forgotten
+/// within seconds, too. The same holds of what a loop changes within some milliseconds, every
+/// change remembered for so long (pace_scale.hpp): what grows slowly is seen there. f_k: the force
+/// |u_k| from which the gain began to go down, forgotten within seconds, and R_ik the largest
+/// change then with leg k holding one newton because of a sensor that is constantly off. Where the
+/// floor is not measured, S_i counts four times and is kept. Construction is set-up; the rest is
+/// hot: noexcept, no allocation. Source: docs/safety.md.
 class Pace {
  public:
   struct Settings {
     double free = 0;  ///< N a sample, that is always allowed
     /// m/s^2: but no more of `free` than F_i of a floor of this acceleration.
     double beside = std::numeric_limits<double>::infinity();
-    double ramp_in_s = 1;  ///< s, in which the gain comes up
+    double ramp_in_s = 1;   ///< s, in which the gain comes up
+    double ramp_out_s = 1;  ///< s, in which it goes down
     double force_limit = std::numeric_limits<double>::infinity();  ///< N
   };
   /// Errors: as law_from_gains and sample_and_hold.
@@ -64,16 +69,21 @@ class Pace {
   /// Then it is taken to move as much as it did before, and the designed loop is not followed.
   void floor(const Eigen::Ref<const Eigen::VectorXd>& w, bool broken = false) noexcept;
   /// The law has answered that measurement, n samples after the one before; its force is commanded
-  /// times gain, with that share of its feed-forward.
-  void expect(std::int64_t n, double gain, double share = 1) noexcept;
+  /// times gain, with that share of its feed-forward, and of a command that part acts (m, 1:
+  /// Obedience::acts).
+  void expect(std::int64_t n, double gain, const Eigen::Ref<const Eigen::VectorXd>& acts,
+              double share = 1) noexcept;
+  /// The gain begins to go down from that force (m, N).
+  void let_go(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept;
   /// The loop is not where the designed one is: it met a limit of its actuators, or was let go of.
   void lose_track() noexcept;
   /// The largest change of each force now (m, N) from the last command, n samples ago; infinite
   /// where too few samples came one after the other while arming.
   const Eigen::VectorXd& most(std::int64_t n) noexcept;
   /// n samples after its last force, the law asks for one that differs by that much (m, N; not what
-  /// it could not get before). The leg that is furthest beyond what it may, in this or within some
-  /// milliseconds; -1: none.
+  /// it could not get before, nor what the gain changes by itself, which is no haste of the loop's:
+  /// a stop lets go of a force that was held in half a second or so). The leg that is furthest
+  /// beyond what it may, in this or within some milliseconds; -1: none.
   Eigen::Index command(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& change) noexcept;
 
   /// m, N: what a command may always change by.

@@ -52,8 +52,9 @@ PaceScale::PaceScale(Index m, Index p, double keep)
       per_floor_(MatrixXd::Zero(m, p)),
       per_noise_(MatrixXd::Zero(m, m)),
       per_offset_(MatrixXd::Zero(m, m)),
+      per_held_(MatrixXd::Zero(m, m)),
       per_lost_(MatrixXd::Zero(m, p)) {
-  reading_ = swing_ = doubt_ = noise_ = designed_ = met_ = lost_ = caught_up_ = force_ =
+  reading_ = swing_ = doubt_ = held_ = noise_ = designed_ = met_ = lost_ = caught_up_ = force_ =
       VectorXd::Zero(m);
 }
 
@@ -78,6 +79,20 @@ void PaceScale::learn_offset(const Ref<const MatrixXd>& changes, Index k) {
   per_offset_.col(k) = remembered(changes).cwiseAbs().rowwise().maxCoeff();
 }
 
+void PaceScale::learn_letting_go(const Ref<const MatrixXd>& changes, Index k, double held,
+                                 double kept) {
+  MatrixXd z = remembered(changes);
+  // So that what is forgotten on the way is there as long as it is needed.
+  for (Index n = 0; n < z.cols(); ++n) z.col(n) /= std::pow(kept, static_cast<double>(n));
+  if (std::abs(held) > 0) per_held_.col(k) = z.cwiseAbs().rowwise().maxCoeff() / std::abs(held);
+}
+
+void PaceScale::let_go(const Ref<const VectorXd>& force) noexcept {
+  for (Index i = 0; i < held_.size(); ++i) {
+    held_(i) = std::max(held_(i), per_held_.row(i).dot(force.cwiseAbs()));
+  }
+}
+
 void PaceScale::restart() noexcept {
   swing_.setZero();
   reading_.setZero();
@@ -97,6 +112,7 @@ void PaceScale::begin(const Ref<const VectorXd>& doubt,
   doubt_.noalias() = per_offset_ * doubt;
   noise_.noalias() = per_noise_ * variance;
   noise_ = sure * noise_.cwiseSqrt();
+  held_.setZero();
   designed_.setZero();
   met_.setZero();
   lost_.setZero();
@@ -106,6 +122,7 @@ void PaceScale::begin(const Ref<const VectorXd>& doubt,
 
 void PaceScale::forget(double kept, std::int64_t n, bool whole, bool floor_known) noexcept {
   doubt_ *= kept;
+  held_ *= kept;
   met_ *= kept;
   if (floor_known) swing_ *= whole ? std::min(kept, power(keep_lost_, n)) : kept;
 }
@@ -128,7 +145,7 @@ void PaceScale::lose_track(const Ref<const VectorXd>& largest) noexcept {
 }
 
 double PaceScale::most(Index i, const VectorXd* largest, double n) const noexcept {
-  const double beside = noise_(i) + doubt_(i) + free_(i);
+  const double beside = noise_(i) + doubt_(i) + held_(i) + free_(i);
   if (largest == nullptr) return n * (beside + 4 * swing_(i));
   const double any_floor = per_floor_.row(i).dot(*largest), designed = std::abs(designed_(i));
   const double other = not_as_designed * any_floor;

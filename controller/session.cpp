@@ -36,9 +36,12 @@ LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
           .n_floor = n_floor};
 }
 
-Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active, Fault latched) {
+Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active,
+                         const Latch& latch) {
   Supervisor supervisor(gains, policy, active);
-  if (latched != Fault::none) supervisor.begin_latched(latched);
+  if (latch.fault() == Fault::none) return supervisor;
+  const auto leg = std::ranges::find(gains.legs, latch.leg());
+  supervisor.begin_latched(latch.fault(), leg == gains.legs.end() ? -1 : leg - gains.legs.begin());
   return supervisor;
 }
 
@@ -56,8 +59,8 @@ Session::Session(ControllerLink& link, const Gains& gains, const Policy& policy,
       stream_(options.lcm_url, link.run_info(), presence.instance(), policy),
       start_ns_(start_ns),
       sample_rate_hz_(gains.sample_rate_hz),
-      loop_(stream_, supervisor_of(gains, policy, link.run_info().loop != "passive", latch.fault()),
-            policy, setting_of(gains, options.phase, start_ns, link.run_info().n_floor)),
+      loop_(stream_, supervisor_of(gains, policy, link.run_info().loop != "passive", latch), policy,
+            setting_of(gains, options.phase, start_ns, link.run_info().n_floor)),
       telemetry_(link, loop_, stream_, presence, options.policy_text),
       told_latched_(latch.fault() != Fault::none),
       alive_ns_(monotonic_ns()) {}
@@ -207,7 +210,9 @@ void Session::tell_floor() {
 
 void Session::keep_latch() {
   if (loop_.counters().latched) {
-    latch_.hold(loop_.counters().fault, link_.run_info().run_id);
+    const LoopCounters& counters = loop_.counters();
+    latch_.hold(counters.fault, link_.run_info().run_id,
+                leg_of_fault(counters, link_.run_info().leg_names));
   } else {
     latch_.clear();
   }

@@ -32,7 +32,9 @@ constexpr double free_part = 0.1, free_floor = 1e-4;
 constexpr double step_kept = 0.7;
 
 Pace::Settings pace_settings(const Gains& gains, const Policy& policy) {
-  Pace::Settings settings{.ramp_in_s = policy.ramp_in_s, .force_limit = force_limit(gains, policy)};
+  Pace::Settings settings{.ramp_in_s = policy.ramp_in_s,
+                          .ramp_out_s = policy.ramp_out_s,
+                          .force_limit = force_limit(gains, policy)};
   if (!policy.free_rate_n_per_s) settings.beside = free_floor;
   const double free_rate =
       free_part * settings.force_limit / slowed(1, gains.sample_rate_hz);  // N/s
@@ -136,8 +138,8 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       active_(active),
       wanted_(active && policy.start_at_once),
       quiet_(let_go_) {
-  change_ = asked_ = asked_before_ = base_ = step_ = force_ = u_ = offset_ = sigma_ =
-      VectorXd::Zero(law_.n_legs());
+  ramp_ = allowed_ = change_ = asked_ = asked_before_ = base_ = step_ = force_ = u_ = offset_ =
+      sigma_ = VectorXd::Zero(law_.n_legs());
   Counter counter;
   visit(counter);
   memory_size_ = counter.n;
@@ -226,11 +228,11 @@ bool Supervisor::step(const Event& event, Command& command) noexcept {
     if (engaged()) {
       // What an actuator would not do the law goes on asking for; its own change is judged then.
       const VectorXd& before = met_limit_ ? asked_before_ : limits_.last();
-      change_ = asked_ - before;
-      const VectorXd& pace = pace_.most(n_samples_);
+      change_ = asked_ - before - ramp_;
+      allowed_ = pace_.most(n_samples_) + ramp_.cwiseAbs();
       hurries = pace_.command(n_samples_, change_);
       asked_before_ = asked_;
-      passed = limits_.pass(force_, pace);
+      passed = limits_.pass(force_, allowed_);
       met_limit_ = passed.by_actuator || (met_limit_ && passed.limited);
       if (passed.by_actuator) pace_.lose_track();
     } else {
@@ -257,7 +259,10 @@ void Supervisor::take(Request request) noexcept {
     case Request::stop:
       wanted_ = false;
       if (state_ == State::arming) state_ = State::idle;
-      if (state_ == State::ramp_in || state_ == State::active) state_ = State::ramp_out;
+      if (state_ == State::ramp_in || state_ == State::active) {
+        state_ = State::ramp_out;
+        pace_.let_go(limits_.last());
+      }
       return;
     case Request::reset:
       if (!latched_) return;
@@ -302,6 +307,7 @@ void Supervisor::watch(const Event& event) noexcept {
   } else if (state_ == State::fading && event.measurement != nullptr &&
              event.measurement->seq - law_seq_ <= Law::longest_gap) {
     pace_.lose_track();
+    pace_.let_go(base_);
     obedience_.lose_track();
     p_ = smooth_step_inverse(smooth_step(p_) * smooth_step(q_));
     state_ = wanted_ ? State::ramp_in : State::ramp_out;
@@ -386,8 +392,9 @@ void Supervisor::latch(Fault fault) noexcept {
   wanted_ = false;
 }
 
-void Supervisor::begin_latched(Fault fault) noexcept {
+void Supervisor::begin_latched(Fault fault, Index leg) noexcept {
   latch(fault);
+  watch_.began_with(leg);
   n_faults_ = 0;  // it was counted when it happened
 }
 
@@ -471,12 +478,14 @@ void Supervisor::run_law(const Event& event) noexcept {
   sigma_ = now.sigma - offset_;
   law_.step_over(n_samples_, sigma_, now.applied, u_);
   if (!u_.allFinite() || !law_.state().allFinite()) return let_go(Fault::law_not_finite, event);
+  const double gain_before = smooth_step(p_);
   move_gain(event.n_elapsed);
   if (!engaged()) return;
   const double gain = smooth_step(p_);
   force_ = asked_ = gain * u_;
+  ramp_ = (gain - gain_before) * u_;
   if (unheard_ > 0) pace_.lose_track();
-  pace_.expect(n_samples_, gain, floor_watch_.share());
+  pace_.expect(n_samples_, gain, obedience_.acts(), floor_watch_.share());
 }
 
 void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {

@@ -49,8 +49,8 @@ class Supervisor {
   /// Law, Limits and Arming, Refusal where there is no force limit.
   Supervisor(const Gains& gains, const Policy& policy, bool active);
 
-  /// Begins with a fault that was latched before, and so waits for a reset. Set-up.
-  void begin_latched(Fault fault) noexcept;
+  /// Begins with a fault that was latched before, and so waits for a reset; leg: first_leg. Set-up.
+  void begin_latched(Fault fault, Eigen::Index leg = -1) noexcept;
   /// Goes through one period; true if command (its force has m values already) is to be sent.
   bool step(const Event& event, Command& command) noexcept;
 
@@ -123,6 +123,7 @@ class Supervisor {
   double p_ = 0, q_ = 0;
   Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_;  ///< m, N
   Eigen::VectorXd asked_, asked_before_, change_;  ///< m, N, by the law, before the last gate
+  Eigen::VectorXd ramp_, allowed_;  ///< m, N: what the gain changes by itself, and what may change
   std::int64_t seq_ = -1, law_seq_ = -1, floor_seq_ = -1;
   bool met_limit_ = false;      ///< of an actuator, and has not caught up since
   std::int64_t n_samples_ = 1;  ///< that the law has made up for now

@@ -117,15 +117,19 @@ void Telemetry::publish_records() {
   give();
 }
 
-std::string fault_in_words(const LoopCounters& counters,
-                           const std::vector<std::string>& leg_names) {
+std::string leg_of_fault(const LoopCounters& counters, const std::vector<std::string>& leg_names) {
   const Fault fault = counters.fault;
   const std::int64_t leg = counters.first_leg;
+  // The other faults are of all legs, whatever began before them.
+  const bool of_a_leg =
+      fault == Fault::restless || fault == Fault::noisy || fault == Fault::disobeyed;
+  if (!of_a_leg || leg < 0 || leg >= static_cast<std::int64_t>(leg_names.size())) return "";
+  return leg_names[static_cast<std::size_t>(leg)];
+}
+
+std::string fault_in_words(Fault fault, const std::string& leg) {
   std::string text(to_text(fault));
-  if (leg < 0 || leg >= static_cast<std::int64_t>(leg_names.size())) return text;
-  const std::string& name = leg_names[static_cast<std::size_t>(leg)];
-  if (fault == Fault::restless) text += ", " + name + " first";
-  if (fault == Fault::noisy || fault == Fault::disobeyed) text += ", " + name;
+  if (!leg.empty()) text += ", " + leg + (fault == Fault::restless ? " first" : "");
   return text;
 }
 
@@ -135,6 +139,11 @@ std::string floor_in_words(const LoopCounters& counters,
   if (sensor < 0 || sensor >= static_cast<std::int64_t>(floor_names.size())) return "";
   return ", feedback alone: " + floor_names[static_cast<std::size_t>(sensor)] +
          " repeats one reading";
+}
+
+std::string fault_in_words(const LoopCounters& counters,
+                           const std::vector<std::string>& leg_names) {
+  return fault_in_words(counters.fault, leg_of_fault(counters, leg_names));
 }
 
 void Telemetry::publish_status(const LastRequest& request) {

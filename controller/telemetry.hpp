@@ -23,6 +23,10 @@ LoopRecord from_message(const stillframe_msgs::loop_record_t& message);
 
 /// The last fault, with the leg that began it where one did: "restless, leg_2 first". Set-up.
 std::string fault_in_words(const LoopCounters& counters, const std::vector<std::string>& leg_names);
+/// The same of a leg by its name; empty: of none.
+std::string fault_in_words(Fault fault, const std::string& leg);
+/// The name of the leg that began it, empty where none did.
+std::string leg_of_fault(const LoopCounters& counters, const std::vector<std::string>& leg_names);
 
 /// What a status adds where the feed-forward does not act, and why; else nothing.
 std::string floor_in_words(const LoopCounters& counters,

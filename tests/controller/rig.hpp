@@ -66,7 +66,7 @@ class Rig {
     measurement_.applied = reports_.front();
     measurement_.floor = w_;
     measurement_.received_ns = measurement_.time_ns + 1000;
-    measurement_.heard = unheard_ <= 10;
+    measurement_.heard = unheard_ <= hold;
     Measurement sent = measurement_;
     if (!wire || wire(sent)) io_.put(sent);
     sent_any = false;
@@ -83,9 +83,9 @@ class Rig {
       largest_jump = worst_of(largest_jump, worst_of(force_ - force_before_));
       force_before_ = force_;
     }
-    // The amplifiers hold a force for ten samples, and let it go within a second.
-    if (unheard_ > 10) {
-      const double missed_s = static_cast<double>(unheard_ - 10) * gains_.sample_time();
+    // The amplifiers hold a force, and let it go within a second.
+    if (unheard_ > hold) {
+      const double missed_s = static_cast<double>(unheard_ - hold) * gains_.sample_time();
       force_ = (1 - smooth_step(missed_s)) * force_before_;
     }
     move();
@@ -125,6 +125,7 @@ class Rig {
   const std::int64_t period_ns;
   Floor floor;
   Actuators actuators;
+  std::int64_t hold = 10;    ///< samples, for which amplifiers that hear nothing hold a force
   bool deaf = false;         ///< commands do not reach the amplifiers
   Eigen::VectorXd sigma, y;  ///< in the last sample, as they were
   double peak = 0;           ///< of sigma

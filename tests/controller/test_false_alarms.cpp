@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/numerics/worst.hpp"
+#include "tests/broken_channels/episodes.hpp"
 #include "tests/controller/made_up_floor.hpp"
 #include "tests/controller/rig.hpp"
 
@@ -65,6 +66,10 @@ struct Sound {
   double tilt = 0;           ///< m/s^2, what the sensors of the floor read at rest
   double kick = 0;           ///< N, by which the frame swings when the loop takes hold
   bool by_position = false;  ///< the floor acts by its position, as under weight
+  double actuators = 0;      ///< by this part they do less than is commanded, and say so
+  /// By this part they do more or less, and their read-backs say that they do what is commanded.
+  double unsaid = 0;
+  bool shipped = false;  ///< the metrology frame and its gains as they are shipped
 };
 
 Gains frame_of(Gains gains, double stiffness, std::mt19937_64& random) {
@@ -84,13 +89,15 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
   // scripts/false_alarms asks for a day in all.
   const char* asked = std::getenv("STILLFRAME_SIMULATED_HOURS");
   const double hours = asked != nullptr ? std::stod(asked) : 0.02;
-  Gains gains = toy::damped_gains(5, sound.rate_hz);
+  Gains gains =
+      sound.shipped ? shipped_gains("force_feedback_5hz") : toy::damped_gains(5, sound.rate_hz);
   if (sound.by_position) gains = toy::by_position(gains);
+  const Index m = gains.n_legs();
   const auto n = static_cast<std::int64_t>(hours * 3600 * sound.rate_hz);
   std::mt19937_64 random(17);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
-  VectorXd scale = VectorXd::Ones(4);
+  VectorXd scale = VectorXd::Ones(m);
   for (double& value : scale) value += random() % 2 == 0 ? sound.calibration : -sound.calibration;
   Rig rig({}, true, gains, frame_of(gains, sound.stiffness, random));
   MadeUpFloor made_up(sound.rate_hz, 18);
@@ -110,11 +117,20 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
     }
     if (k == kicked) w.array() += sound.kick * sound.rate_hz;
   };
+  // More than is commanded, and said so, is what makes this loop unstable: the stiffest mode has a
+  // hundred times the stiffness that is left of it, so that 2 % of it are more than all of that.
+  VectorXd acts = VectorXd::Constant(m, 1 - sound.actuators), says = VectorXd::Ones(m);
+  for (Index i = 0; i < m && sound.unsaid > 0; ++i) {
+    acts(i) = random() % 2 == 0 ? 1 + sound.unsaid : 1 - sound.unsaid;
+    says(i) = 1 / acts(i);
+  }
+  rig.actuators = [&](VectorXd& force) { force.array() *= acts.array(); };
   std::int64_t n_lost = 0;
   const auto first_burst = std::llround(4 * sound.rate_hz);
-  VectorXd floor_before = VectorXd::Zero(1);
+  VectorXd floor_before = VectorXd::Zero(gains.plant.B_w.cols());
   const auto wire = [&](Measurement& m) {
-    for (Index i = 0; i < 4; ++i) {
+    m.applied.array() *= says.array();
+    for (Index i = 0; i < m.sigma.size(); ++i) {
       m.sigma(i) = scale(i) * m.sigma(i) + sound.noise * normal(random);
       if (sound.step > 0) m.sigma(i) = sound.step * std::round(m.sigma(i) / sound.step);
     }
@@ -160,6 +176,31 @@ INSTANTIATE_TEST_SUITE_P(
         Sound{.name = "QuakeBurstsOf10", .recording = "mikb_quake_200hz", .burst = 10},
         Sound{.name = "FloorByPosition", .by_position = true},
         Sound{.name = "FloorByPositionEarthquakes", .quiet = 0.1, .by_position = true},
+        Sound{.name = "ActuatorsShort", .actuators = 0.02},
+        Sound{.name = "ActuatorsOffUnsaid", .unsaid = 0.02},
+        // Newtons for tenths of a micrometre: its legs meet their limit on a floor that is loud.
+        Sound{.name = "Shipped", .loud = 0.02, .quiet = 5e-3, .shipped = true},
+        Sound{.name = "ShippedActuatorsShort",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .actuators = 0.02,
+              .shipped = true},
+        Sound{.name = "ShippedActuatorsTenPercentShort",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .actuators = 0.1,
+              .shipped = true},
+        Sound{.name = "ShippedActuatorsShortOnePercentLost",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .lost = 0.01,
+              .actuators = 0.02,
+              .shipped = true},
+        Sound{.name = "ShippedActuatorsOffUnsaid",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .unsaid = 0.02,
+              .shipped = true},
         Sound{.name = "Kicked", .loud = 0.03, .quiet = 0.01, .kick = 0.02}),
     [](const auto& sound) { return sound.param.name; });
 

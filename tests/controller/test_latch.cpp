@@ -48,6 +48,19 @@ TEST_F(LatchTest, EveryFaultOutlivesTheProcessUntilItIsCleared) {
   EXPECT_EQ(warned_, "");
 }
 
+TEST_F(LatchTest, KeepsTheLegWhateverItIsCalled) {
+  for (const char* name : {"leg_2", "no", "4", " a: \"b\"\\ \n#", ""}) {
+    latch().hold(Fault::disobeyed, 3, name);
+    written();
+    Latch later = latch();
+    EXPECT_EQ(later.fault(), Fault::disobeyed);
+    EXPECT_EQ(later.leg(), name);
+    later.clear();
+    EXPECT_EQ(later.leg(), "");
+    written();
+  }
+}
+
 TEST_F(LatchTest, AFileThatNamesNoFaultIsRefusedAndCanBeCleared) {
   for (const char* text : {"fault: none\n", "fault: somewhat\n", "", "run_id: 1\n", "[",
                            "fault: limited\nmore: 1\n"}) {

@@ -129,14 +129,17 @@ TEST_F(LatchProcess, ALatchThatCannotBeReadExits2AndThePlantIsTold) {
 // Whoever writes a comment into the scene has mended nothing.
 TEST_F(LatchProcess, ASceneThatWasEditedKeepsItsLatch) {
   std::filesystem::create_directory(folder / "stillframe");
-  std::ofstream(folder / "stillframe/latch-toy.yaml") << "fault: restless\n";
+  std::ofstream(folder / "stillframe/latch-toy.yaml") << "fault: restless\nleg: leg_3\n";
   command_line(gains);
   ChildProcess controller({"env", "XDG_STATE_HOME=" + folder.string(), program, "--gains",
                            gains_file, "--flight-folder", folder});
   begin();
   EXPECT_TRUE(goes_on_until(is_latched, true)) << plant.info().scene_hash;
+  EXPECT_TRUE(contains(status.text, "restless, leg_3 first")) << status.text;
   controller.signal(SIGTERM);
   EXPECT_EQ(controller.wait(), 4);
+  EXPECT_TRUE(contains(controller.err(), "latched fault: restless, leg_3 first"))
+      << controller.err();
 }
 
 }  // namespace

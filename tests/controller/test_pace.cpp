@@ -327,5 +327,38 @@ TEST(Pace, ALegThatSwingsAloneIsNotNoisy) {
   EXPECT_EQ(noisy_leg(0, 0, 5e-3), -1);
 }
 
+// What the share of the law's force changes, a known curve of a known force, is no haste of the
+// loop's: neither where it lets go of a force that it holds, nor where it takes hold again.
+TEST(Pace, ToLetGoOfAForceThatIsHeldIsNoHaste) {
+  for (const int seed : {1, 2, 3}) {
+    Rig rig;
+    rig.floor = [floor = MadeUpFloor(1000, seed)](std::int64_t, VectorXd& w) mutable {
+      floor(0.05, w);
+    };
+    double drift = 0;
+    const auto wire = [&](Measurement& m) {
+      m.sigma(1) += drift;
+      return true;
+    };
+    ASSERT_TRUE(rig.reaches(State::active, 3000, wire)) << to_text(rig.fault());
+    for (int k = 0; k < 25'000; ++k) {
+      drift = 0.005 * std::min(1.0, k / 10'000.0);
+      rig.step(wire);
+    }
+    ASSERT_EQ(rig.state(), State::active) << to_text(rig.fault());
+    EXPECT_GT(std::abs(rig.force()(1)), 5);
+    rig.loop().request(Request::stop);
+    rig.steps(500, wire);
+    rig.loop().request(Request::start);
+    rig.steps(2000, wire);
+    EXPECT_EQ(rig.state(), State::active) << to_text(rig.fault());
+    rig.loop().request(Request::stop);
+    rig.steps(3000, wire);
+    EXPECT_EQ(rig.state(), State::idle) << to_text(rig.fault());
+    EXPECT_EQ(rig.supervisor().n_faults(), 0);
+    EXPECT_EQ(rig.supervisor().n_saturated(), 0);
+  }
+}
+
 }  // namespace
 }  // namespace stillframe::controller

@@ -56,6 +56,21 @@ TEST_F(PaceScaleOfTwoLegs, NoiseAndOffsetsCountWithEverySample) {
   EXPECT_DOUBLE_EQ(most(0, 100), 91.5);  // of the offset half
 }
 
+// z = (1, -1.5) of leg 0 that held 2 N, the second for when half is left of it: R = max(1, 3) / 2.
+TEST_F(PaceScaleOfTwoLegs, AForceThatIsLetGoOfCountsUntilItIsForgotten) {
+  scale_.learn_letting_go(MatrixXd{{1, -2}, {0, 0}}, 0, -2, 0.5);
+  begin();
+  scale_.let_go(VectorXd{{-4, 100}});
+  scale_.let_go(VectorXd{{1, 0}});  // no more than what is there already
+  EXPECT_DOUBLE_EQ(most(0, 0), 6);
+  EXPECT_DOUBLE_EQ(most(1, 0), 0);
+  EXPECT_DOUBLE_EQ(most_on_any_floor(0, 3), 18);
+  scale_.forget(0.5, 1, false, true);
+  EXPECT_DOUBLE_EQ(most(0, 0), 3);
+  begin();
+  EXPECT_DOUBLE_EQ(most(0, 0), 0);
+}
+
 TEST_F(PaceScaleOfTwoLegs, TheSwingWhileArmingCountsTwiceAndWithoutAFloorFourTimes) {
   const auto listen = [&] {
     scale_.restart();

@@ -161,7 +161,7 @@ TEST(SlowLoops, CommandsThatGoOneWayAreFoundInAsManySamples) {
     for (; n < 100; ++n) {
       pace.forget(1);
       pace.floor(VectorXd::Constant(1, n < 20 ? 0.1 * normal(random) : 0));
-      pace.expect(1, 1);
+      pace.expect(1, 1, VectorXd::Ones(4));
       // By then the loop has answered the floor.
       const VectorXd change = (n < 40 ? 0 : 0.5) * pace.most(1);
       if (pace.command(1, change) >= 0) break;
