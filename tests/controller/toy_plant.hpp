@@ -10,7 +10,7 @@
 
 namespace stillframe::controller::toy {
 
-inline inline constexpr double damping_ratio = 0.7;
+inline constexpr double damping_ratio = 0.7;
 
 /// Undamped frequencies of the frame's four different modes, Hz.
 inline const std::vector<double>& frequencies_hz() {
