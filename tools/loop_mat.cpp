@@ -94,6 +94,9 @@ void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path)
   add_system(file, "closed", with_noise(design.closed), design.closed.sample_time, floor_noise,
              motion);
   add_system(file, "law", {law.A, law.B, law.C, law.D}, design.gains.sample_time(), errors, forces);
+  if (law.feed_forward.D.cols() > 0) {
+    add_system(file, "feed_forward", law.feed_forward, design.gains.sample_time(), floor, forces);
+  }
   file.save();
 }
 

@@ -18,7 +18,9 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr Index n_frequencies = 240;  // twice as many change T by less than 0.05 dB
+// Frequencies for each tap: at half the rate their steps are a third of what so many taps resolve.
+constexpr Index frequencies_a_tap = 15;
+constexpr Index fewest_frequencies = 120;
 constexpr double lowest_part = 0.2, highest_part = 0.998;  // of the corner, of half the rate
 // How near T is to come to the goal is counted as 0.4 of it, which leaves it within 3 dB.
 constexpr double nearness = 0.4;
@@ -61,7 +63,8 @@ class Responses {
 Eigen::VectorXd grid_hz(const FeedForwardWeights& weights, double sample_time) {
   const double to = highest_part / (2 * sample_time);
   const double from = std::min(lowest_part * weights.corner_hz, 0.1 * to);
-  return Eigen::VectorXd::LinSpaced(n_frequencies, std::log(from), std::log(to)).array().exp();
+  const Index n = std::max(fewest_frequencies, frequencies_a_tap * weights.n_taps);
+  return Eigen::VectorXd::LinSpaced(n, std::log(from), std::log(to)).array().exp();
 }
 
 /// b at a frequency above to_hz; of_goal: b at to_hz.
@@ -127,8 +130,9 @@ FeedForward design_feed_forward(LoopSettings loop, const std::function<MatrixXcd
     return nearness * singular_values(G)(0);
   };
   const double at_edge = size_of_goal(weights.to_hz);
-  Rows rows(3 * 2 * n_y * n_frequencies, filter.n_terms() * m, p);
-  for (const double hz : grid_hz(weights, T_s)) {
+  const Eigen::VectorXd grid = grid_hz(weights, T_s);
+  Rows rows(3 * 2 * n_y * grid.size(), filter.n_terms() * m, p);
+  for (const double hz : grid) {
     const double omega = two_pi * hz;
     const bool aims = hz <= weights.to_hz;
     const double b = aims ? size_of_goal(hz) : bound_above(hz, weights, at_edge);

@@ -13,8 +13,8 @@ namespace stillframe::controller {
 class MadeUpFloor {
  public:
   MadeUpFloor(double rate_hz, std::uint64_t seed)
-      : low_(1 - std::exp(-toy::two_pi * 10 / rate_hz)),
-        high_(1 - std::exp(-toy::two_pi / rate_hz)),
+      : low_(1 - std::exp(-two_pi * 10 / rate_hz)),
+        high_(1 - std::exp(-two_pi / rate_hz)),
         scale_(std::sqrt(rate_hz / 1000)),
         random_(seed) {}
   /// The next sample (w: p, m/s^2) of a floor of that size (m/s^2).

@@ -137,7 +137,7 @@ class Rig {
  private:
   /// Noise through a low-pass of 10 Hz: a floor has little at high frequencies.
   void shake(Eigen::VectorXd& w) {
-    const double part = 1 - std::exp(-toy::two_pi * 10 * gains_.sample_time());
+    const double part = 1 - std::exp(-two_pi * 10 * gains_.sample_time());
     // So that its power below the corner does not depend on the sample rate.
     const double size = std::sqrt(gains_.sample_rate_hz / 1000);
     for (double& value : w) value += part * (size * normal_(random_) - value);

@@ -30,7 +30,7 @@ Gains coupled_gains(double rate_hz, double leak_hz) {
   };
   const MatrixXd K = spd(1e6), M = spd(10);
   Gains gains = toy::gains(5, rate_hz, 1, leak_hz);
-  const double w_d = toy::two_pi * 5;
+  const double w_d = two_pi * 5;
   const MatrixXd X = K * M.inverse() / (w_d * w_d);
   gains.K_P = X - MatrixXd::Identity(4, 4);
   gains.K_I = 2 * toy::damping_ratio * w_d * X;
@@ -41,15 +41,15 @@ Gains coupled_gains(double rate_hz, double leak_hz) {
 Complex warped(Complex z, double T) { return 2.0 / T * (z - 1.0) / (z + 1.0); }
 
 MatrixXcd closed_form(const Gains& gains, Complex s) {
-  const double w_l = toy::two_pi * gains.leak_hz;
+  const double w_l = two_pi * gains.leak_hz;
   const MatrixXcd I = MatrixXcd::Identity(gains.n_legs(), gains.n_legs());
-  const double w_h = toy::two_pi * gains.high_pass_hz;
+  const double w_h = two_pi * gains.high_pass_hz;
   const MatrixXcd P =
       (gains.K_P * s + gains.K_I) / (s + w_l) * (w_h > 0 ? s / (s + w_h) : Complex(1));
   MatrixXcd C = gains.realisation == Realisation::naive_pi ? MatrixXcd(-P)
                                                            : MatrixXcd(-(I + P).inverse() * P);
   if (gains.roll_off_hz) {
-    const double w_r = toy::two_pi * *gains.roll_off_hz;
+    const double w_r = two_pi * *gains.roll_off_hz;
     C *= w_r / (s + w_r);
   }
   return C;
@@ -80,7 +80,7 @@ TEST_P(LawResponse, EqualsTheClosedFormAtTheWarpedFrequency) {
     const DiscreteLaw law = law_from_gains(gains);
     EXPECT_EQ(law.subtract_applied, gains.realisation == Realisation::implicit_feedthrough);
     for (const double part : {1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.25, 0.4, 0.49}) {
-      const Complex z = std::polar(1.0, toy::two_pi * part);
+      const Complex z = std::polar(1.0, two_pi * part);
       const MatrixXcd expected = closed_form(gains, warped(z, gains.sample_time())) *
                                  (1.0 + gains.lead_samples * (1.0 - 1.0 / z));
       // Rounding only: z I - A loses log10(1 / (2 pi 1e-5)), 4 to 5 digits of 16, I + K_P 2 more.
@@ -109,7 +109,7 @@ TEST(Law, ImplicitOneIsStableAndHasItsStaticGain) {
     EXPECT_EQ(law.A.rows(), gains.n_legs());
     EXPECT_LT(worst_of(law.A.eigenvalues()), 1.0);
     const MatrixXd W =
-        toy::two_pi * gains.leak_hz * MatrixXd::Identity(4, 4) + gains.K_I;  // C'(0) = -W^-1 K_I
+        two_pi * gains.leak_hz * MatrixXd::Identity(4, 4) + gains.K_I;  // C'(0) = -W^-1 K_I
     const MatrixXd expected = -W.inverse() * gains.K_I;
     // Rounding of I - A, whose entries are of order 1e-3 at the least.
     EXPECT_LT((response(law, 1.0).real() - expected).norm(), 1e-10);
@@ -159,7 +159,7 @@ double force_after_a_second(int every, bool made_up_for) {
   Gains gains = toy::gains(5, 1000, 1);
   gains.lead_samples = 1.5;
   Law law(law_from_gains(gains));
-  const double w = toy::two_pi * 49, c = std::cos(w * 1e-3), s = std::sin(w * 1e-3);
+  const double w = two_pi * 49, c = std::cos(w * 1e-3), s = std::sin(w * 1e-3);
   const Eigen::Index leg = 3;  // toy::gains: M = I, K = diag((2 pi f)^2), the last f is 49 Hz
   double e = 1e-6, v = 0, applied = 0, pending = 0;
   VectorXd sigma = VectorXd::Zero(4), taken = sigma, force = sigma;

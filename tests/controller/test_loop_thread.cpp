@@ -34,7 +34,7 @@ class ToyFrame : public Io {
     measurement.applied = last_force;
     for (std::size_t i = 0; i < m; ++i) {
       const auto leg = static_cast<Eigen::Index>(i);
-      const double w = toy::two_pi * toy::frequencies_hz()[i];
+      const double w = two_pi * toy::frequencies_hz()[i];
       measurement.sigma(leg) = w * w * q_[i] + last_force(leg);
     }
     return true;

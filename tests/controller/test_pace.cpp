@@ -37,7 +37,7 @@ Gains random_gains(std::mt19937_64& random) {
   gains.lead_samples = gains.delay_samples + 0.5;
   if (uniform(0, 1) < 0.5) {
     gains.roll_off_hz = gains.sample_rate_hz / uniform(6, 12);
-    gains.lead_samples += gains.sample_rate_hz / (toy::two_pi * *gains.roll_off_hz);
+    gains.lead_samples += gains.sample_rate_hz / (two_pi * *gains.roll_off_hz);
   }
   // From a loop that rings to one that does not.
   const double damping_ratio = uniform(0.1, 1);
@@ -168,7 +168,7 @@ TEST(Pace, ASteadyFloorMakesNoSoundLoopHurry) {
     const double hz = std::uniform_real_distribution<double>(2, 12)(random);
     const auto floor = [&](std::int64_t k, VectorXd& w) {
       const double t = static_cast<double>(k) * gains.sample_time();
-      w.setConstant(std::min(0.01 * t, 0.1) * std::sin(toy::two_pi * hz * t));
+      w.setConstant(std::min(0.01 * t, 0.1) * std::sin(two_pi * hz * t));
     };
     rig.floor = floor;
     const auto n = static_cast<int>(gains.sample_rate_hz);
@@ -191,7 +191,7 @@ TEST(Pace, ALoopThatRingsIsFollowedToTheEnd) {
   Rig rig(policy, true, gains);
   rig.floor = [&](std::int64_t k, VectorXd& w) {
     const double t = 1e-3 * static_cast<double>(k);
-    w.setConstant(std::min(0.001 * t, 0.02) * std::sin(toy::two_pi * 5 * t));
+    w.setConstant(std::min(0.001 * t, 0.02) * std::sin(two_pi * 5 * t));
   };
   ASSERT_TRUE(rig.reaches(State::active, 4000)) << to_text(rig.fault());
   rig.steps(30'000);
@@ -311,7 +311,7 @@ TEST(Pace, ALegThatSwingsAloneIsNotNoisy) {
     for (std::int64_t k = 0; k < 500; ++k) {
       VectorXd sigma(gains.n_legs());
       for (double& value : sigma) value = 1e-3 * normal(random);
-      sigma(1) += swing * std::sin(toy::two_pi * periods_a_sample * static_cast<double>(k)) +
+      sigma(1) += swing * std::sin(two_pi * periods_a_sample * static_cast<double>(k)) +
                   noise * normal(random);
       pace.listen(k, sigma);
     }

@@ -36,7 +36,7 @@ class RequestsProcess : public ControllerProcess {
       while (plant.take(0)) {
       }
       // A floor that keeps the frame moving, 10 mm/s^2 at 2 Hz: what stands still is not armed.
-      const double floor = 0.01 * std::sin(toy::two_pi * 0.002 * static_cast<double>(k));
+      const double floor = 0.01 * std::sin(two_pi * 0.002 * static_cast<double>(k));
       plant.move(plant.commands.empty() ? std::vector<double>(4, 0.0) : plant.commands.back().force,
                  floor);
       ++k;

@@ -35,7 +35,7 @@ Gains slow_gains(double rate_hz) {
 Rig::Floor floor_of_noise() {
   return [random = std::mt19937_64(3), normal = std::normal_distribution<double>()](
              std::int64_t, VectorXd& w) mutable {
-    const double part = 1 - std::exp(-toy::two_pi / 100);
+    const double part = 1 - std::exp(-two_pi / 100);
     for (double& value : w) value += part * (0.1 * normal(random) - value);
   };
 }

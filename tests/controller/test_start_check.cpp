@@ -192,7 +192,7 @@ TEST(StartCheck, RefusalSaysWhyAndWhatMends) {
 /// The toy with one motion more, of frequency hz, beside the legs.
 Gains with_motion_beside(Gains gains, double hz, double damping = 0) {
   const Eigen::Index n = gains.plant.A.rows(), m = gains.n_legs();
-  const double w = toy::two_pi * hz;
+  const double w = two_pi * hz;
   gains.plant.A.conservativeResizeLike(MatrixXd::Zero(n + 2, n + 2));
   gains.plant.A(n, n + 1) = 1;
   gains.plant.A(n + 1, n) = -w * w;

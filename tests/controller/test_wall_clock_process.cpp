@@ -207,7 +207,7 @@ TEST_P(WallClockEnds, WithARampToNoForce) {
     if (plant.commands.size() > n_commands) heard = k;
     n_commands = plant.commands.size();
     plant.move(n_commands == 0 ? std::vector<double>(4, 0.0) : plant.commands.back().force,
-               floor_mps2 * std::sin(toy::two_pi * floor_hz / rate_hz * static_cast<double>(k)));
+               floor_mps2 * std::sin(two_pi * floor_hz / rate_hz * static_cast<double>(k)));
     if (told || listener.status.state != stillframe_msgs::controller_status_t::ACTIVE) continue;
     if (n_active == 0) n_active = n_commands;
     const double now = size(plant.commands.back());

@@ -287,6 +287,11 @@ TEST(SceneReference, NumbersAmongTheDefaultsAreThoseOfTheReader) {
   EXPECT_EQ(all.at("controller").at("realisation"), "`implicit_feedthrough`");
   EXPECT_EQ(SceneController().realisation, Realisation::implicit_feedthrough);
   EXPECT_EQ(SceneController().lead_samples, std::stod(all.at("controller").at("lead_samples")));
+  const auto& forward = all.at("controller: feed_forward");
+  EXPECT_EQ(SceneFeedForward().at_most_db, std::stod(forward.at("at_most_db")));
+  EXPECT_EQ(SceneFeedForward().actuator_error, std::stod(forward.at("actuator_error")));
+  EXPECT_EQ(SceneFeedForward().noise_over_floor, std::stod(forward.at("noise_over_floor")));
+  EXPECT_EQ(SceneFeedForward().taps, std::stoi(forward.at("taps")));
   for (const char* const table : {"elements: beam", "elements: beam, planar"}) {
     const auto& beam = all.at(table);
     EXPECT_EQ(SceneBeam().mass_per_length, std::stod(beam.at("mass_per_length")));

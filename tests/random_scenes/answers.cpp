@@ -10,6 +10,7 @@
 
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/node_moves.hpp"

@@ -84,10 +84,7 @@ SceneFeedForward read_feed_forward(const YamlReader& block, const SceneControlle
     found.noise_over_floor = positive_up_to(*value, 1);
   }
   if (const auto value = block.find("taps")) {
-    found.taps = value->integer(2);
-    if (found.taps > most_taps) {
-      value->fail("found " + value->text() + ", allowed are 2 to " + std::to_string(most_taps));
-    }
+    found.taps = static_cast<int>(integer_within(*value, 2, most_taps));
   }
   return found;
 }
