@@ -172,8 +172,8 @@ ResponsePrediction::ResponsePrediction(const LoopDesign& design,
   const LoopPlant plant = loop_plant(loop_.plant, loop_.n_w, loop_.n_y);
   const SampledPlant sampled = sample_and_hold(plant, design.gains.sampling());
   open_ = open_loop(sampled);
-  closed_ = close_loop(sampled, same ? controller::law_from_gains(design.gains)
-                                    : law_hearing(design, scene.inputs));
+  closed_ = close_loop(
+      sampled, same ? controller::law_from_gains(design.gains) : law_hearing(design, scene.inputs));
 }
 
 PredictedResponse ResponsePrediction::at(const std::vector<double>& frequencies_hz,
