@@ -74,10 +74,18 @@ constexpr auto nothing = [](std::int64_t) {};
 void law_row(const std::string& name, const Gains& gains, std::int64_t n, std::int64_t period_ns) {
   Law law(law_from_gains(gains));
   const Forces sigma(law.n_legs());
-  VectorXd s(law.n_legs()), force = VectorXd::Zero(law.n_legs());
+  const Forces floor(law.floor().n_floor());
+  VectorXd s(law.n_legs()), w(law.floor().n_floor()), force = VectorXd::Zero(law.n_legs());
   row(
-      name, n, period_ns, [&](std::int64_t k) { s = sigma(k); },
-      [&](std::int64_t) { law.step(s, force, force); });
+      name, n, period_ns,
+      [&](std::int64_t k) {
+        s = sigma(k);
+        w = floor(k);
+      },
+      [&](std::int64_t) {
+        law.hear_floor(1, w);
+        law.step(s, force, force);
+      });
 }
 
 /// Legs 1 and 12 from six: the first alone, or two frames side by side.
@@ -95,6 +103,7 @@ Gains with_legs(Gains gains, Index m) {
 }
 
 Gains plain(Gains gains) {
+  gains.feed_forward = {};
   gains.lead_samples = 0;
   gains.roll_off_hz.reset();
   return gains;
@@ -110,6 +119,9 @@ void law_rows(const Gains& gains, std::int64_t n, std::int64_t period_ns) {
   law_row("law, 6 legs, lead", lead, n, period_ns);
   law_row("law, 6 legs, roll-off", roll_off, n, period_ns);
   law_row("law, 6 legs, lead and roll-off", both, n, period_ns);
+  if (!gains.feed_forward.filter.empty()) {
+    law_row("law of the file, with its feed-forward", gains, n, period_ns);
+  }
   law_row("law, 1 leg, lead and roll-off", with_legs(both, 1), n, period_ns);
   law_row("law, 12 legs, lead and roll-off", with_legs(both, 12), n, period_ns);
 }
@@ -123,6 +135,7 @@ void answer_row(const Gains& gains, std::int64_t n, std::int64_t period_ns) {
   measurement.n_legs = command.n_legs;
   measurement.sigma.resize(command.force.size());
   measurement.applied_force.resize(command.force.size());
+  measurement.floor_acceleration.resize(gains.feed_forward.floor.size());
   row(
       "lock-step answer, gains of the file", n, period_ns,
       [&](std::int64_t k) {
