@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "core/systems/sampled_loop.hpp"
+#include "core/control/close_loop.hpp"
 #include "report/identification/multisine.hpp"
 
 namespace stillframe::report::toy {
