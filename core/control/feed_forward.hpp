@@ -13,7 +13,7 @@ namespace stillframe {
 /// The first sample of w is the one that stands in the measurement that is answered. What sensors
 /// are constantly off by is taken out, so that its double integral commands nothing; the taps make
 /// up for delay, hold and instruments, the leaky integrals are the floor's velocity and position
-/// above the corner of a. Source: THEORY section 6.
+/// above the corner of a. Source: docs/decisions/0030-floor-feed-forward.md.
 struct FeedForward {
   double memory = 0;             ///< a, 1
   Eigen::Index n_taps = 0;       ///< n, 2 or more; 0: there is no feed-forward

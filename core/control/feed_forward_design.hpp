@@ -25,8 +25,9 @@ struct FeedForwardWeights {
 /// zero above, b its size up to there and at_most from half as high again on, e = actuator_error, g
 /// the force of all legs over the one that is commanded, nu the sensors' noise over the floor,
 /// which rises as 1 / f^2 below the corner. Where legs outnumber motions, of all with that effect
-/// the one of least weights. goal: n_y x p at omega (rad/s). Source: THEORY section 6; decision 30.
-/// Set-up. Errors: as close_loop; std::invalid_argument if the goal has other sizes than T.
+/// the one of least weights. goal: n_y x p at omega (rad/s). Source:
+/// docs/decisions/0030-floor-feed-forward.md. Set-up. Errors: as close_loop; std::invalid_argument
+/// if the goal has other sizes than T.
 FeedForward design_feed_forward(LoopSettings loop,
                                 const std::function<Eigen::MatrixXcd(double)>& goal,
                                 const FeedForwardWeights& weights);

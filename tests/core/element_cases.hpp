@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <stdexcept>
 #include <string>
 
 #include "core/mechanics/elements/arm_truss.hpp"
@@ -122,6 +123,7 @@ inline Case make_case(const std::string& kind, Eigen::Vector3d l_0) {
                                       spatial_second_order_terms(l_0.norm(), 0, 0)),
         [=](const auto& u) { return arc_formula(l_0, beam_formula(l_0, orientation, u)); }, l_0);
   }
+  if (kind != "quadratic_beam") throw std::invalid_argument("there is no element '" + kind + "'");
   const auto terms = any_terms(6);
   return case_of(
       std::make_unique<SecondOrder>(std::move(beam), terms),

@@ -9,7 +9,7 @@
 
 // The deformation functions once more, as the definitions say them and over any scalar: plain
 // differences of lengths and full rotation matrices, with none of the rearrangement that
-// core/elements needs for its digits.
+// core/mechanics/elements needs for its digits.
 namespace stillframe::test {
 
 template <class T>
