@@ -5,6 +5,7 @@
 
 int main() {
   const stillframe::Scene scene = stillframe::parse_scene(R"(
+title: Mass on a cart
 nodes:
   cart: {position: [0, 0, 0]}
   mass: {position: [1, 0, 0]}

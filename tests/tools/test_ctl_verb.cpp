@@ -97,7 +97,7 @@ TEST_F(Ctl, StatusOnlyListens) {
   const auto status = json({"ctl", "status", "--timeout", "60"});
   EXPECT_TRUE(controller.heard().empty());
   EXPECT_EQ(status.at("run_id"), "7");
-  EXPECT_EQ(status.at("instance"), 1001);
+  EXPECT_EQ(status.at("instance"), "1001");
   EXPECT_EQ(status.at("started_ns"), 1002);
   EXPECT_EQ(status.at("pid"), 1003);
   EXPECT_EQ(status.at("state"), "fading");

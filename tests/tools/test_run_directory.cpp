@@ -106,10 +106,10 @@ TEST_F(RunDirectories, TheSecondLoopHasTheNextNumber) {
   const auto number_in = [&](const char* log) {
     return json({"export", folder_ / "run" / log, "--csv",
                  folder_ / "signals.csv"})["files"][0]["run_id"]
-        .get<std::int64_t>();
+        .get<std::string>();
   };
-  EXPECT_EQ(number_in("passive.lcm"), 9223372036854775806);
-  EXPECT_EQ(number_in("active.lcm"), 9223372036854775807);
+  EXPECT_EQ(number_in("passive.lcm"), "9223372036854775806");
+  EXPECT_EQ(number_in("active.lcm"), "9223372036854775807");
 }
 
 TEST_F(RunDirectories, OfTwoRunsIntoOneFolderOneIsRefusedAtOnce) {
