@@ -1,13 +1,13 @@
 // How often 95 % bands of identified responses hold what is predicted, over noisy runs of the
 // nonlinear plant in closed loop: noise of the force sensors, which moves the frame, and noise of
 // the floor accelerometers, which spoils what the response is divided by.
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <iostream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/cli/command.hpp"
 #include "core/errors/input_error.hpp"
 #include "judge/loop_design.hpp"
 #include "plant_sim/floor/floor_block.hpp"
@@ -151,15 +151,14 @@ class Study {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Coverage of confidence bands over noisy runs of the nonlinear closed loop"};
-  app.add_option("--runs", options.runs, "Runs, a seed each")->check(CLI::PositiveNumber);
-  app.add_option("--threads", options.threads, "At once")->check(CLI::PositiveNumber);
-  app.add_option("--sensor-noise", options.sensor_noise, "Of the force sensors, N/sqrt(Hz)");
-  app.add_option("--floor-noise", options.floor_noise,
-                 "Of the floor accelerometers, m/s^2/sqrt(Hz)");
-  app.add_option("--level", options.level, "Of the bands")->check(CLI::Range(0.5, 0.999));
-  app.add_flag("--json", options.json, "Print JSON");
-  CLI11_PARSE(app, argc, argv);
+  cli::Command app("Coverage of confidence bands over noisy runs of the nonlinear closed loop");
+  app.option("--runs", options.runs, "Runs, a seed each").check(cli::positive_number());
+  app.option("--threads", options.threads, "At once").check(cli::positive_number());
+  app.option("--sensor-noise", options.sensor_noise, "Of the force sensors, N/sqrt(Hz)");
+  app.option("--floor-noise", options.floor_noise, "Of the floor accelerometers, m/s^2/sqrt(Hz)");
+  app.option("--level", options.level, "Of the bands").check(cli::number_between(0.5, 0.999));
+  app.flag("--json", options.json, "Print JSON");
+  if (const auto code = app.parse(argc, argv)) return *code;
   try {
     const Result result = Study(options).run();
     if (options.json) {

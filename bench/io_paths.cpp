@@ -9,7 +9,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
@@ -20,6 +19,7 @@
 #include "bench/times.hpp"
 #include "controller/lcm_stream.hpp"
 #include "controller/realtime.hpp"
+#include "core/cli/command.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -313,12 +313,12 @@ void measure(const Hindrance& hindrance, const Options& options, const controlle
 
 int main(int argc, char** argv) try {
   Options options;
-  CLI::App app("Cost and latency of the ways for a command to leave the loop.");
-  app.add_option("--rate", options.rate_hz, "of the loop, Hz");
-  app.add_option("--slice", options.slice_s, "s");
-  app.add_option("--slices", options.n_slices, "of every way, in turns");
-  app.add_option("--priority", options.priority, "SCHED_FIFO of loop and receiver");
-  CLI11_PARSE(app, argc, argv);
+  cli::Command app("Cost and latency of the ways for a command to leave the loop.");
+  app.option("--rate", options.rate_hz, "of the loop, Hz");
+  app.option("--slice", options.slice_s, "s");
+  app.option("--slices", options.n_slices, "of every way, in turns");
+  app.option("--priority", options.priority, "SCHED_FIFO of loop and receiver");
+  if (const auto code = app.parse(argc, argv)) return *code;
   controller::Policy policy;
   policy.priority = options.priority;
   std::printf("%s; %g Hz\n", machine_line(STILLFRAME_FLAGS).c_str(), options.rate_hz);

@@ -3,7 +3,6 @@
 // itself; what the two looks at the clock take stands beside and is subtracted from nothing.
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <future>
 #include <random>
 
@@ -13,6 +12,7 @@
 #include "controller/in_process_io.hpp"
 #include "controller/loop.hpp"
 #include "controller/realtime.hpp"
+#include "core/cli/command.hpp"
 #include "msgs/clock.hpp"
 
 namespace {
@@ -220,12 +220,12 @@ void run(const Options& options, const RealtimeReport& report) {
 
 int main(int argc, char** argv) try {
   Options options;
-  CLI::App app("Time of the control law and of a whole period of the loop.");
-  app.add_option("gains", options.gains, "gains file of six legs")->required();
-  app.add_option("--steps", options.n_steps, "back to back");
-  app.add_option("--paced", options.n_paced, "at 1 kHz");
-  app.add_option("--priority", options.priority, "SCHED_FIFO, 0: ordinary");
-  CLI11_PARSE(app, argc, argv);
+  cli::Command app("Time of the control law and of a whole period of the loop.");
+  app.option("gains", options.gains, "gains file of six legs").required();
+  app.option("--steps", options.n_steps, "back to back");
+  app.option("--paced", options.n_paced, "at 1 kHz");
+  app.option("--priority", options.priority, "SCHED_FIFO, 0: ordinary");
+  if (const auto code = app.parse(argc, argv)) return *code;
   Policy policy;
   policy.priority = options.priority;
   const RealtimeReport report = prepare_process(policy);

@@ -6,7 +6,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <memory>
 #include <random>
@@ -14,6 +13,7 @@
 #include "bench/machine.hpp"
 #include "bench/times.hpp"
 #include "controller/gains.hpp"
+#include "core/cli/command.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -246,15 +246,15 @@ void run(const Options& options) {
 
 int main(int argc, char** argv) try {
   Options options;
-  CLI::App app("LCM round trip of stillframe-controller in lock-step beside a bare echo.");
-  app.add_option("gains", options.gains, "gains file")->required();
-  app.add_option("--controller", options.controller, "the program")->required();
-  app.add_option("--controller-option", options.controller_options, "one more word for it");
-  app.add_option("--priority", options.priority, "SCHED_FIFO, 0: ordinary");
-  app.add_option("--blocks", options.n_blocks, "of either");
-  app.add_option("--pings", options.n_pings, "in a block");
-  app.add_option("--rate", options.rate_hz, "pings a second");
-  CLI11_PARSE(app, argc, argv);
+  cli::Command app("LCM round trip of stillframe-controller in lock-step beside a bare echo.");
+  app.option("gains", options.gains, "gains file").required();
+  app.option("--controller", options.controller, "the program").required();
+  app.option("--controller-option", options.controller_options, "one more word for it");
+  app.option("--priority", options.priority, "SCHED_FIFO, 0: ordinary");
+  app.option("--blocks", options.n_blocks, "of either");
+  app.option("--pings", options.n_pings, "in a block");
+  app.option("--rate", options.rate_hz, "pings a second");
+  if (const auto code = app.parse(argc, argv)) return *code;
   run(options);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "bench_lcm_echo: %s\n", error.what());

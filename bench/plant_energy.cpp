@@ -1,11 +1,11 @@
 // Free motion of the undamped frame for very long: the energy is kept to the tolerance, without a
 // drift beyond that of rounding.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
 
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
+#include "core/cli/command.hpp"
 #include "report/table.hpp"
 #include "tests/plant_sim/motion_rig.hpp"
 
@@ -54,28 +54,26 @@ void run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Energy of free motion of the undamped frame after a push of all legs.",
-               "bench_plant_energy");
+  cli::Command app("Energy of free motion of the undamped frame after a push of all legs.",
+                   "bench_plant_energy");
   Options options;
-  app.add_option("--periods", options.periods, "Of the slowest mode")
-      ->check(CLI::Range(1.0, 1e9))
-      ->capture_default_str();
-  app.add_option("--tolerance", options.tolerance)
-      ->check(CLI::Range(1e-14, 1e-2))
-      ->capture_default_str();
-  app.add_option("--part", options.part_s, "Length of the parts that are stepped, s")
-      ->check(CLI::Range(1e-5, 1e-1))
-      ->capture_default_str();
-  app.add_option("--method", options.method)->check(CLI::IsMember(methods))->capture_default_str();
-  app.add_option("--push", options.push_n, "N in each leg, at most")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  app.option("--periods", options.periods, "Of the slowest mode")
+      .check(cli::number_between(1.0, 1e9))
+      .show_default();
+  app.option("--tolerance", options.tolerance)
+      .check(cli::number_between(1e-14, 1e-2))
+      .show_default();
+  app.option("--part", options.part_s, "Length of the parts that are stepped, s")
+      .check(cli::number_between(1e-5, 1e-1))
+      .show_default();
+  app.option("--method", options.method).check(cli::one_of(methods)).show_default();
+  app.option("--push", options.push_n, "N in each leg, at most")
+      .check(cli::positive_number())
+      .show_default();
   try {
-    app.parse(argc, argv);
+    if (const auto code = app.parse(argc, argv)) return *code;
     run(options);
     return 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "bench_plant_energy: " << error.what() << "\n";
     return 4;

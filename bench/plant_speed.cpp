@@ -1,6 +1,5 @@
 // How fast the single-process closed loop of the rigid frame is, at what error, and what each
 // fidelity option costs over the bare scene.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
 #include <iostream>
@@ -8,6 +7,7 @@
 
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
+#include "core/cli/command.hpp"
 #include "judge/loop_design.hpp"
 #include "report/table.hpp"
 #include "tools/run/closed_loop.hpp"
@@ -210,23 +210,21 @@ std::string markdown(const json& all) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  cli::Command app(
       "Speed of the single-process closed loop against its error, and the cost of each fidelity\n"
       "option. Times are processor time of the one thread, medians of the repeats.",
       "bench_plant_speed");
   Index samples = 4000;
   int repeats = 5;
   bool as_json = false, machine_only = false;
-  app.add_option("--samples", samples, "Samples of each run")
-      ->check(CLI::Range(10, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--repeats", repeats, "Runs of each")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+  app.option("--samples", samples, "Samples of each run")
+      .check(cli::whole_number(10, 1'000'000))
+      .show_default();
+  app.option("--repeats", repeats, "Runs of each").check(cli::whole_number(1, 100)).show_default();
   try {
-    app.add_flag("--json", as_json, "JSON in the place of Markdown");
-    app.add_flag("--machine", machine_only, "Say what it runs on, and nothing else");
-    app.parse(argc, argv);
+    app.flag("--json", as_json, "JSON in the place of Markdown");
+    app.flag("--machine", machine_only, "Say what it runs on, and nothing else");
+    if (const auto code = app.parse(argc, argv)) return *code;
     if (machine_only) {
       std::cout << machine_line(STILLFRAME_FLAGS) << "\n";
       return 0;
@@ -236,8 +234,6 @@ int main(int argc, char** argv) {
                    {"fidelity", fidelity(samples, repeats)}};
     std::cout << (as_json ? all.dump(1) + "\n" : markdown(all));
     return 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "bench_plant_speed: " << error.what() << "\n";
     return 4;

@@ -1,13 +1,13 @@
 // What the log of a long wall-clock run says of the controller's own closing counters: scripts/soak
 // runs it. Everything is counted from the records of the loop (SF_LOOP), the measurements, the
 // commands and the last status in the log.
-#include <CLI/CLI.hpp>
 #include <cstring>
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "controller/policy.hpp"
+#include "core/cli/command.hpp"
 #include "msgs/channels.hpp"
 #include "report/log/log_events.hpp"
 #include "stillframe_msgs/command_t.hpp"
@@ -230,14 +230,14 @@ void print_json(const Options& options, const Counts& c, const Checks& checks) {
 
 int main(int argc, char** argv) try {
   Options options;
-  CLI::App app("Checks the closing counters of a long wall-clock run against its log.");
-  app.add_option("log", options.log, "LCM log")->required();
-  app.add_option("--memory-first", options.memory_first_kb, "kB, after the warm-up");
-  app.add_option("--memory-last", options.memory_last_kb, "kB, at the end");
-  app.add_option("--memory-allowed", options.memory_allowed_kb, "kB of growth");
-  app.add_flag("--locked", options.locked, "memory was locked: no page fault is allowed");
-  app.add_flag("--json", options.json, "one object instead of the table");
-  CLI11_PARSE(app, argc, argv);
+  cli::Command app("Checks the closing counters of a long wall-clock run against its log.");
+  app.option("log", options.log, "LCM log").required();
+  app.option("--memory-first", options.memory_first_kb, "kB, after the warm-up");
+  app.option("--memory-last", options.memory_last_kb, "kB, at the end");
+  app.option("--memory-allowed", options.memory_allowed_kb, "kB of growth");
+  app.flag("--locked", options.locked, "memory was locked: no page fault is allowed");
+  app.flag("--json", options.json, "one object instead of the table");
+  if (const auto code = app.parse(argc, argv)) return *code;
   const Reader reader(options.log);
   if (!reader.counts().closing || !reader.counts().status) {
     std::fprintf(stderr, "bench_soak_check: no closing counters of the controller in the log\n");

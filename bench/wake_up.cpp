@@ -4,9 +4,8 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-
 #include "bench/times.hpp"
+#include "core/cli/command.hpp"
 #include "msgs/clock.hpp"
 
 namespace {
@@ -36,15 +35,15 @@ void measure(const Options& options, stillframe::Times& late) {
 
 int main(int argc, char** argv) try {
   Options options;
-  CLI::App app("Wake-up latency of a bare loop on CLOCK_MONOTONIC.");
-  app.add_option("--priority", options.priority, "SCHED_FIFO priority, 0: ordinary thread");
-  app.add_option("--rate", options.rate_hz, "Hz");
-  app.add_option("--duration", options.duration_s, "s");
-  app.add_flag("--lock", options.lock, "mlockall");
-  app.add_flag("--fine-timers", options.fine_timers, "timer slack of 1 ns");
-  app.add_flag("--awake", options.awake, "0 us into /dev/cpu_dma_latency");
-  app.add_option("--out", options.out, "file for lines of time (ns) and count");
-  CLI11_PARSE(app, argc, argv);
+  stillframe::cli::Command app("Wake-up latency of a bare loop on CLOCK_MONOTONIC.");
+  app.option("--priority", options.priority, "SCHED_FIFO priority, 0: ordinary thread");
+  app.option("--rate", options.rate_hz, "Hz");
+  app.option("--duration", options.duration_s, "s");
+  app.flag("--lock", options.lock, "mlockall");
+  app.flag("--fine-timers", options.fine_timers, "timer slack of 1 ns");
+  app.flag("--awake", options.awake, "0 us into /dev/cpu_dma_latency");
+  app.option("--out", options.out, "file for lines of time (ns) and count");
+  if (const auto code = app.parse(argc, argv)) return *code;
   stillframe::Times late(static_cast<std::size_t>(options.rate_hz * options.duration_s) + 1);
   if (options.lock && mlockall(MCL_CURRENT | MCL_FUTURE) != 0) perror("mlockall");
   if (options.fine_timers) prctl(PR_SET_TIMERSLACK, 1UL);

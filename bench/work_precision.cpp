@@ -1,7 +1,6 @@
 // Global error against time of every method of the plant simulator on five scenes, each method
 // against a reference of another formulation; and whether every method keeps to its tolerance on
 // every scene that can be run, from quiet to loud.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
 #include "bench/work_precision_page.hpp"
+#include "core/cli/command.hpp"
 #include "plant_sim/floor/sources.hpp"
 
 namespace {
@@ -261,27 +261,27 @@ json all_honesty() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  cli::Command app(
       "Error against time of every method of the plant simulator on five scenes.\n"
       "Times are processor time of the one thread, the median of the repeats.",
       "bench_work_precision");
   Options options;
-  app.add_flag("--honesty", options.honesty,
-               "Instead: the error of every method in tolerances, on every scene of config/scenes "
-               "that can be run, from quiet to loud");
-  app.add_option("--only", options.only, "Only scenes whose name has this in it");
-  app.add_flag("--json", options.as_json, "JSON in the place of Markdown");
-  app.add_option("--plots", options.plots, "Draw a picture of each scene there")
-      ->check(CLI::ExistingDirectory)
-      ->type_name("DIR");
-  app.add_option("--repeats", options.repeats, "Runs of each point")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  app.add_option("--limit", options.limit_s, "Points that would take longer are left out, s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  app.flag("--honesty", options.honesty,
+           "Instead: the error of every method in tolerances, on every scene of config/scenes "
+           "that can be run, from quiet to loud");
+  app.option("--only", options.only, "Only scenes whose name has this in it");
+  app.flag("--json", options.as_json, "JSON in the place of Markdown");
+  app.option("--plots", options.plots, "Draw a picture of each scene there")
+      .check(cli::existing_folder())
+      .type_name("DIR");
+  app.option("--repeats", options.repeats, "Runs of each point")
+      .check(cli::whole_number(1, 100))
+      .show_default();
+  app.option("--limit", options.limit_s, "Points that would take longer are left out, s")
+      .check(cli::positive_number())
+      .show_default();
   try {
-    app.parse(argc, argv);
+    if (const auto code = app.parse(argc, argv)) return *code;
     json all{{"machine", machine_line(STILLFRAME_FLAGS)}, {"scenes", json::array()}};
     if (options.honesty) {
       const json rows = all_honesty();
@@ -295,8 +295,6 @@ int main(int argc, char** argv) {
     if (!options.plots.empty()) plot_work_precision(all, options.plots);
     std::cout << (options.as_json ? all.dump(1) + "\n" : work_precision_markdown(all));
     return 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "bench_work_precision: " << error.what() << "\n";
     return 4;

@@ -1,7 +1,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <cstdio>
 #include <exception>
@@ -23,7 +22,7 @@
 #include "controller/start_check.hpp"
 #include "controller/telemetry.hpp"
 #include "controller/timing_file.hpp"
-#include "core/cli/numbers.hpp"
+#include "core/cli/command.hpp"
 #include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
 #include "core/yaml/reader.hpp"
@@ -76,49 +75,48 @@ struct Options {
   bool check_only = false;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("--gains", options.gains, "Gains file (YAML), as `stillframe design` writes it")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--lcm-url", options.lcm_url,
-                 "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
-                 "udpm://239.255.76.67:7667?ttl=0)")
-      ->type_name("URL");
-  app.add_option("--run-id", options.run_id, "Run to serve (default: the first that is heard)")
-      ->type_name("ID");
-  app.add_option("--timeout", options.timeout_s,
-                 "Seconds without a word from the plant after which the run has failed")
-      ->check(positive_number())
-      ->capture_default_str();
-  app.add_option("--phase", options.phase,
-                 "Wall-clock mode: when in a sample to wake up, as a part of it from 0 up to 1")
-      ->check(CLI::Range(0.0, 0.999))
-      ->capture_default_str();
-  app.add_option("--policy", options.policy,
-                 "Wall-clock mode: fault policy (YAML, docs/safety.md; default: its defaults)")
-      ->type_name("FILE");
-  app.add_option("--realtime", options.realtime,
-                 "Wall-clock mode: SCHED_FIFO, locked memory and fine timers: off; best_effort: go "
-                 "on without what the system refuses; enforce: do not (default: the policy's)")
-      ->check(CLI::IsMember({"off", "best_effort", "enforce"}));
-  app.add_option("--timing", options.timing,
-                 "Wall-clock mode: write histograms of wake-up, receipt, computing and publishing "
-                 "at the end (JSON)")
-      ->type_name("FILE");
-  app.add_option("--flight-folder", options.flight_folder,
-                 "Wall-clock mode: where flight records (flight-RUN-N.lcm) go after a fault")
-      ->capture_default_str()
-      ->type_name("DIR")
-      ->check(CLI::ExistingDirectory);
-  app.add_option(
-         "--latch", options.latch,
-         "Wall-clock mode: where a latched fault is kept until a person resets it (default: "
-         "$XDG_STATE_HOME or ~/.local/state, stillframe/latch-SCENE_TITLE.yaml)")
-      ->type_name("FILE");
-  app.add_flag("--reset", options.reset,
-               "Wall-clock mode: the cause of a fault that is latched from before is mended");
-  app.add_flag("--check-only", options.check_only,
-               "Only check the gains: print the spectral radius of the sampled closed loop");
+void add_options(cli::Command& app, Options& options) {
+  app.option("--gains", options.gains, "Gains file (YAML), as `stillframe design` writes it")
+      .required()
+      .type_name("FILE");
+  app.option("--lcm-url", options.lcm_url,
+             "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
+             "udpm://239.255.76.67:7667?ttl=0)")
+      .type_name("URL");
+  app.option("--run-id", options.run_id, "Run to serve (default: the first that is heard)")
+      .type_name("ID");
+  app.option("--timeout", options.timeout_s,
+             "Seconds without a word from the plant after which the run has failed")
+      .check(cli::positive_number())
+      .show_default();
+  app.option("--phase", options.phase,
+             "Wall-clock mode: when in a sample to wake up, as a part of it from 0 up to 1")
+      .check(cli::number_between(0.0, 0.999))
+      .show_default();
+  app.option("--policy", options.policy,
+             "Wall-clock mode: fault policy (YAML, docs/safety.md; default: its defaults)")
+      .type_name("FILE");
+  app.option("--realtime", options.realtime,
+             "Wall-clock mode: SCHED_FIFO, locked memory and fine timers: off; best_effort: go "
+             "on without what the system refuses; enforce: do not (default: the policy's)")
+      .check(cli::one_of({"off", "best_effort", "enforce"}));
+  app.option("--timing", options.timing,
+             "Wall-clock mode: write histograms of wake-up, receipt, computing and publishing "
+             "at the end (JSON)")
+      .type_name("FILE");
+  app.option("--flight-folder", options.flight_folder,
+             "Wall-clock mode: where flight records (flight-RUN-N.lcm) go after a fault")
+      .show_default()
+      .type_name("DIR")
+      .check(cli::existing_folder());
+  app.option("--latch", options.latch,
+             "Wall-clock mode: where a latched fault is kept until a person resets it (default: "
+             "$XDG_STATE_HOME or ~/.local/state, stillframe/latch-SCENE_TITLE.yaml)")
+      .type_name("FILE");
+  app.flag("--reset", options.reset,
+           "Wall-clock mode: the cause of a fault that is latched from before is mended");
+  app.flag("--check-only", options.check_only,
+           "Only check the gains: print the spectral radius of the sampled closed loop");
 }
 
 // Long enough for a disk that is slow; one that takes longer hangs.
@@ -397,14 +395,12 @@ int run(const Options& options, Outside& outside) {
 
 int main(int argc, char** argv, Outside& outside) {
   Options options;
-  CLI::App app(description);
+  cli::Command app(description);
   app.footer(footer);
   add_options(app, options);
   try {
-    app.parse(argc, argv);
+    if (const auto code = app.parse(argc, argv, exit_done, exit_bad_input)) return *code;
     return run(options, outside);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? exit_done : exit_bad_input;
   } catch (const InputError& error) {
     spdlog::error("{}", error.what());
     return exit_bad_input;

@@ -3,7 +3,6 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -12,7 +11,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/cli/numbers.hpp"
+#include "core/cli/command.hpp"
 #include "core/control/design/control_loop.hpp"
 #include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
@@ -59,63 +58,62 @@ struct Options {
   bool progress = false;
 };
 
-void add_options(CLI::App& app, Options& options) {
-  app.add_option("scene", options.scene, "Scene file (YAML)")->required()->type_name("SCENE");
-  app.add_option("--gains", options.gains,
-                 "Gains file that the run announces, as the controller has it")
-      ->required()
-      ->type_name("FILE");
-  app.add_option("--controller", options.controller, "Controller block that replaces the scene's")
-      ->type_name("FILE");
-  app.add_option("--floor", options.floor, "Floor block that replaces the scene's")
-      ->type_name("FILE");
-  app.add_option("--scene-folder", options.scene_folder,
-                 "Look here for recordings that the scene names (default: beside it)")
-      ->type_name("DIR");
-  app.add_option("--floor-folder", options.floor_folder,
-                 "Look here for recordings that the floor block names (default: beside it)")
-      ->type_name("DIR");
-  app.add_option("--mode", options.mode,
-                 "lock_step: as fast as the machine goes; wall_clock: at the sample rate")
-      ->check(CLI::IsMember({"lock_step", "wall_clock"}))
-      ->capture_default_str();
-  app.add_option("--loop", options.loop, "active, or passive: the controller commands zero force")
-      ->check(CLI::IsMember({"active", "passive"}))
-      ->capture_default_str();
-  app.add_option("--duration", options.duration_s,
-                 "Seconds of plant time (default: the scene's, or the floor's)")
-      ->check(positive_number());
-  app.add_option("--run-id", options.run_id,
-                 "Number that ties the messages of one run together (default: random)")
-      ->check(positive_number());
-  app.add_option("--lcm-url", options.lcm_url,
-                 "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
-                 "udpm://239.255.76.67:7667?ttl=0)");
-  app.add_option("--timeout", options.timeout_s,
-                 "Seconds without a word from the controller before giving up")
-      ->check(positive_number())
-      ->capture_default_str();
-  app.add_option("--amplifier-hold", options.amplifier_hold_samples,
-                 "Wall-clock: samples without a command for which the amplifiers hold the last one")
-      ->check(number_from_zero())
-      ->capture_default_str()
-      ->type_name("SAMPLES");
-  app.add_option("--amplifier-fade", options.amplifier_fade_s,
-                 "Wall-clock: seconds in which they then let it go, smoothly")
-      ->check(positive_number())
-      ->capture_default_str()
-      ->type_name("S");
-  app.add_option("--priority", options.priority,
-                 "Wall-clock: SCHED_FIFO at this priority, if the system allows it: a plant stands "
-                 "for a machine, which is never late")
-      ->check(CLI::Range(1, 98));
-  app.add_option("--pace-by-log", options.pace_by_log,
-                 "Lock-step: wait whenever the lcm-logger (--flush-interval=1) that writes this "
-                 "log falls behind, so "
-                 "that it loses nothing")
-      ->check(CLI::ExistingFile);
-  app.add_flag("--progress", options.progress,
-               "Print 'progress SAMPLE SAMPLES' lines to standard output");
+void add_options(cli::Command& app, Options& options) {
+  app.option("scene", options.scene, "Scene file (YAML)").required().type_name("SCENE");
+  app.option("--gains", options.gains,
+             "Gains file that the run announces, as the controller has it")
+      .required()
+      .type_name("FILE");
+  app.option("--controller", options.controller, "Controller block that replaces the scene's")
+      .type_name("FILE");
+  app.option("--floor", options.floor, "Floor block that replaces the scene's").type_name("FILE");
+  app.option("--scene-folder", options.scene_folder,
+             "Look here for recordings that the scene names (default: beside it)")
+      .type_name("DIR");
+  app.option("--floor-folder", options.floor_folder,
+             "Look here for recordings that the floor block names (default: beside it)")
+      .type_name("DIR");
+  app.option("--mode", options.mode,
+             "lock_step: as fast as the machine goes; wall_clock: at the sample rate")
+      .check(cli::one_of({"lock_step", "wall_clock"}))
+      .show_default();
+  app.option("--loop", options.loop, "active, or passive: the controller commands zero force")
+      .check(cli::one_of({"active", "passive"}))
+      .show_default();
+  app.option("--duration", options.duration_s,
+             "Seconds of plant time (default: the scene's, or the floor's)")
+      .check(cli::positive_number());
+  app.option("--run-id", options.run_id,
+             "Number that ties the messages of one run together (default: random)")
+      .check(cli::positive_number());
+  app.option("--lcm-url", options.lcm_url,
+             "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
+             "udpm://239.255.76.67:7667?ttl=0)");
+  app.option("--timeout", options.timeout_s,
+             "Seconds without a word from the controller before giving up")
+      .check(cli::positive_number())
+      .show_default();
+  app.option("--amplifier-hold", options.amplifier_hold_samples,
+             "Wall-clock: samples without a command for which the amplifiers hold the last one")
+      .check(cli::number_from_zero())
+      .show_default()
+      .type_name("SAMPLES");
+  app.option("--amplifier-fade", options.amplifier_fade_s,
+             "Wall-clock: seconds in which they then let it go, smoothly")
+      .check(cli::positive_number())
+      .show_default()
+      .type_name("S");
+  app.option("--priority", options.priority,
+             "Wall-clock: SCHED_FIFO at this priority, if the system allows it: a plant stands "
+             "for a machine, which is never late")
+      .check(cli::whole_number(1, 98));
+  app.option("--pace-by-log", options.pace_by_log,
+             "Lock-step: wait whenever the lcm-logger (--flush-interval=1) that writes this "
+             "log falls behind, so "
+             "that it loses nothing")
+      .check(cli::existing_file());
+  app.flag("--progress", options.progress,
+           "Print 'progress SAMPLE SAMPLES' lines to standard output");
 }
 
 // Before LCM starts its reading thread, which inherits it.
@@ -197,16 +195,12 @@ int run(const Options& options) {
 }  // namespace
 
 int plant_main(int argc, char** argv) {
-  CLI::App app{description, "stillframe-plant"};
+  cli::Command app(description, "stillframe-plant");
   Options options;
   add_options(app, options);
   app.footer(footer);
-  app.set_version_flag("--version", STILLFRAME_VERSION);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? exit_done : exit_bad_input;
-  }
+  app.version(STILLFRAME_VERSION);
+  if (const auto code = app.parse(argc, argv, exit_done, exit_bad_input)) return *code;
   spdlog::set_default_logger(spdlog::stderr_color_mt("plant"));
   set_printable_log("%n: %^%l%$: %*");
   try {

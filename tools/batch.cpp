@@ -3,7 +3,6 @@
 #include <memory>
 #include <thread>
 
-#include "core/cli/numbers.hpp"
 #include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
 #include "tools/exit_code.hpp"
@@ -149,27 +148,26 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_batch(CLI::App& app, int& exit_code) {
+void add_batch(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "batch", "Simulate every scene with every controller and floor, on all cores, without LCM");
-  verb->add_option("scenes", options->scenes, "Scene files (YAML)")->required()->type_name("SCENE");
-  verb->add_option("--controller", options->controllers,
-                   "Controller blocks, each in the place of the scene's; may be given again")
-      ->type_name("FILE");
-  verb->add_option("--floor", options->floors,
-                   "Floor blocks, each in the place of the scene's; may be given again")
-      ->type_name("FILE");
-  verb->add_option("--duration", options->duration_s,
-                   "Seconds of plant time (default: the scene's, or the floor's)")
-      ->check(positive_number());
-  verb->add_option("--jobs", options->jobs,
-                   "Runs at a time; 0: one for each core. Changes no result")
-      ->check(CLI::Range(0, 1024));
-  verb->add_flag(
+  verb.option("scenes", options->scenes, "Scene files (YAML)").required().type_name("SCENE");
+  verb.option("--controller", options->controllers,
+              "Controller blocks, each in the place of the scene's; may be given again")
+      .type_name("FILE");
+  verb.option("--floor", options->floors,
+              "Floor blocks, each in the place of the scene's; may be given again")
+      .type_name("FILE");
+  verb.option("--duration", options->duration_s,
+              "Seconds of plant time (default: the scene's, or the floor's)")
+      .check(cli::positive_number());
+  verb.option("--jobs", options->jobs, "Runs at a time; 0: one for each core. Changes no result")
+      .check(cli::whole_number(0, 1024));
+  verb.flag(
       "--json", options->json,
       "JSON: a row a run, with outcome and reason, axes (rms in 1 to 80 Hz), forces and failures");
-  verb->footer(
+  verb.footer(
       "Example: which target frequency isolates best on which floor?\n"
       "  stillframe batch config/scenes/metrology_frame.yaml \\\n"
       "    --controller config/controllers/force_feedback_5hz.yaml \\\n"
@@ -180,7 +178,7 @@ void add_batch(CLI::App& app, int& exit_code) {
       "Each is judged as `run` judges it, but for the prediction, which needs a log.\n"
       "Exit code 4: a run failed, or did not meet what its scene accepts; the others are "
       "reported.");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

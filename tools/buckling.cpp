@@ -59,18 +59,18 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_buckling(CLI::App& app, int& exit_code) {
+void add_buckling(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "buckling", "Multiples of the scene's loads, gravity and preloads at which it buckles");
-  verb->add_option("scene", options->scene, "Scene file (YAML) with a load")
-      ->required()
-      ->type_name("SCENE");
-  verb->add_option("--count", options->count, "How many multipliers, the smallest first")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(
+  verb.option("scene", options->scene, "Scene file (YAML) with a load")
+      .required()
+      .type_name("SCENE");
+  verb.option("--count", options->count, "How many multipliers, the smallest first")
+      .check(cli::whole_number(1, 1000000))
+      .show_default();
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(
       "Solves (K + lambda G) v = 0 with K of the unloaded scene and G at the stresses that the "
       "load\n"
       "causes to first order. A load that pulls has no multiplier; one that follows its node is "
@@ -80,7 +80,7 @@ void add_buckling(CLI::App& app, int& exit_code) {
       "  load_multipliers  smallest first\n"
       "  shapes            a row a dof, a column a multiplier, largest entry 1\n"
       "Example: stillframe buckling column.yaml --count 3");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "controller/supervisor.hpp"
-#include "core/cli/numbers.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
@@ -195,29 +194,28 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_ctl(CLI::App& app, int& exit_code) {
+void add_ctl(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "ctl", "Ask the controller of a wall-clock run to start, to stop, for a reset or its status");
-  verb->add_option("action", options->action,
-                   "start: arm and take hold; stop: ramp out; reset: clear a latched fault; "
-                   "status: only listen")
-      ->required()
-      ->check(CLI::IsMember({"start", "stop", "reset", "status"}))
-      ->type_name("ACTION");
-  verb->add_option("--run-id", options->run_id,
-                   "Run of the controller (default: any that is heard)")
-      ->check(positive_number())
-      ->type_name("ID");
-  verb->add_option("--lcm-url", options->lcm_url,
-                   "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
-                   "udpm://239.255.76.67:7667?ttl=0)")
-      ->type_name("URL");
-  verb->add_option("--timeout", options->timeout_s, "Seconds to wait for an answer")
-      ->check(positive_number())
-      ->capture_default_str();
-  verb->add_flag("--json", options->json, "Print the status as JSON");
-  verb->footer(
+  verb.option("action", options->action,
+              "start: arm and take hold; stop: ramp out; reset: clear a latched fault; "
+              "status: only listen")
+      .required()
+      .check(cli::one_of({"start", "stop", "reset", "status"}))
+      .type_name("ACTION");
+  verb.option("--run-id", options->run_id, "Run of the controller (default: any that is heard)")
+      .check(cli::positive_number())
+      .type_name("ID");
+  verb.option("--lcm-url", options->lcm_url,
+              "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
+              "udpm://239.255.76.67:7667?ttl=0)")
+      .type_name("URL");
+  verb.option("--timeout", options->timeout_s, "Seconds to wait for an answer")
+      .check(cli::positive_number())
+      .show_default();
+  verb.flag("--json", options->json, "Print the status as JSON");
+  verb.footer(
       "Prints what the controller says of itself after it has taken the request, or says next.\n"
       "A reset leads to idle; start takes hold again. States, faults and the policy behind them "
       "are in\n"
@@ -231,7 +229,7 @@ void add_ctl(CLI::App& app, int& exit_code) {
       "n_page_faults; worst_wake_up_ns, worst_compute_ns.\n"
       "Exit codes: 0 done; 2 bad usage; 3 the controller refused; 4 no controller heard.\n"
       "Example: stillframe ctl stop");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

@@ -66,30 +66,29 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_design(CLI::App& app, int& exit_code) {
+void add_design(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("design",
-                                      "Decoupled PI force-feedback gains K_P and K_I of a scene, "
-                                      "and what the closed loop then does");
-  verb->add_option("scene", options->scene, "Scene file (YAML) with a controller block")
-      ->required()
-      ->type_name("SCENE");
-  verb->add_option("--controller", options->controller,
-                   "Controller block that replaces the scene's")
-      ->type_name("FILE");
-  verb->add_option("--design-scene", options->design_scene,
-                   "Take the gains of this scene's model (same legs) and judge them on SCENE")
-      ->type_name("FILE");
-  verb->add_option("--out", options->out, "Write the gains file that stillframe-controller reads")
-      ->type_name("FILE");
-  verb->add_option("--mat", options->mat,
-                   "Write plant, loops, law and gains as a MATLAB level-5 file (docs/exports.md)")
-      ->type_name("FILE");
-  verb->add_option("--plot-trade", options->plot_trade,
-                   "Draw what target, sample rate and delay cost each other into a PNG file")
-      ->type_name("FILE");
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(
+  cli::Command verb = app.verb("design",
+                               "Decoupled PI force-feedback gains K_P and K_I of a scene, "
+                               "and what the closed loop then does");
+  verb.option("scene", options->scene, "Scene file (YAML) with a controller block")
+      .required()
+      .type_name("SCENE");
+  verb.option("--controller", options->controller, "Controller block that replaces the scene's")
+      .type_name("FILE");
+  verb.option("--design-scene", options->design_scene,
+              "Take the gains of this scene's model (same legs) and judge them on SCENE")
+      .type_name("FILE");
+  verb.option("--out", options->out, "Write the gains file that stillframe-controller reads")
+      .type_name("FILE");
+  verb.option("--mat", options->mat,
+              "Write plant, loops, law and gains as a MATLAB level-5 file (docs/exports.md)")
+      .type_name("FILE");
+  verb.option("--plot-trade", options->plot_trade,
+              "Draw what target, sample rate and delay cost each other into a PNG file")
+      .type_name("FILE");
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(
       "The page: gains; poles of the continuous law; what gets from floor, sensor noise and "
       "forces "
       "to the\n"
@@ -127,7 +126,7 @@ void add_design(CLI::App& app, int& exit_code) {
       "  recommended                 sample_rate_hz, lead_samples, roll_off_hz, price_db, disk,\n"
       "                              warnings: those of the page that stay with these settings\n"
       "  warnings");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

@@ -199,15 +199,15 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_equilibrium(CLI::App& app, int& exit_code) {
+void add_equilibrium(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("equilibrium",
-                         "Equilibrium of a scene under its loads, gravity, preloads and stationary "
-                         "prescribed motion: displacements, stresses, reactions");
-  verb->add_option("scene", options->scene, "Scene file (YAML)")->required()->type_name("SCENE");
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(
+  cli::Command verb =
+      app.verb("equilibrium",
+               "Equilibrium of a scene under its loads, gravity, preloads and stationary "
+               "prescribed motion: displacements, stresses, reactions");
+  verb.option("scene", options->scene, "Scene file (YAML)").required().type_name("SCENE");
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(
       "The loads grow in steps where they are too large to be balanced at once; what cannot be\n"
       "balanced is refused with the part of the load that was reached.\n"
       "An equilibrium that is not stable is printed all the same, with a warning and exit code 0.\n"
@@ -221,7 +221,7 @@ void add_equilibrium(CLI::App& app, int& exit_code) {
       "  residual, reference   largest force that is left, and that had to be balanced\n"
       "  iterations, load_steps\n"
       "Example: stillframe equilibrium config/scenes/metrology_frame.yaml");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

@@ -113,28 +113,27 @@ constexpr const char* footer =
 
 }  // namespace
 
-void add_export(CLI::App& app, int& exit_code) {
+void add_export(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "export", "The signals of a log as text or as a MATLAB file, one column each with its unit");
-  verb->add_option("log", options->log, "LCM log")->required()->type_name("LOG");
-  verb->add_option("--csv", options->csv, "Write RFC 4180 text")->type_name("FILE");
-  verb->add_option("--mat", options->mat, "Write a MATLAB level-5 file")->type_name("FILE");
-  verb->add_option("--run-id", options->settings.run_id, "Which run, if the log holds several");
-  verb->add_option("--plant", options->settings.plant,
-                   "Which plant, from 1, if several measured the run, as one does that was killed "
-                   "and came back (default: the last)");
-  verb->add_option("--from", options->settings.from_s, "First second of plant time")
-      ->default_str("the first");
-  verb->add_option("--to", options->settings.to_s, "Last second of plant time")
-      ->default_str("the last");
-  verb->add_option("--channels", options->settings.channels,
-                   "Only these: floor, sigma, applied, frame, command, or single ones as in "
-                   "frame:lens_x")
-      ->delimiter(',');
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(footer);
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.option("log", options->log, "LCM log").required().type_name("LOG");
+  verb.option("--csv", options->csv, "Write RFC 4180 text").type_name("FILE");
+  verb.option("--mat", options->mat, "Write a MATLAB level-5 file").type_name("FILE");
+  verb.option("--run-id", options->settings.run_id, "Which run, if the log holds several");
+  verb.option("--plant", options->settings.plant,
+              "Which plant, from 1, if several measured the run, as one does that was killed "
+              "and came back (default: the last)");
+  verb.option("--from", options->settings.from_s, "First second of plant time")
+      .default_text("the first");
+  verb.option("--to", options->settings.to_s, "Last second of plant time").default_text("the last");
+  verb.option("--channels", options->settings.channels,
+              "Only these: floor, sigma, applied, frame, command, or single ones as in "
+              "frame:lens_x")
+      .delimiter(',');
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(footer);
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

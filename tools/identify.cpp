@@ -2,7 +2,6 @@
 #include <iostream>
 #include <memory>
 
-#include "core/cli/numbers.hpp"
 #include "core/errors/input_error.hpp"
 #include "judge/loop_comparison.hpp"
 #include "report/export/mat_file.hpp"
@@ -244,27 +243,27 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_identify(CLI::App& app, int& exit_code) {
+void add_identify(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "identify", "Frequency responses from a log, with confidence bands, against the predictions");
-  verb->add_option("log", options->log, "LCM log of one run")->required()->type_name("LOG");
-  verb->add_option("--run-id", options->run_id, "The run to take from a log that holds several");
-  verb->add_option("--plant", options->plant,
-                   "The plant to take, from 1, of a run that several measured, as one does that "
-                   "was killed and came back (default: the last)");
-  verb->add_option("--segment", options->segment_s,
-                   "Broadband identification: s of what is transformed at once; longer is finer")
-      ->check(positive_number())
-      ->capture_default_str();
-  verb->add_option("--level", options->level, "Probability with which the bands hold the truth")
-      ->check(CLI::Range(0.5, 0.999))
-      ->capture_default_str();
-  verb->add_option("--tolerance-db", options->tolerance_db,
-                   "Fail if a prediction lies further than this outside the band of its value")
-      ->check(number_from_zero());
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(
+  verb.option("log", options->log, "LCM log of one run").required().type_name("LOG");
+  verb.option("--run-id", options->run_id, "The run to take from a log that holds several");
+  verb.option("--plant", options->plant,
+              "The plant to take, from 1, of a run that several measured, as one does that "
+              "was killed and came back (default: the last)");
+  verb.option("--segment", options->segment_s,
+              "Broadband identification: s of what is transformed at once; longer is finer")
+      .check(cli::positive_number())
+      .show_default();
+  verb.option("--level", options->level, "Probability with which the bands hold the truth")
+      .check(cli::number_between(0.5, 0.999))
+      .show_default();
+  verb.option("--tolerance-db", options->tolerance_db,
+              "Fail if a prediction lies further than this outside the band of its value")
+      .check(cli::number_from_zero());
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(
       "On a multisine floor by its lines (docs/identification.md), on any other by the local\n"
       "polynomial method: the matrix from all floor inputs to the scene's outputs if the floor\n"
       "moves them independently, and the matrix of the scene's comparisons, floor to frame.\n"
@@ -288,7 +287,7 @@ void add_identify(CLI::App& app, int& exit_code) {
       "or\n"
       "something lies beyond it.\n"
       "Example: stillframe identify runs/identification/active.lcm");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

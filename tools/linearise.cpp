@@ -171,22 +171,22 @@ constexpr const char* footer =
 
 }  // namespace
 
-void add_linearise(CLI::App& app, int& exit_code) {
+void add_linearise(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "linearise",
-      "Linear model of a scene about its operating point: A, B, C, D and M, C, D, K, "
-      "N, G with names, units and the operating point itself");
-  verb->add_option("scene", options->scene, "Scene file (YAML)")->required()->type_name("SCENE");
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->add_option("--mat", options->mat, "Write a MATLAB level-5 file too (names below)")
-      ->type_name("FILE");
-  verb->add_flag("--certify", options->certify,
-                 "Compare every block with extrapolated differences of the nonlinear equations; "
-                 "exit code 4 if one is further than 1e-9 from them, and than their rounding lets "
-                 "them be known");
-  verb->footer(footer);
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  cli::Command verb =
+      app.verb("linearise",
+               "Linear model of a scene about its operating point: A, B, C, D and M, C, D, K, "
+               "N, G with names, units and the operating point itself");
+  verb.option("scene", options->scene, "Scene file (YAML)").required().type_name("SCENE");
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.option("--mat", options->mat, "Write a MATLAB level-5 file too (names below)")
+      .type_name("FILE");
+  verb.flag("--certify", options->certify,
+            "Compare every block with extrapolated differences of the nonlinear equations; "
+            "exit code 4 if one is further than 1e-9 from them, and than their rounding lets "
+            "them be known");
+  verb.footer(footer);
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

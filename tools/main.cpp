@@ -1,6 +1,5 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <exception>
@@ -39,7 +38,7 @@ constexpr const char* footer =
 /// What belongs together, in the order of the work.
 struct Group {
   const char* title;
-  std::vector<void (*)(CLI::App&, int&)> add;
+  std::vector<void (*)(cli::Command&, int&)> add;
 };
 const std::vector<Group> groups{
     {"Model", {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma}},
@@ -48,11 +47,10 @@ const std::vector<Group> groups{
     {"Logs", {add_identify, add_report, add_export}},
 };
 
-/// CLI11 says no more of an unknown verb than that one is required.
-void require_known_verb(CLI::App& app, int argc, char** argv) {
+/// The command line says no more of an unknown verb than that one is required.
+void require_known_verb(const cli::Command& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return;
-  std::vector<std::string> verbs;
-  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  const std::vector<std::string> verbs = app.verbs();
   if (std::find(verbs.begin(), verbs.end(), argv[1]) != verbs.end()) return;
   const std::string near = nearest_name(argv[1], verbs);
   std::string text = "there is no verb '" + std::string(argv[1]) + "'";
@@ -79,25 +77,21 @@ int say(const char* what, const std::string& text, int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{description, "stillframe"};
+  cli::Command app(description, "stillframe");
   app.footer(footer);
-  app.set_version_flag("--version", STILLFRAME_VERSION);
-  app.require_subcommand(0, 1);
+  app.version(STILLFRAME_VERSION);
+  app.at_most_one_verb();
   int exit_code = exit_done;
   try {
     for (const Group& group : groups) {
-      const size_t n_before = app.get_subcommands({}).size();
+      app.next_group(group.title);
       for (const auto add : group.add) add(app, exit_code);
-      const auto verbs = app.get_subcommands({});
-      for (size_t i = n_before; i < verbs.size(); ++i) verbs[i]->group(group.title);
     }
     require_known_verb(app, argc, argv);
-    app.parse(argc, argv);
+    if (const auto code = app.parse(argc, argv, exit_done, exit_bad_input)) return *code;
     // Alone it says what there is.
-    if (app.get_subcommands().empty()) std::cout << app.help();
+    if (!app.has_verb()) std::cout << app.help();
     return exit_code;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? exit_done : exit_bad_input;
   } catch (const Refusal& refusal) {
     return say("refused", refusal.what(), exit_refused);
   } catch (const InputError& error) {

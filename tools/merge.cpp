@@ -50,25 +50,23 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_merge(CLI::App& app, int& exit_code) {
+void add_merge(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("merge", "Puts the records of `robustness --shard` together into one");
-  verb->add_option("files", options->files, "Records that `stillframe robustness --out` wrote")
-      ->required()
-      ->type_name("FILE");
-  verb->add_option("--out", options->out, "Write the record of all (JSON)")
-      ->required()
-      ->type_name("FILE");
-  verb->add_flag("--json", options->json, "Print it as well (keys: stillframe robustness --help)");
-  verb->footer(
+  cli::Command verb =
+      app.verb("merge", "Puts the records of `robustness --shard` together into one");
+  verb.option("files", options->files, "Records that `stillframe robustness --out` wrote")
+      .required()
+      .type_name("FILE");
+  verb.option("--out", options->out, "Write the record of all (JSON)").required().type_name("FILE");
+  verb.flag("--json", options->json, "Print it as well (keys: stillframe robustness --help)");
+  verb.footer(
       "The records must be of one scene, controller, uncertainty, seed and number of samples, and\n"
       "of different shards of one division. The record of all shards is, byte for byte, the one\n"
       "that a single run would have written. Shards that are missing are named in a note and can "
       "be\n"
       "merged later: shards.done in the record says which there are.\n"
       "Example: stillframe merge part_*.json --out all.json");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

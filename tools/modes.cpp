@@ -118,14 +118,14 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_modes(CLI::App& app, int& exit_code) {
+void add_modes(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "modes",
       "Natural frequencies, damping ratios and mode shapes of a scene about its operating point");
-  verb->add_option("scene", options->scene, "Scene file (YAML)")->required()->type_name("SCENE");
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(
+  verb.option("scene", options->scene, "Scene file (YAML)").required().type_name("SCENE");
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(
       "At rest an unstable scene is refused; in motion its growing eigenvalues are printed.\n"
       "Keys of --json:\n"
       "  scene, scene_hash, operating_point, dofs, moving\n"
@@ -136,7 +136,7 @@ void add_modes(CLI::App& app, int& exit_code) {
       "  growing_eigenvalues     how many have a positive real part\n"
       "  mode_shapes             a row a dof, a column a natural frequency, mass-normalised\n"
       "Example: stillframe modes config/scenes/metrology_frame.yaml");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

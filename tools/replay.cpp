@@ -115,22 +115,21 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_replay(CLI::App& app, int& exit_code) {
+void add_replay(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "replay", "Compute the commands of a log again, and compare them to the bit");
-  verb->add_option("log", options->log, "LCM log of a run, or a flight record")
-      ->required()
-      ->type_name("LOG");
-  verb->add_option("--gains", options->gains, "Gains file (default: the gains in the log)")
-      ->type_name("FILE");
-  verb->add_option("--policy", options->policy,
-                   "Policy file of a wall-clock run (default: the policy in the log)")
-      ->type_name("FILE");
-  verb->add_option("--run-id", options->run_id, "Which run, if the log holds several")
-      ->type_name("ID");
-  verb->add_flag("--json", options->json, "Print the result as JSON");
-  verb->footer(
+  cli::Command verb =
+      app.verb("replay", "Compute the commands of a log again, and compare them to the bit");
+  verb.option("log", options->log, "LCM log of a run, or a flight record")
+      .required()
+      .type_name("LOG");
+  verb.option("--gains", options->gains, "Gains file (default: the gains in the log)")
+      .type_name("FILE");
+  verb.option("--policy", options->policy,
+              "Policy file of a wall-clock run (default: the policy in the log)")
+      .type_name("FILE");
+  verb.option("--run-id", options->run_id, "Which run, if the log holds several").type_name("ID");
+  verb.flag("--json", options->json, "Print the result as JSON");
+  verb.footer(
       "A lock-step run is computed from its measurements. A wall-clock run is computed from the\n"
       "controller's own records of every period (SF_LOOP) and of its memory (SF_CHECKPOINT), "
       "which a\n"
@@ -143,7 +142,7 @@ void add_replay(CLI::App& app, int& exit_code) {
       "first_difference: null, or channel, seq, period, field, leg, recorded, computed.\n"
       "Exit codes: 0 the same; 2 not readable; 4 different.\n"
       "Example: stillframe replay runs/metrology_frame/active.lcm");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

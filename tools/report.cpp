@@ -1,7 +1,6 @@
 #include <iostream>
 #include <memory>
 
-#include "core/cli/numbers.hpp"
 #include "core/errors/input_error.hpp"
 #include "judge/page_of.hpp"
 #include "judge/verdict_of.hpp"
@@ -88,35 +87,34 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_report(CLI::App& app, int& exit_code) {
+void add_report(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "report", "One HTML file that shows what logs say and what was predicted; opens anywhere");
-  verb->add_option("paths", options->paths,
-                   "Run directory, or one or two LCM logs (passive and active loop of one scene)")
-      ->required()
-      ->type_name("DIR|LOG");
-  verb->add_option("--out", options->out,
-                   "The HTML file (default: report.html in the run directory, NAME.html beside "
-                   "NAME.lcm)")
-      ->type_name("FILE");
-  verb->add_option("--verdict", options->verdict, "Write the verdict as JSON too")
-      ->type_name("FILE");
-  verb->add_option("--run-id", options->run_id,
-                   "The run to take from a log that holds several; not for a folder");
-  verb->add_option("--plant", options->plant,
-                   "The plant to take, from 1, of a run that several measured, as one does that "
-                   "was killed and came back (default: the last)");
-  verb->add_option("--segment", options->segment_s,
-                   "Broadband identification: s of what is transformed at once; longer is finer")
-      ->check(positive_number())
-      ->capture_default_str();
-  verb->add_option("--tolerance-db", options->comparison.tolerance_db,
-                   "How far a prediction may lie outside the band of a measured value")
-      ->check(number_from_zero())
-      ->capture_default_str();
-  verb->add_flag("--json", options->json, "Print the verdict as JSON");
-  verb->footer(
+  verb.option("paths", options->paths,
+              "Run directory, or one or two LCM logs (passive and active loop of one scene)")
+      .required()
+      .type_name("DIR|LOG");
+  verb.option("--out", options->out,
+              "The HTML file (default: report.html in the run directory, NAME.html beside "
+              "NAME.lcm)")
+      .type_name("FILE");
+  verb.option("--verdict", options->verdict, "Write the verdict as JSON too").type_name("FILE");
+  verb.option("--run-id", options->run_id,
+              "The run to take from a log that holds several; not for a folder");
+  verb.option("--plant", options->plant,
+              "The plant to take, from 1, of a run that several measured, as one does that "
+              "was killed and came back (default: the last)");
+  verb.option("--segment", options->segment_s,
+              "Broadband identification: s of what is transformed at once; longer is finer")
+      .check(cli::positive_number())
+      .show_default();
+  verb.option("--tolerance-db", options->comparison.tolerance_db,
+              "How far a prediction may lie outside the band of a measured value")
+      .check(cli::number_from_zero())
+      .show_default();
+  verb.flag("--json", options->json, "Print the verdict as JSON");
+  verb.footer(
       "Reads each log once, in memory that does not grow with it. Predictions and mode shapes are\n"
       "those of the scene and the gains that the log holds; no other file is needed. Damaged logs\n"
       "give what is readable, and the report says what was not.\n"
@@ -126,7 +124,7 @@ void add_report(CLI::App& app, int& exit_code) {
       "not met: a damaged log, limited or lost commands, a frame that moves too much, a loop that\n"
       "is not what was predicted. A log that shows nothing to judge by is \"not judged\", exit 0.\n"
       "Example: stillframe report runs/metrology_frame-20260101-120000");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

@@ -286,55 +286,52 @@ constexpr const char* footer =
 
 }  // namespace
 
-void add_robustness(CLI::App& app, int& exit_code) {
+void add_robustness(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "robustness",
-      "What a loop does on plants that differ from the scene: samples and worst case");
-  verb->add_option("scene", options->scene, "Scene file (YAML) with a controller block")
-      ->required()
-      ->type_name("SCENE");
-  verb->add_option("--controller", options->controller,
-                   "Controller block that replaces the scene's")
-      ->type_name("FILE");
-  verb->add_option("--design-scene", options->design_scene,
-                   "Take the gains of this scene's model (same legs); the plant is SCENE")
-      ->type_name("FILE");
-  verb->add_option("--uncertainty", options->uncertainty,
-                   "Uncertainty block that replaces the scene's")
-      ->type_name("FILE");
-  CLI::Option* samples =
-      verb->add_option("--samples", options->samples, "Number of samples, of all shards together")
-          ->check(CLI::Range(0LL, 1000000000000LL))
-          ->type_name("N")
-          ->capture_default_str();
-  CLI::Option* seed = verb->add_option("--seed", options->seed, "Seed of the samples")
-                          ->check(CLI::Range(0LL, 1000000000000LL))
-                          ->type_name("S")
-                          ->capture_default_str();
-  CLI::Option* shard =
-      verb->add_option("--shard", options->shard,
-                       "Only the samples whose index leaves I - 1 when divided by N, I from 1")
-          ->type_name("I/N");
-  verb->add_option("--jobs", options->jobs, "Threads; 0: one for each core. Changes no result")
-      ->check(CLI::Range(0, 1024))
-      ->type_name("J")
-      ->capture_default_str();
-  CLI::Option* out = verb->add_option("--out", options->out, "Write the samples' record (JSON)")
-                         ->type_name("FILE");
-  verb->add_option("--from", options->from, "Take the samples from a record instead")
-      ->type_name("FILE")
-      ->excludes(samples)
-      ->excludes(seed)
-      ->excludes(shard)
-      ->excludes(out);
-  verb->add_flag("--no-search", options->no_search, "Do not search for the worst case");
-  verb->add_option("--plot", options->plot,
-                   "Draw the spread of T and of the damping into a PNG file")
-      ->type_name("FILE");
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(footer);
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  cli::Command verb =
+      app.verb("robustness",
+               "What a loop does on plants that differ from the scene: samples and worst case");
+  verb.option("scene", options->scene, "Scene file (YAML) with a controller block")
+      .required()
+      .type_name("SCENE");
+  verb.option("--controller", options->controller, "Controller block that replaces the scene's")
+      .type_name("FILE");
+  verb.option("--design-scene", options->design_scene,
+              "Take the gains of this scene's model (same legs); the plant is SCENE")
+      .type_name("FILE");
+  verb.option("--uncertainty", options->uncertainty, "Uncertainty block that replaces the scene's")
+      .type_name("FILE");
+  cli::Option samples =
+      verb.option("--samples", options->samples, "Number of samples, of all shards together")
+          .check(cli::whole_number(0LL, 1000000000000LL))
+          .type_name("N")
+          .show_default();
+  cli::Option seed = verb.option("--seed", options->seed, "Seed of the samples")
+                         .check(cli::whole_number(0LL, 1000000000000LL))
+                         .type_name("S")
+                         .show_default();
+  cli::Option shard =
+      verb.option("--shard", options->shard,
+                  "Only the samples whose index leaves I - 1 when divided by N, I from 1")
+          .type_name("I/N");
+  verb.option("--jobs", options->jobs, "Threads; 0: one for each core. Changes no result")
+      .check(cli::whole_number(0, 1024))
+      .type_name("J")
+      .show_default();
+  cli::Option out =
+      verb.option("--out", options->out, "Write the samples' record (JSON)").type_name("FILE");
+  verb.option("--from", options->from, "Take the samples from a record instead")
+      .type_name("FILE")
+      .excludes(samples)
+      .excludes(seed)
+      .excludes(shard)
+      .excludes(out);
+  verb.flag("--no-search", options->no_search, "Do not search for the worst case");
+  verb.option("--plot", options->plot, "Draw the spread of T and of the damping into a PNG file")
+      .type_name("FILE");
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(footer);
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

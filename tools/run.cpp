@@ -5,7 +5,6 @@
 
 #include "controller/policy.hpp"
 #include "controller/start_check.hpp"
-#include "core/cli/numbers.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_design.hpp"
@@ -219,58 +218,54 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, int& exit_code) {
+void add_run(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "run", "Run plant, controller and logger of a scene, passive and active, and judge the logs");
-  verb->add_option("scene", options->scene, "Scene file (YAML) with controller and floor")
-      ->required()
-      ->type_name("SCENE");
-  verb->add_option("--controller", options->controller,
-                   "Controller block that replaces the scene's")
-      ->type_name("FILE");
-  verb->add_option("--design-scene", options->design_scene,
-                   "Take the gains of this scene's model (same legs) and run them on SCENE")
-      ->type_name("FILE");
-  verb->add_option("--floor", options->floor, "Floor block that replaces the scene's")
-      ->type_name("FILE");
-  verb->add_option("--out", options->out,
-                   "Run directory, which must not be there yet (default: runs/SCENE-DATE-TIME)")
-      ->type_name("DIR");
-  verb->add_option("--mode", options->mode,
-                   "lock_step: one command a measurement, as fast as the machine goes; "
-                   "single_process: the same to the bit in this process, without LCM; "
-                   "wall_clock: at the sample rate by the clock")
-      ->check(CLI::IsMember({"lock_step", "single_process", "wall_clock"}))
-      ->capture_default_str();
-  verb->add_option("--loop", options->loop,
-                   "passive: zero force; active; or both, one after the other")
-      ->check(CLI::IsMember({"both", "passive", "active"}))
-      ->capture_default_str();
-  verb->add_option("--duration", options->duration_s,
-                   "Seconds of plant time (default: the scene's, or the floor's)")
-      ->check(positive_number());
-  verb->add_option("--run-id", options->run_id,
-                   "Number that ties the messages of a run together (default: random; "
-                   "the second loop has the next one)")
-      ->check(CLI::Range(std::int64_t{1}, std::numeric_limits<std::int64_t>::max() - 1))
-      ->type_name("ID");
-  verb->add_option("--lcm-url", options->lcm_url,
-                   "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
-                   "udpm://239.255.76.67:7667?ttl=0)");
-  verb->add_option("--timeout", options->timeout_s,
-                   "Seconds of silence after which a run has failed")
-      ->check(positive_number())
-      ->capture_default_str();
-  verb->add_option("--policy", options->policy,
-                   "Wall-clock: fault policy of the controller (YAML, docs/safety.md)")
-      ->type_name("FILE");
-  verb->add_option("--realtime", options->realtime,
-                   "Wall-clock: off; best_effort: real-time scheduling as far as the system allows "
-                   "it; enforce: all of it or no run (default: the policy's)")
-      ->check(CLI::IsMember({"off", "best_effort", "enforce"}));
-  verb->add_flag("--json", options->json, "Print the verdict as JSON, as in verdict.json");
-  verb->footer(
+  verb.option("scene", options->scene, "Scene file (YAML) with controller and floor")
+      .required()
+      .type_name("SCENE");
+  verb.option("--controller", options->controller, "Controller block that replaces the scene's")
+      .type_name("FILE");
+  verb.option("--design-scene", options->design_scene,
+              "Take the gains of this scene's model (same legs) and run them on SCENE")
+      .type_name("FILE");
+  verb.option("--floor", options->floor, "Floor block that replaces the scene's").type_name("FILE");
+  verb.option("--out", options->out,
+              "Run directory, which must not be there yet (default: runs/SCENE-DATE-TIME)")
+      .type_name("DIR");
+  verb.option("--mode", options->mode,
+              "lock_step: one command a measurement, as fast as the machine goes; "
+              "single_process: the same to the bit in this process, without LCM; "
+              "wall_clock: at the sample rate by the clock")
+      .check(cli::one_of({"lock_step", "single_process", "wall_clock"}))
+      .show_default();
+  verb.option("--loop", options->loop, "passive: zero force; active; or both, one after the other")
+      .check(cli::one_of({"both", "passive", "active"}))
+      .show_default();
+  verb.option("--duration", options->duration_s,
+              "Seconds of plant time (default: the scene's, or the floor's)")
+      .check(cli::positive_number());
+  verb.option("--run-id", options->run_id,
+              "Number that ties the messages of a run together (default: random; "
+              "the second loop has the next one)")
+      .check(cli::whole_number(std::int64_t{1}, std::numeric_limits<std::int64_t>::max() - 1))
+      .type_name("ID");
+  verb.option("--lcm-url", options->lcm_url,
+              "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
+              "udpm://239.255.76.67:7667?ttl=0)");
+  verb.option("--timeout", options->timeout_s, "Seconds of silence after which a run has failed")
+      .check(cli::positive_number())
+      .show_default();
+  verb.option("--policy", options->policy,
+              "Wall-clock: fault policy of the controller (YAML, docs/safety.md)")
+      .type_name("FILE");
+  verb.option("--realtime", options->realtime,
+              "Wall-clock: off; best_effort: real-time scheduling as far as the system allows "
+              "it; enforce: all of it or no run (default: the policy's)")
+      .check(cli::one_of({"off", "best_effort", "enforce"}));
+  verb.flag("--json", options->json, "Print the verdict as JSON, as in verdict.json");
+  verb.footer(
       "The run directory holds report.html (everything in one file that opens anywhere),\n"
       "passive.lcm and active.lcm (LCM logs), scene.yaml, floor.yaml, gains.yaml (and\n"
       "controller.yaml, policy.yaml if they are files of their own), verdict.json, verdict.txt "
@@ -284,7 +279,7 @@ void add_run(CLI::App& app, int& exit_code) {
       "Exit code 4: a process failed, or the run did not meet what the scene accepts (its block\n"
       "`accept`, or the defaults of docs/scene.md); a run that shows nothing to judge by is \"not\n"
       "judged\", exit 0.");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

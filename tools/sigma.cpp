@@ -6,7 +6,6 @@
 #include <numbers>
 #include <optional>
 
-#include "core/cli/numbers.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/own_values.hpp"
@@ -251,28 +250,27 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_sigma(CLI::App& app, int& exit_code) {
+void add_sigma(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("sigma",
-                                      "Singular values over frequency from the scene's inputs to "
-                                      "its outputs, open and closed loop");
-  verb->add_option("scene", options->scene, "Scene file (YAML)")->required()->type_name("SCENE");
-  verb->add_option("--controller", options->controller,
-                   "Controller block that replaces the scene's")
-      ->type_name("FILE");
-  verb->add_option("--from", options->from_hz,
-                   "Lowest frequency, Hz; default: a tenth of the slowest mode or target")
-      ->check(positive_number());
-  verb->add_option("--to", options->to_hz,
-                   "Highest frequency, Hz; default: four times the highest of the twelve slowest "
-                   "modes and\nthe targets, at most half the sample rate")
-      ->check(positive_number());
-  verb->add_option("--points", options->points, "Frequencies, evenly spaced on a logarithmic axis")
-      ->check(CLI::Range(2, 1000000))
-      ->capture_default_str();
-  verb->add_option("--plot", options->plot, "Draw the curves into a PNG file")->type_name("FILE");
-  verb->add_flag("--json", options->json, "Print JSON (keys below)");
-  verb->footer(
+  cli::Command verb = app.verb("sigma",
+                               "Singular values over frequency from the scene's inputs to "
+                               "its outputs, open and closed loop");
+  verb.option("scene", options->scene, "Scene file (YAML)").required().type_name("SCENE");
+  verb.option("--controller", options->controller, "Controller block that replaces the scene's")
+      .type_name("FILE");
+  verb.option("--from", options->from_hz,
+              "Lowest frequency, Hz; default: a tenth of the slowest mode or target")
+      .check(cli::positive_number());
+  verb.option("--to", options->to_hz,
+              "Highest frequency, Hz; default: four times the highest of the twelve slowest "
+              "modes and\nthe targets, at most half the sample rate")
+      .check(cli::positive_number());
+  verb.option("--points", options->points, "Frequencies, evenly spaced on a logarithmic axis")
+      .check(cli::whole_number(2, 1000000))
+      .show_default();
+  verb.option("--plot", options->plot, "Draw the curves into a PNG file").type_name("FILE");
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(
       "About an operating point that is not stable there is no steady response: a warning says "
       "so,\n"
       "exit code 0.\n"
@@ -296,7 +294,7 @@ void add_sigma(CLI::App& app, int& exit_code) {
       "for\n"
       "                               those of its columns. null: no bound, as nothing damps it\n"
       "Example: stillframe sigma config/scenes/cart.yaml --from 0.5 --to 20 --points 9");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

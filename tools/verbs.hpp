@@ -1,7 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <stdexcept>
+
+#include "core/cli/command.hpp"
 
 // The verbs of `stillframe`, a file each: every function adds its subcommand to the program. What a
 // verb does runs after the whole command line has been parsed; it answers through exit_code.
@@ -16,21 +17,21 @@ class Failure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-void add_modes(CLI::App& app, int& exit_code);
-void add_equilibrium(CLI::App& app, int& exit_code);
-void add_buckling(CLI::App& app, int& exit_code);
-void add_linearise(CLI::App& app, int& exit_code);
-void add_sigma(CLI::App& app, int& exit_code);
-void add_design(CLI::App& app, int& exit_code);
-void add_robustness(CLI::App& app, int& exit_code);
-void add_merge(CLI::App& app, int& exit_code);
-void add_run(CLI::App& app, int& exit_code);
-void add_identify(CLI::App& app, int& exit_code);
-void add_report(CLI::App& app, int& exit_code);
-void add_batch(CLI::App& app, int& exit_code);
-void add_ctl(CLI::App& app, int& exit_code);
-void add_replay(CLI::App& app, int& exit_code);
-void add_export(CLI::App& app, int& exit_code);
-void add_watch(CLI::App& app, int& exit_code);
+void add_modes(cli::Command& app, int& exit_code);
+void add_equilibrium(cli::Command& app, int& exit_code);
+void add_buckling(cli::Command& app, int& exit_code);
+void add_linearise(cli::Command& app, int& exit_code);
+void add_sigma(cli::Command& app, int& exit_code);
+void add_design(cli::Command& app, int& exit_code);
+void add_robustness(cli::Command& app, int& exit_code);
+void add_merge(cli::Command& app, int& exit_code);
+void add_run(cli::Command& app, int& exit_code);
+void add_identify(cli::Command& app, int& exit_code);
+void add_report(cli::Command& app, int& exit_code);
+void add_batch(cli::Command& app, int& exit_code);
+void add_ctl(cli::Command& app, int& exit_code);
+void add_replay(cli::Command& app, int& exit_code);
+void add_export(cli::Command& app, int& exit_code);
+void add_watch(cli::Command& app, int& exit_code);
 
 }  // namespace stillframe::tools

@@ -6,7 +6,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "core/cli/numbers.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/lcm_bus.hpp"
@@ -155,32 +154,32 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_watch(CLI::App& app, int& exit_code) {
+void add_watch(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
+  cli::Command verb = app.verb(
       "watch", "Watch a run while it goes on: levels, forces, state, late and lost; only listens");
-  verb->add_option("--lcm-url", options->lcm_url,
-                   "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
-                   "udpm://239.255.76.67:7667?ttl=0)")
-      ->type_name("URL");
-  verb->add_option("--scene", options->scene,
-                   "Names and comparisons for a run that began before the watch")
-      ->type_name("FILE");
-  verb->add_option("--run-id", options->run_id, "Watch this run only (default: the newest)")
-      ->type_name("ID");
-  verb->add_option("--duration", options->duration_s, "End after so long (default: at Ctrl-C)")
-      ->check(positive_number())
-      ->type_name("S");
-  verb->add_flag("--once", options->once, "Listen for --duration (default 2 s), then show it once");
-  verb->add_flag("--json", options->json, "Print a line of JSON a second");
-  verb->add_option("--serve", options->port,
-                   "Serve the live page on http://127.0.0.1:PORT, to this machine only (default " +
-                       std::to_string(default_port) + "; 0: any free port)")
-      ->expected(0, 1)
-      ->default_str(std::to_string(default_port))
-      ->check(CLI::Range(0, 65535))
-      ->type_name("[PORT]");
-  verb->footer(
+  verb.option("--lcm-url", options->lcm_url,
+              "LCM provider (default: the environment's LCM_DEFAULT_URL, or "
+              "udpm://239.255.76.67:7667?ttl=0)")
+      .type_name("URL");
+  verb.option("--scene", options->scene,
+              "Names and comparisons for a run that began before the watch")
+      .type_name("FILE");
+  verb.option("--run-id", options->run_id, "Watch this run only (default: the newest)")
+      .type_name("ID");
+  verb.option("--duration", options->duration_s, "End after so long (default: at Ctrl-C)")
+      .check(cli::positive_number())
+      .type_name("S");
+  verb.flag("--once", options->once, "Listen for --duration (default 2 s), then show it once");
+  verb.flag("--json", options->json, "Print a line of JSON a second");
+  verb.option("--serve", options->port,
+              "Serve the live page on http://127.0.0.1:PORT, to this machine only (default " +
+                  std::to_string(default_port) + "; 0: any free port)")
+      .optional_value()
+      .default_text(std::to_string(default_port))
+      .check(cli::whole_number(0, 65535))
+      .type_name("[PORT]");
+  verb.footer(
       "Attach and detach at any time: it publishes nothing, and computes at nice 10. Of a run "
       "that\n"
       "began before, only what is still said is known: names are numbers without --scene.\n"
@@ -189,7 +188,7 @@ void add_watch(CLI::App& app, int& exit_code) {
       "force_limit_n, legs, n_missed, channels, timing.\n"
       "Exit codes: 0 done; 2 bad usage or input; 4 nothing heard (with --once or --duration).\n"
       "Example: stillframe watch --serve");
-  verb->callback([options, &exit_code] { exit_code = run(*options); });
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace stillframe::tools

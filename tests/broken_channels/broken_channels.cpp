@@ -8,9 +8,9 @@
 namespace stillframe::controller {
 
 std::string Broken::damage_name() const {
-  constexpr const char* damages[] = {"open",     "shorted",   "stuck",  "swapped",
-                                     "reversed", "scaled",    "offset", "drifts",
-                                     "spikes",   "quantised", "late",   "lags"};
+  constexpr const char* damages[] = {"open",   "shorted", "stuck",  "swapped", "reversed",
+                                     "scaled", "offset",  "drifts", "spikes",  "quantised",
+                                     "late",   "early",   "lags"};
   std::string text = damages[static_cast<int>(damage)];
   if (size == 0) return text;
   char number[32];
@@ -38,6 +38,7 @@ std::vector<Broken> all_broken() {
     for (const double spike : {0.1, 1.0, 10.0}) all.push_back({part, Damage::spikes, spike});
     for (const double step : {0.01, 0.1}) all.push_back({part, Damage::quantised, step});
     all.push_back({part, Damage::late});
+    if (part != Part::sensor) all.push_back({part, Damage::early});
     for (const double corner : {50.0, 300.0}) all.push_back({part, Damage::lags, corner});
   }
   return all;
@@ -47,7 +48,7 @@ Breaker::Breaker(const Broken& broken, Eigen::Index leg, double sample_time, dou
                  std::uint64_t seed)
     : broken_(broken), leg_(leg), sample_time_(sample_time), noise_(noise), random_(seed) {}
 
-void Breaker::operator()(Eigen::VectorXd& values) {
+void Breaker::operator()(Eigen::VectorXd& values, const Eigen::VectorXd& next) {
   double& value = values(leg_);
   const double size = broken_.size;
   t_ += sample_time_;
@@ -85,6 +86,9 @@ void Breaker::operator()(Eigen::VectorXd& values) {
       return;
     case Damage::late:
       value = std::exchange(held_, value);
+      return;
+    case Damage::early:
+      value = next(leg_);
       return;
     case Damage::lags:
       held_ += (1 - std::exp(-2 * std::numbers::pi * size * sample_time_)) * (value - held_);

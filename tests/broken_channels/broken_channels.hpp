@@ -22,6 +22,7 @@ enum class Damage {
   spikes,     ///< of `size` N, one sample in a hundred
   quantised,  ///< to steps of `size` N
   late,       ///< by one sample
+  early,      ///< by one sample: a command acts, or is said to act, sooner than designed
   lags        ///< as behind a low-pass of `size` Hz
 };
 
@@ -33,7 +34,7 @@ struct Broken {
   std::string name() const;         ///< "sensor scaled 0.5"
 };
 
-/// Every part with every damage.
+/// Every part with every damage, but for a sensor that is early: none tells what has not happened.
 std::vector<Broken> all_broken();
 
 /// Changes the values of one leg, sample by sample.
@@ -42,7 +43,8 @@ class Breaker {
   /// noise: N, rms of what an open cable picks up.
   Breaker(const Broken& broken, Eigen::Index leg, double sample_time, double noise,
           std::uint64_t seed);
-  void operator()(Eigen::VectorXd& values);
+  /// next: forces that are on their way, and come a sample after these.
+  void operator()(Eigen::VectorXd& values, const Eigen::VectorXd& next);
 
  private:
   Broken broken_;

@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
 
+#include "core/cli/command.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/broken_channels/episodes.hpp"
 
@@ -48,10 +48,14 @@ int run(const std::string& controller, const std::string& scene, int n_seeds, do
       "|\n|---|---|---|---|\n",
       sound.peak, sound.acceleration);
   for (const Broken& broken : all_broken()) {
-    if (broken.part != Part::sensor) continue;
+    if (broken.part != Part::actuator) continue;
     if (broken.damage_name().find(wanted) == std::string::npos) continue;
     std::printf("| %s |", broken.damage_name().c_str());
     for (const Part part : {Part::sensor, Part::read_back, Part::actuator}) {
+      if (part == Part::sensor && broken.damage == Damage::early) {
+        std::printf(" |");
+        continue;
+      }
       const Cell one = cell(gains, {{part, broken.damage, broken.size}}, n_seeds, floor);
       std::printf(" %.3g -> **%.2f / %.2f** (%.2f / %.2f)", one.before, one.peak, one.acceleration,
                   one.known, one.known_acceleration);
@@ -68,7 +72,7 @@ int run(const std::string& controller, const std::string& scene, int n_seeds, do
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  cli::Command app(
       "Breaks every sensor, read-back and actuator of the shipped frame on the bench of the tests: "
       "the largest leg force over that of the passive frame in the same samples, without and with "
       "the "
@@ -80,20 +84,18 @@ int main(int argc, char** argv) {
   std::string wanted;
   int n_seeds = 10;
   double floor = usual_floor;
-  app.add_option("--controller", controller, "One of config/controllers")->capture_default_str();
-  app.add_option("--scene", scene, "That frame, or frame_under_gravity")->capture_default_str();
-  app.add_option("--floor", floor, "Size of the floor, m/s^2")
-      ->check(CLI::Range(1e-9, 1.0))
-      ->capture_default_str();
-  app.add_option("--damage", wanted, "Only those whose name has this in it, as scaled");
-  app.add_option("--seeds", n_seeds, "Episodes of each")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  app.option("--controller", controller, "One of config/controllers").show_default();
+  app.option("--scene", scene, "That frame, or frame_under_gravity").show_default();
+  app.option("--floor", floor, "Size of the floor, m/s^2")
+      .check(cli::number_between(1e-9, 1.0))
+      .show_default();
+  app.option("--damage", wanted, "Only those whose name has this in it, as scaled");
+  app.option("--seeds", n_seeds, "Episodes of each")
+      .check(cli::whole_number(1, 1000))
+      .show_default();
   try {
-    app.parse(argc, argv);
+    if (const auto code = app.parse(argc, argv)) return *code;
     return run(controller, scene, n_seeds, floor, wanted);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "broken_channels: " << error.what() << "\n";
     return 2;

@@ -57,7 +57,7 @@ Episode run_episode(const Gains& gains, const Policy& policy, const std::vector<
   }
   const auto damage = [&](Part part, VectorXd& values) {
     for (std::size_t i = 0; is_broken && i < broken.size(); ++i) {
-      if (broken[i].part == part) breakers[i](values);
+      if (broken[i].part == part) breakers[i](values, rig.next_force());
     }
   };
   rig.actuators = [&](VectorXd& force) { damage(Part::actuator, force); };

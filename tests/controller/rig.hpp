@@ -118,6 +118,8 @@ class Rig {
   Fault fault() const { return loop_.counters().fault; }
   bool latched() const { return loop_.counters().latched; }
   const Eigen::VectorXd& force() const { return force_; }
+  /// What acts a sample after what acts now; with no delay the same.
+  const Eigen::VectorXd& next_force() const { return on_its_way_[on_its_way_.size() > 1 ? 1 : 0]; }
   Loop& loop() { return loop_; }
   const Supervisor& supervisor() const { return loop_.supervisor(); }
   std::int64_t k() const { return k_; }

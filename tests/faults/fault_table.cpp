@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 
+#include "core/cli/command.hpp"
 #include "tests/faults/table.hpp"
 
 namespace stillframe::faults {
@@ -51,28 +51,25 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace stillframe::faults;
-  CLI::App app(
+  stillframe::cli::Command app(
       "Runs every fault of the table against a plant and a controller, and prints what came of "
       "it.\nExit codes: 0 all as it should be, 2 bad usage, 4 not.",
       "fault_table");
   Options options;
-  app.add_option("--seeds", options.n_seeds, "Episodes of each fault")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--damping", options.leg_damping, "Of each leg, N s/m")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--only", options.only, "Only faults whose name has this in it");
-  app.add_option("--policy", options.policy,
-                 "Text of a policy file, as in 'rejoin: {a_minute: 1}'");
-  app.add_option("--samples", options.samples, "Write every sample of every run there, as CSV")
-      ->check(CLI::ExistingDirectory);
-  app.add_flag("--json", options.json, "JSON in the place of a table in Markdown");
+  app.option("--seeds", options.n_seeds, "Episodes of each fault")
+      .check(stillframe::cli::whole_number(1, 1000))
+      .show_default();
+  app.option("--damping", options.leg_damping, "Of each leg, N s/m")
+      .check(stillframe::cli::number_from_zero())
+      .show_default();
+  app.option("--only", options.only, "Only faults whose name has this in it");
+  app.option("--policy", options.policy, "Text of a policy file, as in 'rejoin: {a_minute: 1}'");
+  app.option("--samples", options.samples, "Write every sample of every run there, as CSV")
+      .check(stillframe::cli::existing_folder());
+  app.flag("--json", options.json, "JSON in the place of a table in Markdown");
   try {
-    app.parse(argc, argv);
+    if (const auto code = app.parse(argc, argv)) return *code;
     return run(options);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "fault_table: " << error.what() << "\n";
     return 4;

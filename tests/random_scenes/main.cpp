@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include <sstream>
 #include <thread>
 
+#include "core/cli/command.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/modes.hpp"
 #include "tests/random_scenes/generator/draft.hpp"
@@ -301,23 +301,20 @@ int check_file(const Options& options) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Random scenes: relations that must hold on every one");
+  cli::Command app("Random scenes: relations that must hold on every one");
   Options options;
-  app.add_option("n", options.n, "How many scenes");
-  app.add_option("seed", options.seed, "Of all of them; another seed is another set")
-      ->capture_default_str();
-  app.add_option("--first", options.first, "Number of the first one")->capture_default_str();
-  app.add_option("--jobs", options.jobs, "Scenes at a time")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  auto* only =
-      app.add_option("--relation", options.only, "This relation alone; may be given again");
-  app.add_option("--failed", options.failed, "Folder for the shrunk scenes that fail")
-      ->capture_default_str();
-  app.add_option("--scene", options.scene, "Check this scene file instead");
-  app.add_flag("--print", options.print, "Print the scenes instead");
-  app.add_flag("--times", options.times,
-               "A line a scene on stderr: what each relation took (s), and what it left out");
+  app.option("n", options.n, "How many scenes");
+  app.option("seed", options.seed, "Of all of them; another seed is another set").show_default();
+  app.option("--first", options.first, "Number of the first one").show_default();
+  app.option("--jobs", options.jobs, "Scenes at a time")
+      .check(cli::whole_number(1, 1024))
+      .show_default();
+  auto only = app.option("--relation", options.only, "This relation alone; may be given again");
+  app.option("--failed", options.failed, "Folder for the shrunk scenes that fail").show_default();
+  app.option("--scene", options.scene, "Check this scene file instead");
+  app.flag("--print", options.print, "Print the scenes instead");
+  app.flag("--times", options.times,
+           "A line a scene on stderr: what each relation took (s), and what it left out");
   std::string names;
   std::vector<std::string> known;
   for (const Relation& relation : relations()) {
@@ -326,12 +323,8 @@ int run(int argc, char** argv) {
   }
   app.footer("Relations, with what bounds them:\n" + names +
              "Exit code 4: a relation is violated, or hardly any scene was looked at.");
-  only->check(CLI::IsMember(known));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  only.check(cli::one_of(known));
+  if (const auto code = app.parse(argc, argv)) return *code;
   if (!options.scene.empty()) return check_file(options);
   if (options.n < 1) throw std::invalid_argument("how many scenes? (--help)");
   if (options.print) {

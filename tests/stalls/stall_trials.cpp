@@ -1,10 +1,10 @@
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 #include <map>
 
+#include "core/cli/command.hpp"
 #include "tests/stalls/trials.hpp"
 
 namespace stillframe::stalls {
@@ -91,26 +91,24 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace stillframe::stalls;
-  CLI::App app(
+  stillframe::cli::Command app(
       "Stops a controller by the clock again and again while its terminal, its disk or itself is "
       "stalled and another controller wants its place.\nExit codes: 0 all as it should be, 2 bad "
       "usage, 4 not.",
       "stall_trials");
   Options options;
-  app.add_option("--trials", options.n_trials, "Stops in all")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--batch", options.n_of_a_batch, "Stops of each controller process")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  app.add_option("--only", options.only, "Only stalls whose name has this in it");
-  app.add_option("--controller", options.controller, "Another program in the controller's place")
-      ->check(CLI::ExistingFile);
+  app.option("--trials", options.n_trials, "Stops in all")
+      .check(stillframe::cli::whole_number(1, 1'000'000))
+      .show_default();
+  app.option("--batch", options.n_of_a_batch, "Stops of each controller process")
+      .check(stillframe::cli::whole_number(1, 100))
+      .show_default();
+  app.option("--only", options.only, "Only stalls whose name has this in it");
+  app.option("--controller", options.controller, "Another program in the controller's place")
+      .check(stillframe::cli::existing_file());
   try {
-    app.parse(argc, argv);
+    if (const auto code = app.parse(argc, argv)) return *code;
     return run(options);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
   } catch (const std::exception& error) {
     std::cerr << "stall_trials: " << error.what() << "\n";
     return 4;
