@@ -1,16 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <cstdint>
+#include <vector>
 
 #include "core/systems/linear_system.hpp"
 
 namespace stillframe::controller {
 
 /// A feed-forward as it runs, one step a sample: u[k] = C x[k] + D w[k], x[k+1] = A x[k] + B w[k],
-/// p accelerations of the floor in (m/s^2), m forces out (N). A and B are nearly empty, and kept
-/// so. It has no loop through the frame, so it hears the floor whether or not its force is
+/// p accelerations of the floor in (m/s^2), m forces out (N). A and B are nearly empty, most of
+/// their rows hand a sample on to the next state, and no more than that is computed. It has no loop through the frame, so it hears the floor whether or not its force is
 /// commanded. Construction is set-up; the rest is hot: noexcept, no allocation.
 class FloorFilter {
  public:
@@ -21,7 +21,7 @@ class FloorFilter {
   /// std::invalid_argument on shapes that do not match.
   FloorFilter(const LinearSystem& system, Eigen::Index m);
 
-  Eigen::Index n_floor() const noexcept { return D_.cols(); }
+  Eigen::Index n_floor() const noexcept { return n_floor_; }
 
   /// The floor (p, m/s^2) n samples after the last one; of those between it is on the line from the
   /// last to this one, as the floor of a law that lost samples is nowhere else more likely. The
@@ -38,18 +38,32 @@ class FloorFilter {
 
   template <class Archive>
   void visit(Archive& archive) {
-    archive(x_), archive(last_), archive(force_), archive(begun_);
+    archive(z_), archive(force_), archive(begun_);
   }
 
  private:
-  using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  /// x[k+1] at to is z[k] at from, for so many states in a row.
+  struct Move {
+    Eigen::Index to, from, n;
+  };
+  /// Of the row `to` of (A B).
+  struct Term {
+    Eigen::Index to, from;
+    double factor;
+  };
 
-  void step(const Eigen::VectorXd& w) noexcept;
+  Eigen::Index n_states() const noexcept { return z_.size() - n_floor_; }
+  void step() noexcept;
 
-  RowMatrix A_, B_;
-  Eigen::MatrixXd C_, D_;
+  Eigen::Index n_floor_;
+  std::vector<Move> moves_;
+  std::vector<Term> terms_;
+  std::vector<Eigen::Index> summed_;  ///< rows that terms_ add up to
+  RowMatrix outputs_;                 ///< m x (n + p), (C D)
   Eigen::MatrixXd at_rest_;  ///< n x p, (I - A)^-1 B: x of a floor that stands for ever
-  Eigen::VectorXd x_, x_next_, last_, w_, force_;
+  Eigen::VectorXd z_, next_;  ///< n + p: x and the floor that was heard last
+  Eigen::VectorXd last_, force_;
   bool begun_ = false;
 };
 
