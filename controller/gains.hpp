@@ -78,9 +78,6 @@ inline constexpr Eigen::Index most_floor_channels = 64;
 /// is under way.
 Eigen::Index most_loop_states(const Gains& gains);
 
-/// Taps of a feed-forward, at most: its step would take longer than that of all else.
-inline constexpr int most_taps = 128;
-
 /// Of the legs, the scene's hash and the matrices of the plant: 16 hexadecimal digits.
 std::string plant_hash(const Gains& gains);
 

@@ -14,6 +14,8 @@ inline constexpr int longest_delay_samples = 20;
 /// A lead makes up for an actuator as well: 1 / (2 pi T_s) over its corner.
 inline constexpr double longest_lead_samples = 1e4;
 inline constexpr double largest_force_n = 1e9;
+/// Of a feed-forward, for each channel of the floor: its step would take longer than all else.
+inline constexpr int most_taps = 64;
 /// Of gains, and of the matrices of a plant in SI units: a mode at highest_hz has 4e13.
 inline constexpr double largest_entry = 1e18;
 

@@ -166,7 +166,7 @@ TEST(GainsWithFeedForward, AreRefusedWithFileLineKeyAndWhatIsAllowed) {
       {"memory: 0.97", "memory: 1.97", "found '1.97"},
       {"taps: 4", "taps: 5", "weights"},
       {"taps: 4", "taps: 1", "taps"},
-      {"taps: 4", "taps: 4000", "allowed are 2 to 128"},
+      {"taps: 4", "taps: 4000", "allowed are 2 to 64"},
   };
   for (const auto& [from, to, message] : cases) {
     const std::string error = error_with(from, to);

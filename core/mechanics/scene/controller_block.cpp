@@ -56,7 +56,6 @@ double read_part(const YamlReader& block, const std::string& key) {
 // What is left of the axis behind to_hz has to have room for the transition and for what is paid.
 constexpr double highest_part_of_rate = 0.25, part_of_rate = 0.05, part_of_target = 0.1;
 constexpr double most_db = 40;
-constexpr int most_taps = 64;
 
 SceneFeedForward read_feed_forward(const YamlReader& block, const SceneController& controller) {
   block.allow_only(
