@@ -1,6 +1,7 @@
 #include "controller/floor_watch.hpp"
 
 #include <algorithm>
+
 namespace stillframe::controller {
 
 using Eigen::Index;
@@ -12,6 +13,11 @@ namespace {
 // What is not noise repeats itself no longer: a converter's step is below the noise of its sensor.
 constexpr double fewest_repeats = 50, repeats_s = 0.1;
 constexpr double well_s = 1;
+// Second differences of white noise have six times its variance. A floor that is moved has far less
+// of them, and a tone near half the rate up to 16.
+constexpr double averaged_s = 0.2, fewest_averaged = 100;
+constexpr double least_of_white = 3, most_of_white = 9;
+constexpr double louder_than_another = 10;
 
 }  // namespace
 
@@ -19,8 +25,9 @@ FloorWatch::FloorWatch(Index p, const Policy& policy, double sample_time)
     : sample_time_(sample_time),
       fade_s_(policy.fade_s),
       ramp_in_s_(policy.ramp_in_s),
-      stuck_after_(std::max(fewest_repeats, repeats_s / sample_time)) {
-  last_ = same_ = moved_ = VectorXd::Zero(p);
+      stuck_after_(std::max(fewest_repeats, repeats_s / sample_time)),
+      forget_(1 / std::max(fewest_averaged, averaged_s / sample_time)) {
+  last_ = same_ = moved_ = before_ = mean_ = rough_ = swing_ = VectorXd::Zero(p);
 }
 
 Index FloorWatch::stuck() const noexcept {
@@ -36,6 +43,32 @@ Index FloorWatch::stuck() const noexcept {
   return others_move ? found : -1;
 }
 
+Index FloorWatch::noisy() const noexcept {
+  if (n_averaged_ * forget_ < 1) return -1;
+  Index loudest = 0;
+  const double most = rough_.maxCoeff(&loudest);
+  double second = 0;
+  for (Index j = 0; j < rough_.size(); ++j) {
+    if (j != loudest) second = std::max(second, rough_(j));
+  }
+  const bool alone = second > 0 && most > louder_than_another * louder_than_another * second;
+  const double swing = swing_(loudest);
+  const bool white = most > least_of_white * swing && most < most_of_white * swing;
+  return alone && white ? loudest : -1;
+}
+
+void FloorWatch::average(std::int64_t n, const Ref<const VectorXd>& w) noexcept {
+  n_in_a_row_ = n == 1 ? n_in_a_row_ + 1 : 0;
+  if (n_in_a_row_ < 2) return;
+  n_averaged_ += 1;
+  for (Index j = 0; j < w.size(); ++j) {
+    const double rough = w(j) - 2 * last_(j) + before_(j), swing = w(j) - mean_(j);
+    mean_(j) += forget_ * swing;
+    rough_(j) += forget_ * (rough * rough - rough_(j));
+    swing_(j) += forget_ * (swing * swing - swing_(j));
+  }
+}
+
 void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w) noexcept {
   if (last_.size() == 0 || w.size() != last_.size()) return;
   const auto samples = static_cast<double>(n);
@@ -44,10 +77,13 @@ void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w) noexcept {
     same_(j) = changed ? 0 : same_(j) + samples;
     if (changed) moved_(j) = 1;
   }
+  average(n, w);
+  before_ = last_;
   last_ = w;
   begun_ = true;
   const double passed = samples * sample_time_;
-  if (const Index j = stuck(); j >= 0) {
+  const Index repeats = stuck();
+  if (const Index j = repeats >= 0 ? repeats : noisy(); j >= 0) {
     broken_ = j;
     well_ = 0;
     p_ = std::max(0.0, p_ - passed / fade_s_);

@@ -11,7 +11,8 @@ namespace stillframe::controller {
 /// Whether the floor's sensors are to be believed, and how much of the feed-forward acts: s(p), p
 /// going to 0 within the policy's fade_s while a sensor is broken, and back within ramp_in_s when
 /// all have been well for a second. A sensor that has moved and then repeats one reading while
-/// others go on is broken; where all rest, the floor does. Feedback needs none of them.
+/// others go on is broken; where all rest, the floor does. So is one that reads white noise ten
+/// times as large as that of any other. Feedback needs none of them.
 /// Construction is set-up; the rest is hot: noexcept, no allocation. Source: docs/safety.md.
 class FloorWatch {
  public:
@@ -22,25 +23,33 @@ class FloorWatch {
   void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
 
   double share() const noexcept { return smooth_step(p_); }  ///< 0 to 1
-  /// The sensor that repeats itself, or did last while the feed-forward is not wholly back; -1:
-  /// none.
+  /// The sensor that is broken, or was last while the feed-forward is not wholly back; -1: none.
   Eigen::Index broken() const noexcept { return broken_; }
 
   template <class Archive>
   void visit(Archive& archive) {
     archive(last_), archive(same_), archive(moved_), archive(well_), archive(p_), archive(broken_);
-    archive(begun_);
+    archive(begun_), archive(before_), archive(mean_), archive(rough_), archive(swing_);
+    archive(n_in_a_row_), archive(n_averaged_);
   }
 
  private:
+  void average(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
   Eigen::Index stuck() const noexcept;
+  Eigen::Index noisy() const noexcept;
 
   double sample_time_, fade_s_, ramp_in_s_;
-  double stuck_after_;     ///< samples
-  Eigen::VectorXd last_;   ///< p, m/s^2
-  Eigen::VectorXd same_;   ///< p, samples for which it read the same
-  Eigen::VectorXd moved_;  ///< p, 1: it has changed before
-  double well_ = 0;        ///< s, for which none is stuck
+  double stuck_after_;      ///< samples
+  Eigen::VectorXd last_;    ///< p, m/s^2
+  Eigen::VectorXd same_;    ///< p, samples for which it read the same
+  Eigen::VectorXd moved_;   ///< p, 1: it has changed before
+  Eigen::VectorXd before_;  ///< p, m/s^2, the reading before last_
+  Eigen::VectorXd mean_;    ///< p, m/s^2, and of squares: of second differences, about the mean
+  Eigen::VectorXd rough_, swing_;
+  double forget_;          ///< part of an average that a sample replaces
+  double n_in_a_row_ = 0;  ///< samples since the last gap
+  double n_averaged_ = 0;
+  double well_ = 0;  ///< s, for which none is broken
   double p_ = 1;
   Eigen::Index broken_ = -1;
   bool begun_ = false;

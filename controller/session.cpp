@@ -205,7 +205,7 @@ void Session::tell_floor() {
   const auto& names = link_.run_info().floor_names;
   if (sensor < 0) return options_.say("feed-forward is back");
   options_.warn("feed-forward fades out, feedback goes on alone: " +
-                names[static_cast<std::size_t>(sensor)] + " repeats one reading");
+                names[static_cast<std::size_t>(sensor)] + " repeats one reading, or reads noise");
 }
 
 void Session::keep_latch() {

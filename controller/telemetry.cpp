@@ -138,7 +138,7 @@ std::string floor_in_words(const LoopCounters& counters,
   const std::int64_t sensor = counters.broken_floor;
   if (sensor < 0 || sensor >= static_cast<std::int64_t>(floor_names.size())) return "";
   return ", feedback alone: " + floor_names[static_cast<std::size_t>(sensor)] +
-         " repeats one reading";
+         " repeats one reading, or reads noise";
 }
 
 std::string fault_in_words(const LoopCounters& counters,

@@ -222,6 +222,7 @@ class Watched : public testing::Test {
   VectorXd w_ = VectorXd::Zero(2);
   double steepest_ = 0;
   unsigned seed_ = 0;
+  int k_ = 0;
 };
 
 TEST_F(Watched, FadesTheFeedForwardOutWhileASensorRepeatsItself) {
@@ -251,6 +252,45 @@ TEST_F(Watched, TakesAFloorAtRestForWhatItIs) {
 
 TEST_F(Watched, DoesNotAskForASensorThatNeverMoved) {
   hear(2000, true, false);
+  EXPECT_EQ(watch_.share(), 1);
+}
+
+TEST_F(Watched, FadesTheFeedForwardOutWhileASensorReadsNoise) {
+  // Motion of 1 mm/s^2 at 7 and 11 Hz with a hundredth of noise, and more noise on the second from
+  // so many samples on.
+  const auto hear_motion = [&](int n, double noise) {
+    for (int k = 0; k < n; ++k, ++k_) {
+      const VectorXd white = random_matrix(2, 1, ++seed_);
+      const double t = k_ / rate;
+      w_(0) = 1e-3 * std::sin(two_pi * 7 * t) + 1e-5 * white(0);
+      w_(1) = 1e-3 * std::sin(two_pi * 11 * t) + noise * white(1);
+      const double before = watch_.share();
+      watch_.hear(1, w_);
+      steepest_ = std::max(steepest_, std::abs(watch_.share() - before) * rate);
+    }
+  };
+  hear_motion(2000, 1e-5);
+  // Noise of a tenth of the motion is ten times that of the other: it does no harm yet.
+  hear_motion(2000, 1.1e-4);
+  EXPECT_EQ(watch_.broken(), -1);
+  hear_motion(100, 1e-2);
+  EXPECT_EQ(watch_.broken(), 1);
+  hear_motion(400, 1e-2);
+  EXPECT_EQ(watch_.share(), 0);
+  EXPECT_LT(steepest_, 1.9 / policy_.fade_s);
+  // What is remembered of the noise goes down by 1e6 in three seconds.
+  hear_motion(5000, 1e-5);
+  EXPECT_EQ(watch_.share(), 1);
+  EXPECT_EQ(watch_.broken(), -1);
+}
+
+TEST_F(Watched, TakesAToneNearHalfTheRateOnOneSensorForMotion) {
+  for (int k = 0; k < 2000; ++k) {
+    const VectorXd white = random_matrix(2, 1, ++seed_);
+    w_(0) = 1e-5 * white(0);
+    w_(1) = 1e-2 * std::sin(two_pi * 0.45 * k) + 1e-5 * white(1);
+    watch_.hear(1, w_);
+  }
   EXPECT_EQ(watch_.share(), 1);
 }
 
@@ -336,6 +376,30 @@ TEST(SupervisorWithFeedForward, GoesOnByFeedbackAloneWhereASensorDies) {
   run.rms(3000);
   EXPECT_EQ(run.rig.supervisor().broken_floor(), -1);
   EXPECT_EQ(run.rig.fault(), Fault::none);
+}
+
+TEST(SupervisorWithFeedForward, IsNoWorseThanPassiveWithASensorThatBecomesNoisy) {
+  // The floor of the bench has some 0.1 m/s^2 of rms; noise of ten times that.
+  Trial run(designed_gains()), passive(designed_gains(false), false);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  double largest = 0;
+  const auto noisy = [&](Measurement& m) {
+    largest = std::max(largest, std::abs(m.floor(1)));
+    m.floor(1) += normal(random);
+    return true;
+  };
+  run.rms(2000);
+  run.rig.peak = run.rig.peak_y = 0;
+  passive.rms(2000);
+  passive.rig.peak = passive.rig.peak_y = 0;
+  run.rms(2000, noisy);
+  EXPECT_EQ(run.rig.supervisor().broken_floor(), 1);
+  run.rms(twenty_seconds - 2000, noisy);
+  passive.rms(twenty_seconds);
+  EXPECT_LT(largest, 1);
+  EXPECT_LT(run.rig.peak_y, passive.rig.peak_y);
+  EXPECT_EQ(run.rig.state(), State::active);
 }
 
 TEST(SupervisorWithFeedForward, IsNoWorseThanPassiveWithSensorsSwapped) {
