@@ -22,6 +22,7 @@ void add_buckling(CLI::App& app, int& exit_code);
 void add_linearise(CLI::App& app, int& exit_code);
 void add_sigma(CLI::App& app, int& exit_code);
 void add_design(CLI::App& app, int& exit_code);
+void add_budget(CLI::App& app, int& exit_code);
 void add_robustness(CLI::App& app, int& exit_code);
 void add_merge(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
