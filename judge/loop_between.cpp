@@ -18,8 +18,6 @@ namespace stillframe::tools {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-namespace {
-
 SampledPlant plant_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
                            const std::vector<std::string>& outputs) {
   std::vector<SceneSignal> in = inputs, out;
@@ -32,6 +30,22 @@ SampledPlant plant_between(const LoopDesign& design, const std::vector<SceneSign
       loop_plant(linearise(design.model, in, out), std::ssize(inputs), std::ssize(outputs));
   return sample_and_hold(plant, design.gains.sampling());
 }
+
+std::vector<SceneSignal> force_signals(const Scene& scene) {
+  std::vector<SceneSignal> signals;
+  for (const SceneDisturbance& disturbance : scene.disturbances) {
+    SceneSignal signal;
+    signal.name = disturbance.name;
+    signal.place = disturbance.place;
+    signal.node = disturbance.node;
+    signal.quantity = Quantity::force;
+    signal.direction = disturbance.direction;
+    signals.push_back(signal);
+  }
+  return signals;
+}
+
+namespace {
 
 /// Whether the first inputs of a plant are those that the floor's sensors read.
 enum class Heard { floor, nothing };
@@ -160,18 +174,10 @@ bool has_forces(const Scene& scene) {
 report::ForceModel force_model(const LoopDesign& design, const std::vector<std::string>& outputs,
                                bool active, const std::optional<report::Takeover>& takeover) {
   auto courses = std::make_shared<std::vector<ForceCourse>>();
-  std::vector<SceneSignal> inputs;
   for (const SceneDisturbance& disturbance : design.scene.disturbances) {
     courses->emplace_back(disturbance, design.gains.sample_time());
-    SceneSignal signal;
-    signal.name = disturbance.name;
-    signal.place = disturbance.place;
-    signal.node = disturbance.node;
-    signal.quantity = Quantity::force;
-    signal.direction = disturbance.direction;
-    inputs.push_back(signal);
   }
-  const SampledPlant plant = plant_between(design, inputs, outputs);
+  const SampledPlant plant = plant_between(design, force_signals(design.scene), outputs);
   report::ForceModel model{loop_around(plant, design, active, Heard::nothing),
                            [courses](std::int64_t k) {
                              Eigen::VectorXd forces(std::ssize(*courses));

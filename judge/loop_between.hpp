@@ -11,6 +11,14 @@
 
 namespace stillframe::tools {
 
+/// The sampled plant of a design from accelerations and forces to outputs and monitors of its scene
+/// by name. Errors: InputError for a name that the scene has not.
+SampledPlant plant_between(const LoopDesign& design, const std::vector<SceneSignal>& inputs,
+                           const std::vector<std::string>& outputs);
+
+/// The disturbances of a scene as inputs (N), in their order.
+std::vector<SceneSignal> force_signals(const Scene& scene);
+
 /// The sampled loop of a design, with its law or with zero commands, from inputs of one's own
 /// (accelerations and forces, of which a feed-forward hears nothing) to outputs and monitors of its
 /// scene by name. Errors: InputError for a name that the scene has not.

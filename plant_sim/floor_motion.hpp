@@ -79,6 +79,10 @@ class FloorMotion {
   /// w'', held over the present sample (n_r).
   const Eigen::VectorXd& floor_acceleration() const noexcept { return floor_.acceleration(); }
   std::int64_t n_samples() const noexcept { return source_->n_samples(); }
+  /// What channel by channel of the source moves: w'' = map() w (n_r x channels), and what the
+  /// scene's inputs read of it, inputs() w'' (n_inputs x n_r).
+  const Eigen::MatrixXd& map() const noexcept { return map_; }
+  const Eigen::MatrixXd& inputs() const noexcept { return inputs_; }
   /// Acceleration along each of the scene's inputs, m/s^2, held over the present sample.
   void along_inputs(Eigen::VectorXd& acceleration) const noexcept;
 

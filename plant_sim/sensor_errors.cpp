@@ -35,6 +35,31 @@ Eigen::VectorXd per_leg(const std::vector<double>& numbers, Index n_legs, const 
 
 }  // namespace
 
+ForceSensorProcesses processes_of(const ForceSensorErrors& errors, double sample_time,
+                                  double filter_hz) {
+  const double power = errors.noise * errors.noise, corner = two_pi * filter_hz;
+  ForceSensorProcesses processes{
+      .noise = filter_hz > 0
+                   ? NoiseProcess::stationary(std::exp(-corner * sample_time), power * corner / 4)
+                   : NoiseProcess::stationary(0, power / (2 * sample_time)),
+      .walk = {.kept = 1, .fresh = errors.random_walk * std::sqrt(sample_time), .first = 0},
+      .flicker = {}};
+  if (errors.flicker_below_hz == 0) return processes;
+  for (int i = 0; i < n_poles; ++i) {
+    const double pole = lowest_pole * errors.flicker_below_hz *
+                        std::pow(10, static_cast<double>(i) / poles_per_decade);
+    if (pole > 0.5 / sample_time) break;
+    processes.flicker.push_back(NoiseProcess::stationary(
+        std::exp(-two_pi * pole * sample_time),
+        power * errors.flicker_below_hz * std::numbers::ln10 / poles_per_decade));
+  }
+  return processes;
+}
+
+NoiseProcess process_of(const FloorSensorErrors& errors, double sample_time) {
+  return NoiseProcess::white(errors.noise / std::sqrt(2 * sample_time));
+}
+
 ForceSensorNoise::ForceSensorNoise(Index n_legs, const ForceSensorErrors& errors,
                                    double sample_time, double filter_hz)
     : seed_(errors.seed),
@@ -43,53 +68,36 @@ ForceSensorNoise::ForceSensorNoise(Index n_legs, const ForceSensorErrors& errors
       step_(errors.quantisation),
       offset_(per_leg(errors.offset, n_legs, "offset")),
       drift_(per_leg(errors.drift, n_legs, "drift")) {
-  const double power = errors.noise * errors.noise;
-  const double corner = two_pi * filter_hz;
   // In this order, absent or not, so that each keeps its stream.
-  if (filter_hz > 0) {
-    add_stationary(n_legs, std::exp(-corner * sample_time), power * corner / 4);
-  } else {
-    add_stationary(n_legs, 0, power / (2 * sample_time));
-  }
-  add(n_legs, 1, errors.random_walk * std::sqrt(sample_time), 0);
-  if (errors.flicker_below_hz == 0) return;
-  for (int i = 0; i < n_poles; ++i) {
-    const double pole = lowest_pole * errors.flicker_below_hz *
-                        std::pow(10, static_cast<double>(i) / poles_per_decade);
-    if (pole > 0.5 / sample_time) break;
-    add_stationary(n_legs, std::exp(-two_pi * pole * sample_time),
-                   power * errors.flicker_below_hz * std::numbers::ln10 / poles_per_decade);
-  }
+  const ForceSensorProcesses processes = processes_of(errors, sample_time, filter_hz);
+  add(n_legs, processes.noise);
+  add(n_legs, processes.walk);
+  for (const NoiseProcess& process : processes.flicker) add(n_legs, process);
 }
 
-void ForceSensorNoise::add_stationary(Index n_legs, double kept, double variance) {
-  add(n_legs, kept, std::sqrt(variance * (1 - kept * kept)), std::sqrt(variance));
-}
-
-void ForceSensorNoise::add(Index n_legs, double kept, double fresh, double first) {
+void ForceSensorNoise::add(Index n_legs, const NoiseProcess& process) {
   const std::uint64_t stream = process_stream + processes_.size();
-  Process process{.kept = kept, .fresh = fresh, .draws = {}, .x = Eigen::VectorXd::Zero(n_legs)};
+  Drawn drawn{.process = process, .draws = {}, .x = Eigen::VectorXd::Zero(n_legs)};
   for (Index leg = 0; leg < n_legs; ++leg) {
-    process.draws.push_back({seed_, {stream, static_cast<std::uint64_t>(leg)}});
-    process.x(leg) = first * process.draws.back()(0);
+    drawn.draws.push_back({seed_, {stream, static_cast<std::uint64_t>(leg)}});
+    drawn.x(leg) = process.first * drawn.draws.back()(0);
   }
-  processes_.push_back(std::move(process));
+  processes_.push_back(std::move(drawn));
 }
 
 void ForceSensorNoise::next() noexcept {
   ++k_;
-  for (Process& process : processes_) {
+  for (auto& [process, draws, x] : processes_) {
     if (process.fresh == 0) continue;
-    for (Index leg = 0; leg < process.x.size(); ++leg) {
-      process.x(leg) = process.kept * process.x(leg) +
-                       process.fresh * process.draws[static_cast<size_t>(leg)](k_);
+    for (Index leg = 0; leg < x.size(); ++leg) {
+      x(leg) = process.kept * x(leg) + process.fresh * draws[static_cast<size_t>(leg)](k_);
     }
   }
 }
 
 int ForceSensorNoise::apply(Eigen::Ref<Eigen::VectorXd> sigma) const noexcept {
   sigma += offset_ + static_cast<double>(k_) * sample_time_ * drift_;
-  for (const Process& process : processes_) sigma += process.x;
+  for (const Drawn& drawn : processes_) sigma += drawn.x;
   int clipped = 0;
   // The last step of the converter that its range has room for.
   const double most = step_ > 0 ? step_ * std::floor(range_ / step_) : range_;
@@ -103,7 +111,7 @@ int ForceSensorNoise::apply(Eigen::Ref<Eigen::VectorXd> sigma) const noexcept {
 
 FloorSensorNoise::FloorSensorNoise(Index n_inputs, const FloorSensorErrors& errors,
                                    double sample_time)
-    : deviation_(errors.noise / std::sqrt(2 * sample_time)) {
+    : deviation_(process_of(errors, sample_time).fresh) {
   for (Index i = 0; i < n_inputs; ++i) {
     draws_.push_back({errors.seed, {floor_stream, static_cast<std::uint64_t>(i)}});
   }

@@ -4,9 +4,24 @@
 #include <vector>
 
 #include "core/systems/instruments.hpp"
+#include "core/systems/noise_power.hpp"
 #include "plant_sim/counter_noise.hpp"
 
 namespace stillframe {
+
+/// The noises of every force sensor, each leg's its own, as ForceSensorNoise draws them.
+struct ForceSensorProcesses {
+  NoiseProcess noise, walk;
+  NoiseKind flicker;  ///< none above half the sample rate
+};
+
+/// sample_time: T_s, s. filter_hz: corner of the sensor filter, 0 if there is none. The equations
+/// stand at ForceSensorNoise.
+ForceSensorProcesses processes_of(const ForceSensorErrors& errors, double sample_time,
+                                  double filter_hz);
+
+/// White noise of every floor accelerometer, of variance S^2 / (2 T_s).
+NoiseProcess process_of(const FloorSensorErrors& errors, double sample_time);
 
 /// What the force sensors make of sigma at t_k = k T_s,
 ///   Q(min(r, max(-r, sigma + v + b + o + d t_k + W))),
@@ -34,21 +49,18 @@ class ForceSensorNoise {
   int apply(Eigen::Ref<Eigen::VectorXd> sigma) const noexcept;
 
  private:
-  /// x[k+1] = kept x[k] + fresh xi[k] for each leg.
-  struct Process {
-    double kept, fresh;
+  struct Drawn {
+    NoiseProcess process;
     std::vector<CounterNoise> draws;  ///< one for each leg
     Eigen::VectorXd x;                ///< n_legs, N
   };
 
-  /// A stationary process of this variance (N^2), from its distribution at k = 0.
-  void add_stationary(Eigen::Index n_legs, double kept, double variance);
-  void add(Eigen::Index n_legs, double kept, double fresh, double first);
+  void add(Eigen::Index n_legs, const NoiseProcess& process);
 
   std::uint64_t seed_;
   double sample_time_, range_, step_;
   Eigen::VectorXd offset_, drift_;  ///< n_legs, N and N/s
-  std::vector<Process> processes_;
+  std::vector<Drawn> processes_;
   std::int64_t k_ = 0;
 };
 

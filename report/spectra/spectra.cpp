@@ -150,6 +150,21 @@ double band_rms(const Psd& psd, double lower_hz, double upper_hz) {
   return std::sqrt(power);
 }
 
+VectorXd band_powers(const Psd& psd, const VectorXd& edges_hz) {
+  VectorXd powers = VectorXd::Zero(edges_hz.size() - 1);
+  Index band = 0;
+  for (Index k = 0; k < psd.density.size(); ++k) {
+    const BinExtent bin = extent_of(psd, k);
+    const double density = psd.density(k) * psd.resolution_hz / (bin.upper_hz - bin.lower_hz);
+    while (band < powers.size() && edges_hz(band + 1) <= bin.lower_hz) ++band;
+    for (Index i = band; i < powers.size() && edges_hz(i) < bin.upper_hz; ++i) {
+      powers(i) += density * std::max(0.0, std::min(bin.upper_hz, edges_hz(i + 1)) -
+                                               std::max(bin.lower_hz, edges_hz(i)));
+    }
+  }
+  return powers;
+}
+
 double jumps_in_band(const Psd& psd, double lower_hz, double upper_hz) {
   if (!(psd.jumps > 0)) return psd.jumps;
   const double lowest = std::max(lower_hz, psd.resolution_hz);

@@ -80,6 +80,10 @@ Psd velocity_from_acceleration(const Psd& acceleration);
 /// part.
 double band_rms(const Psd& psd, double lower_hz, double upper_hz);
 
+/// The integrals of the density between neighbours of edges_hz (ascending), bins that an edge cuts
+/// shared between its sides: the squares of band_rms, all at once.
+Eigen::VectorXd band_powers(const Psd& psd, const Eigen::VectorXd& edges_hz);
+
 /// How much of band_rms may be no motion in the band but what the jumps of the record leave there:
 /// a step of height A in T seconds has the one-sided density 2 / T (A / (2 pi f))^2.
 double jumps_in_band(const Psd& psd, double lower_hz, double upper_hz);
