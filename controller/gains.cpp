@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "controller/law_block.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/yaml/instruments_block.hpp"
 #include "core/yaml/loop_numbers.hpp"
@@ -71,21 +72,26 @@ PassivePlant read_plant(const YamlReader& reader, Index n_legs) {
   return plant;
 }
 
-FloorFeedForward read_feed_forward(const YamlReader& reader, const Gains& gains) {
-  reader.allow_only({"floor", "memory", "taps", "weights"});
-  FloorFeedForward found;
-  const YamlReader floor = reader.require("floor");
+std::vector<std::string> read_floor_names(const YamlReader& floor, Index p) {
+  std::vector<std::string> names;
   std::set<std::string> seen;
   for (const YamlReader& item : floor.items()) {
-    found.floor.push_back(item.text());
+    names.push_back(item.text());
     if (!seen.insert(item.text()).second) item.fail("found \"" + item.text() + "\" twice");
   }
-  const Index p = std::ssize(found.floor);
-  if (p == 0 || p != gains.plant.B_w.cols()) {
-    floor.fail("found " + std::to_string(p) +
+  if (names.empty() || std::ssize(names) != p) {
+    floor.fail("found " + std::to_string(names.size()) +
                " names, allowed is one for each acceleration of the floor that plant: B_w has, " +
-               std::to_string(gains.plant.B_w.cols()) + ", and one at least");
+               std::to_string(p) + ", and one at least");
   }
+  return names;
+}
+
+FloorFeedForward read_feed_forward(const YamlReader& reader, const Gains& gains) {
+  reader.allow_only({"floor", "memory", "taps", "weights"});
+  const Index p = gains.plant.B_w.cols();
+  FloorFeedForward found;
+  found.floor = read_floor_names(reader.require("floor"), p);
   const YamlReader memory = reader.require("memory");
   found.filter.memory = number_within(memory, 0, 1);
   if (found.filter.memory == 1) memory.fail("found 1, allowed is 0 to below 1");
@@ -97,6 +103,20 @@ FloorFeedForward read_feed_forward(const YamlReader& reader, const Gains& gains)
   found.filter.n_taps = n_taps;
   found.filter.weights =
       read_matrix(reader.require("weights"), gains.n_legs(), p * found.filter.n_terms());
+  return found;
+}
+
+BroughtLaw read_brought_law(const YamlReader& reader, const Gains& gains) {
+  reader.allow_only({"floor", "inputs", "outputs", "A", "B", "C", "D"});
+  BroughtLaw found{.matrices = read_law_block(reader)};
+  if (const auto floor = reader.find("floor")) {
+    found.floor = read_floor_names(*floor, gains.plant.B_w.cols());
+  }
+  try {
+    own_law(found.matrices, gains.legs, found.floor);
+  } catch (const InputError& error) {
+    reader.fail(error.what());
+  }
   return found;
 }
 
@@ -119,7 +139,7 @@ Gains read(const YamlReader& reader) {
   reader.allow_only({"stillframe_gains", "scene_hash", "legs", "sample_rate_hz", "delay_samples",
                      "target_hz", "realisation", "leak_hz", "high_pass_hz", "lead_samples",
                      "roll_off_hz", "force_limit_n", "instruments", "K_P", "K_I", "plant",
-                     "feed_forward"});
+                     "feed_forward", "law"});
   Gains gains;
   gains.scene_hash = reader.require("scene_hash").text();
   gains.legs = read_legs(reader.require("legs"));
@@ -154,6 +174,12 @@ Gains read(const YamlReader& reader) {
   if (const auto block = reader.find("feed_forward")) {
     gains.feed_forward = read_feed_forward(*block, gains);
   }
+  if (const auto block = reader.find("law")) {
+    if (!gains.feed_forward.filter.empty()) {
+      block->fail("allowed is either feed_forward or a law, which brings its own");
+    }
+    gains.law = read_brought_law(*block, gains);
+  }
   if (most_loop_states(gains) > largest_loop) {
     reader.fail("found a loop of " + std::to_string(most_loop_states(gains)) +
                 " states (plant, law, and what is under way by delay_samples and "
@@ -173,7 +199,17 @@ Index most_loop_states(const Gains& gains) {
   // Of each leg: lag and filter, the law with leak, high-pass, roll-off and lead, the force that is
   // held, the filtered report, and what is under way.
   const double per_leg = 8 + std::ceil(gains.delay_samples) + gains.instruments.report_age_samples;
-  return gains.plant.A.rows() + gains.n_legs() * static_cast<Index>(per_leg);
+  const Index own = gains.law ? gains.law->matrices.A.rows() : 0;
+  return gains.plant.A.rows() + own + gains.n_legs() * static_cast<Index>(per_leg);
+}
+
+const std::vector<std::string>& Gains::heard_floor() const {
+  return law ? law->floor : feed_forward.floor;
+}
+
+void Gains::forget_floor() {
+  feed_forward = {};
+  if (law) law = BroughtLaw{.matrices = without_floor(law->matrices)};
 }
 
 ForceFeedback Gains::feedback() const {

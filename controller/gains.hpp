@@ -9,6 +9,7 @@
 
 #include "core/control/discrete_law.hpp"
 #include "core/control/feed_forward.hpp"
+#include "core/control/own_law.hpp"
 #include "core/systems/sampled_plant.hpp"
 
 namespace stillframe::controller {
@@ -34,6 +35,13 @@ struct FloorFeedForward {
   FeedForward filter;
 };
 
+/// A law that a gains file brings, and the names of all accelerations of the floor in the
+/// measurement, as in FloorFeedForward; empty where it hears none.
+struct BroughtLaw {
+  NamedLaw matrices;
+  std::vector<std::string> floor = {};
+};
+
 /// The contents of a gains file: all that the controller needs to know of a design, for m legs.
 struct Gains {
   std::string scene_hash;         ///< of the scene that the gains were designed for
@@ -51,11 +59,19 @@ struct Gains {
   Eigen::MatrixXd K_P;                  ///< m x m, 1
   Eigen::MatrixXd K_I;                  ///< m x m, 1/s
   FloorFeedForward feed_forward = {};   ///< empty: none
+  /// What runs in place of the PI and the feed-forward. K_P and K_I are then what it is held
+  /// against, the PI that target_hz asks for.
+  std::optional<BroughtLaw> law = {};
   Instruments instruments;
   PassivePlant plant;
   bool plant_is_as_designed = false;  ///< read from a file whose hash of the plant is right
 
   Eigen::Index n_legs() const { return static_cast<Eigen::Index>(legs.size()); }
+  /// Names of the accelerations of the floor that the law hears, with all others of the
+  /// measurement; empty: it hears none.
+  const std::vector<std::string>& heard_floor() const;
+  /// From here on the law is deaf to the floor.
+  void forget_floor();
   double sample_time() const { return 1.0 / sample_rate_hz; }  ///< s
   ForceFeedback feedback() const;
   LawSampling law_sampling() const;

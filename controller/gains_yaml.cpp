@@ -30,6 +30,10 @@ std::string rows(const Eigen::MatrixXd& matrix, const std::string& indent) {
   return out;
 }
 
+std::string matrix(const char* name, const Eigen::MatrixXd& values) {
+  return std::string("  ") + name + (values.rows() == 0 ? ": []\n" : ":\n" + rows(values, "    "));
+}
+
 std::string names(const std::vector<std::string>& values) {
   std::string out = "[";
   for (const auto& value : values) out += (out.size() > 1 ? ", " : "") + quoted(value);
@@ -100,6 +104,13 @@ std::string to_yaml(const Gains& gains) {
     out += "  memory: " + digits(filter.memory) + "\n";
     out += "  taps: " + std::to_string(filter.n_taps) + "\n";
     out += "  weights:\n" + rows(filter.weights, "    ");
+  }
+  if (gains.law) {
+    const NamedLaw& law = gains.law->matrices;
+    out += "law:\n";
+    if (!gains.law->floor.empty()) out += "  floor: " + names(gains.law->floor) + "\n";
+    out += "  inputs: " + names(law.inputs) + "\n  outputs: " + names(law.outputs) + "\n";
+    out += matrix("A", law.A) + matrix("B", law.B) + matrix("C", law.C) + matrix("D", law.D);
   }
   return out;
 }

@@ -52,9 +52,9 @@ std::string disagreement(const Gains& gains, const run_info_t& info) {
   if (info.leg_names != gains.legs) {
     return differs("legs", joined(gains.legs), joined(info.leg_names));
   }
-  if (const auto& floor = gains.feed_forward.floor; !floor.empty() && info.floor_names != floor) {
-    return differs("feed_forward: floor", joined(floor), joined(info.floor_names)) +
-           "; a feed-forward hears the accelerations that it was designed for, in their order";
+  if (const auto& floor = gains.heard_floor(); !floor.empty() && info.floor_names != floor) {
+    return differs(gains.law ? "law: floor" : "feed_forward: floor", joined(floor), joined(info.floor_names)) +
+           "; a law hears the accelerations that it was designed for, in their order";
   }
   if (info.sample_rate_hz != gains.sample_rate_hz) {
     return differs("sample_rate_hz", shown(gains.sample_rate_hz), shown(info.sample_rate_hz));

@@ -12,6 +12,7 @@ using Eigen::Ref;
 using Eigen::VectorXd;
 
 DiscreteLaw law_from_gains(const Gains& gains) {
+  if (gains.law) return own_law(gains.law->matrices, gains.legs, gains.law->floor);
   DiscreteLaw law = sample_law(gains.feedback(), gains.law_sampling());
   law.feed_forward = feed_forward_system(gains.feed_forward.filter);
   return law;
@@ -19,13 +20,16 @@ DiscreteLaw law_from_gains(const Gains& gains) {
 
 Law::Law(DiscreteLaw matrices)
     : matrices_(std::move(matrices)), floor_(matrices_.feed_forward, matrices_.D.rows()) {
-  const Index n = matrices_.A.rows(), m = matrices_.D.rows();
-  const bool fits = matrices_.A.cols() == n && matrices_.B.rows() == n && matrices_.B.cols() == m &&
-                    matrices_.C.rows() == m && matrices_.C.cols() == n && matrices_.D.cols() == m;
+  const Index n = matrices_.A.rows(), m = matrices_.D.rows(), n_in = matrices_.D.cols();
+  const bool fits = matrices_.A.cols() == n && matrices_.B.rows() == n &&
+                    matrices_.B.cols() == n_in && matrices_.C.rows() == m &&
+                    matrices_.C.cols() == n &&
+                    (n_in == m || (n_in == 2 * m && !matrices_.subtract_applied));
   if (!fits) throw std::invalid_argument("Law: the matrices are not those of one law");
   x_ = VectorXd::Zero(n);
   x_next_ = VectorXd::Zero(n);
-  e_ = e_now_ = e_last_ = r_ = VectorXd::Zero(m);
+  e_ = e_now_ = e_last_ = VectorXd::Zero(n_in);
+  r_ = VectorXd::Zero(m);
 }
 
 void Law::advance() noexcept {
@@ -42,7 +46,8 @@ void Law::step(const Ref<const VectorXd>& sigma, const Ref<const VectorXd>& appl
 void Law::step_over(std::int64_t n_samples, const Ref<const VectorXd>& sigma,
                     const Ref<const VectorXd>& applied, Ref<VectorXd> force) noexcept {
   const std::int64_t n = std::clamp<std::int64_t>(n_samples, 1, longest_gap);
-  e_now_ = sigma;
+  e_now_.head(sigma.size()) = sigma;
+  if (matrices_.hears_applied()) e_now_.tail(applied.size()) = applied;
   if (matrices_.subtract_applied) {
     // Where samples were missed, the force last reported is taken for theirs.
     const double memory = matrices_.applied_memory > 0

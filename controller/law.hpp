@@ -9,15 +9,16 @@
 
 namespace stillframe::controller {
 
-/// The sampled control law of a set of gains, sample_law of core/control/discrete_law.hpp. Set-up.
-/// Errors: Refusal if I + K_P is singular, std::invalid_argument on gains that are not square or
-/// not of one size.
+/// The sampled control law of a set of gains: sample_law of core/control/discrete_law.hpp, or the
+/// law that they bring (core/control/own_law.hpp). Set-up. Errors: Refusal if I + K_P is singular,
+/// std::invalid_argument on gains that are not square or not of one size; as own_law.
 DiscreteLaw law_from_gains(const Gains& gains);
 
 /// The law as it runs, one step a sample:
 ///   r[k] = a r[k-1] + (1 - a) applied[k],   e[k] = sigma[k] - (subtract_applied ? r[k] : 0),
 ///   u[k] = C x[k] + D e[k] + s f[k],   x[k+1] = A x[k] + B e[k],
-/// f the force of the feed-forward (floor_filter.hpp), s its share, 1 or less.
+/// f the force of the feed-forward (floor_filter.hpp), s its share, 1 or less; e[k] = (sigma[k],
+/// applied[k]) where the law hears the applied force by itself.
 /// Source: core/control/discrete_law.hpp. Construction is set-up; step and reset are
 /// hot: noexcept, no allocation.
 class Law {

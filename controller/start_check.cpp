@@ -57,6 +57,8 @@ std::vector<double> candidate_leaks(const Gains& gains) {
 
 std::vector<Change> candidate_changes(const Gains& gains) {
   std::vector<Change> changes;
+  // A law of one's own has all of it in its matrices, and is of one rate and one delay.
+  if (gains.law) return changes;
   if (gains.realisation == Realisation::naive_pi) {
     changes.push_back({"realisation: implicit_feedthrough",
                        [](Gains& g) { g.realisation = Realisation::implicit_feedthrough; }});
@@ -169,6 +171,10 @@ std::string of_unreached(const std::vector<double>& motions_hz) {
 }
 
 std::string of_the_law(const Gains& gains, const Causes& causes) {
+  if (gains.law) {
+    return "Plant, the law that was brought, delay and instruments together, sampled at " +
+           shown(gains.sample_rate_hz, "%g") + " Hz, do not settle.";
+  }
   if (gains.realisation == Realisation::naive_pi) {
     const double gain = spectral_radius(gains.K_P);
     if (gain >= 1) {
@@ -190,6 +196,10 @@ std::string of_the_law(const Gains& gains, const Causes& causes) {
 
 /// What is left where no change of a setting that was tried makes the loop stable.
 std::string no_remedy(Gains gains) {
+  if (gains.law) {
+    return " Whoever made the law mends it: `stillframe design --mat` writes the sampled plant that "
+           "it meets.";
+  }
   // The two orders of the matrices, exact and deck, are each other's transposes.
   gains.K_P.transposeInPlace();
   gains.K_I.transposeInPlace();

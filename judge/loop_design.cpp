@@ -10,6 +10,7 @@
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "judge/law_file.hpp"
 #include "judge/scene_design.hpp"
 
 namespace stillframe::tools {
@@ -17,6 +18,9 @@ namespace stillframe::tools {
 using Eigen::MatrixXd;
 
 namespace {
+
+/// Of sample rates that are meant to be one.
+constexpr double same_rate = 1e-9;
 
 /// The plant with a state that is zero where the frame has followed its floor, z - (R x, R v): of
 /// a floor that moves as one only its acceleration is left, whatever the dofs are.
@@ -42,6 +46,68 @@ controller::PassivePlant passive_plant(const LoopPlant& plant) {
   return out;
 }
 
+std::vector<std::string> names_of(const std::vector<SceneSignal>& signals) {
+  std::vector<std::string> names;
+  for (const SceneSignal& signal : signals) names.push_back(signal.name);
+  return names;
+}
+
+/// A law of A, B, C, D brings all that these keys would ask for.
+void check_alone(const SceneController& block) {
+  const auto refuse = [&](bool given, const char* key) {
+    if (!given) return;
+    throw InputError(block.place + ": " + key + ": is given beside the law of " + block.law->file +
+                     ", which is A, B, C and D and has all of its filters in it; take it out");
+  };
+  refuse(block.realisation != Realisation::implicit_feedthrough, "realisation");
+  refuse(block.leak_hz > 0, "leak_hz");
+  refuse(block.high_pass_hz > 0, "high_pass_hz");
+  refuse(block.lead_samples > 0, "lead_samples");
+  refuse(block.roll_off_hz.has_value(), "roll_off_hz");
+  refuse(block.feed_forward.has_value(), "feed_forward");
+}
+
+/// Puts the law of the controller block into gains that have been made without it.
+void take_own_law(const Scene& scene, controller::Gains& gains) {
+  const SceneController& block = *scene.controller;
+  const LawFile file = read_law_file(block.law->file, block.law->bytes);
+  const auto fail = [&](const std::string& what) { throw InputError(block.law->file + ": " + what); };
+  // A sample time that was written in decimals is not its rate to the bit.
+  if (file.sample_rate_hz &&
+      std::abs(*file.sample_rate_hz / block.sample_rate_hz - 1) > same_rate) {
+    fail("sample_rate_hz: found " + shortest_digits(*file.sample_rate_hz) +
+         ", allowed is that of the controller block, " + shortest_digits(block.sample_rate_hz));
+  }
+  if (!file.law) {
+    const Index m = gains.n_legs();
+    if (file.K_P.rows() != m || file.K_P.cols() != m || file.K_I.rows() != m ||
+        file.K_I.cols() != m) {
+      fail("K_P, K_I: found " + std::to_string(file.K_P.rows()) + " x " +
+           std::to_string(file.K_P.cols()) + " and " + std::to_string(file.K_I.rows()) + " x " +
+           std::to_string(file.K_I.cols()) + ", allowed is a row and a column for each of the " +
+           std::to_string(m) + " legs");
+    }
+    gains.K_P = file.K_P;
+    gains.K_I = file.K_I;
+    return;
+  }
+  check_alone(block);
+  controller::BroughtLaw law{.matrices = *file.law};
+  const std::vector<std::string> floor = names_of(scene.inputs);
+  if (hears_floor(law.matrices)) law.floor = floor;
+  try {
+    own_law(law.matrices, gains.legs, floor);
+  } catch (const InputError& error) {
+    fail(error.what());
+  }
+  gains.law = std::move(law);
+  if (most_loop_states(gains) > controller::largest_loop) {
+    fail("A: found " + std::to_string(file.law->A.rows()) + " states, which make a loop of " +
+         std::to_string(most_loop_states(gains)) + "; allowed are up to " +
+         std::to_string(controller::largest_loop));
+  }
+}
+
 controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const LoopPlant& plant) {
   const SceneController& block = *scene.controller;
   return {.scene_hash = scene.hash,
@@ -59,12 +125,6 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .K_I = loop.gains.K_I,
           .instruments = scene.instruments,
           .plant = passive_plant(plant)};
-}
-
-std::vector<std::string> names_of(const std::vector<SceneSignal>& signals) {
-  std::vector<std::string> names;
-  for (const SceneSignal& signal : signals) names.push_back(signal.name);
-  return names;
 }
 
 /// The feed-forward of a scene's controller block on a loop, aiming at what the continuous law of
@@ -124,6 +184,7 @@ void sample(LoopDesign& design) {
                      .law = design.gains.law_sampling(),
                      .sampling = design.gains.sampling(),
                      .feed_forward = design.gains.feed_forward.filter};
+  if (design.gains.law) design.settings.own = controller::law_from_gains(design.gains);
   design.loop.gains = continuous_law(design.settings);
   design.sampled = sample_and_hold(plant, design.gains.sampling());
   design.open = open_loop(design.sampled);
@@ -144,9 +205,15 @@ LoopDesign designed(Scene scene, const std::optional<std::filesystem::path>& des
   design.model = make_model(design.scene);
   design.loop = make_control_loop(design.scene, design.model);
   std::optional<ControlLoop> other;
+  if (design_scene && design.scene.controller->law) {
+    throw InputError(design.scene.controller->place +
+                     ": law: brings its own matrices, so that those of the design scene would be "
+                     "of no use; take out one of the two");
+  }
   if (design_scene) other = take_design_of(*design_scene, design);
   const LoopPlant plant = loop_plant(design.loop.plant, design.loop.n_w, design.loop.n_y);
   design.gains = make_gains(design.scene, design.loop, plant);
+  if (design.scene.controller->law) take_own_law(design.scene, design.gains);
   sample(design);
   if (!design.scene.controller->feed_forward) return design;
   design.gains.feed_forward =

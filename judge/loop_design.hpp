@@ -23,6 +23,11 @@ struct LoopDesign {
   SampledPlant sampled;   ///< the plant with held inputs
   SampledLoop open, closed;
   double radius = 0;  ///< spectral radius of closed
+
+  /// Whether a law of one's own, A, B, C and D, runs; loop.gains is then what it is held against.
+  bool runs_own_law() const { return gains.law.has_value(); }
+  /// Whether K_P and K_I are numbers of a file and not designed.
+  bool has_own_gains() const { return scene.controller->law && !gains.law; }
 };
 
 /// With a design scene the gains are those of its model, of the same legs and with the same

@@ -364,6 +364,18 @@ void add_log_tables(const RunAnalyses& runs, page::PageData& page) {
 }
 
 std::vector<page::MatrixTable> gain_tables(const controller::Gains& gains) {
+  if (gains.law) {
+    const NamedLaw& law = gains.law->matrices;
+    std::vector<std::string> states;
+    for (Eigen::Index i = 0; i < law.A.rows(); ++i) states.push_back("x" + std::to_string(i + 1));
+    std::vector<page::MatrixTable> tables{
+        {.name = "A", .unit = "", .rows = states, .columns = states, .values = law.A},
+        {.name = "B", .unit = "", .rows = states, .columns = law.inputs, .values = law.B},
+        {.name = "C", .unit = "", .rows = law.outputs, .columns = states, .values = law.C},
+        {.name = "D", .unit = "", .rows = law.outputs, .columns = law.inputs, .values = law.D}};
+    std::erase_if(tables, [](const page::MatrixTable& table) { return table.values.size() == 0; });
+    return tables;
+  }
   return {
       {.name = "K_P", .unit = "", .rows = gains.legs, .columns = gains.legs, .values = gains.K_P},
       {.name = "K_I",

@@ -59,7 +59,7 @@ std::vector<double> sizes(const LoopDesign& design, const std::vector<SceneSigna
   other.model = make_model(other.scene);
   other.loop = design.loop;
   other.gains = design.gains;
-  other.gains.feed_forward = {};  // which hears what is measured alone
+  other.gains.forget_floor();  // which hears what is measured alone
   report::ResponseSignals signals{{}, response.measured.signals.outputs};
   for (const SceneSignal& input : inputs) signals.inputs.push_back(input.name);
   std::vector<double> result;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "controller/start_check.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
 #include "judge/loop_design.hpp"
 #include "report/plots/plot_trade.hpp"
@@ -51,6 +52,14 @@ int run(const Options& options) {
       {{"--out", options.out}, {"--mat", options.mat}, {"--plot-trade", options.plot_trade}});
   const LoopDesign design =
       make_loop_design(options.scene, options.controller, options.design_scene);
+  if (const auto& law = design.scene.controller->law) {
+    const std::optional<std::filesystem::path> file = law->file;
+    require_own_places({{"the law", file}}, {{"--out", options.out}, {"--mat", options.mat}});
+    if (options.plot_trade) {
+      throw InputError(design.scene.controller->place +
+                       ": law: --plot-trade draws what designed gains cost, and these are not");
+    }
+  }
   const DesignAnalysis analysis = analyse(design);
   if (options.json) {
     print(design_json(design, analysis));
@@ -82,7 +91,7 @@ void add_design(cli::Command& app, int& exit_code) {
   verb.option("--out", options->out, "Write the gains file that stillframe-controller reads")
       .type_name("FILE");
   verb.option("--mat", options->mat,
-              "Write plant, loops, law and gains as a MATLAB level-5 file (docs/exports.md)")
+              "Write plants, loops, law and gains as a MATLAB level-5 file (docs/exports.md)")
       .type_name("FILE");
   verb.option("--plot-trade", options->plot_trade,
               "Draw what target, sample rate and delay cost each other into a PNG file")
@@ -97,6 +106,10 @@ void add_design(cli::Command& app, int& exit_code) {
       "loop is not stable are printed and refused: exit code 3, no file written.\n"
       "Keys of --json:\n"
       "  scene, scene_hash, order, legs, target_hz, damping_ratio, K_P, K_I, leak_hz\n"
+      "  law                         file; of A, B, C, D states, inputs, outputs, and then no "
+      "order,\n"
+      "                              K_P, K_I, closed_loop_poles, *_order and stable_rates_hz: "
+      "null\n"
       "  feed_forward                floor, to_hz, corner_hz, at_most_db, actuator_error,\n"
       "                              noise_over_floor, taps; null where there is none\n"
       "  closed_loop_poles           [re, im] in rad/s, continuous law on the whole plant\n"

@@ -75,11 +75,27 @@ std::string cause(const Range& range, const Eigen::VectorXcd& poles) {
               least.imag() / two_pi, ratio);
 }
 
+/// Of a law of one's own nobody knows what it would do without sampling.
+std::vector<std::string> amplification_of_own(const LoopSettings& settings,
+                                              const SampledPlant& sampled, double target_hz) {
+  LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, whole_law_of(settings)));
+  const Eigen::VectorXd grid =
+      logarithmic_frequencies(target_hz, 0.5 / settings.sampling.sample_time, 200);
+  Ranges ranges;
+  for (const double hz : with_resonances(grid, controlled.resonances())) {
+    const double factor = controlled(hz) / passive(hz);
+    ranges.add(hz, factor > noted_ratio ? factor : 0);
+  }
+  if (ranges.empty()) return {};
+  return {ranges.text()};
+}
+
 }  // namespace
 
 std::vector<std::string> amplification_warnings(const LoopSettings& settings, double target_hz) {
   const LoopPlant& plant = settings.plant;
   const SampledPlant sampled = sample_and_hold(plant, settings.sampling);
+  if (settings.own) return amplification_of_own(settings, sampled, target_hz);
   const ForceFeedback feedback = continuous_law(settings);
   const Eigen::VectorXcd poles = closed_loop_poles(plant, feedback);
   const Index n_w = plant.B_w.cols();

@@ -184,9 +184,12 @@ std::optional<Recommendation> recommend(const LoopDesign& design, const LoopSett
 
 DesignAnalysis analyse(const LoopDesign& design) {
   DesignAnalysis out;
-  out.poles = closed_loop_poles(design.settings.plant, design.loop.gains);
-  out.exact = effect_of(design, GainOrder::exact);
-  out.deck = effect_of(design, GainOrder::deck);
+  const bool own = design.runs_own_law();
+  if (!own) out.poles = closed_loop_poles(design.settings.plant, design.loop.gains);
+  if (!design.scene.controller->law) {
+    out.exact = effect_of(design, GainOrder::exact);
+    out.deck = effect_of(design, GainOrder::deck);
+  }
   const ForceResponses forces(design);
   const FrequencyRange range = axis_of(design, design.scene.controller->target_hz);
   const std::vector<double> round = round_frequencies(range);
@@ -200,6 +203,11 @@ DesignAnalysis analyse(const LoopDesign& design) {
   out.radius = design.radius;
   out.misaligned_radius = misaligned_radius(design.settings);
   if (out.radius < largest_stable_radius) out.margins = margins(design.settings);
+  if (own) {
+    out.why_none = "a law of one's own has one rate";
+    out.warnings = design_warnings(design, out);
+    return out;
+  }
   if (out.margins && out.margins->all_disk < least_disk_margin) {
     out.widened = what_widens(design, out.margins->all_disk);
   }

@@ -49,8 +49,10 @@ struct Recommendation {
 
 /// Everything that the design page says.
 struct DesignAnalysis {
-  Eigen::VectorXcd poles;            ///< of the continuous loop with the whole plant, slowest first
-  PoleSpread exact, deck;            ///< on the design model, without leak
+  /// Of the continuous loop with the whole plant, slowest first; none with a law of one's own,
+  /// which has no continuous form.
+  Eigen::VectorXcd poles;
+  std::optional<PoleSpread> exact, deck;  ///< on the design model, without leak, of designed gains
   std::vector<FrequencyLine> lines;  ///< at round frequencies
   std::vector<PeakLine> peaks;       ///< between them
   double radius = 0;

@@ -48,13 +48,45 @@ std::string feed_forward_line(const LoopDesign& design) {
       block->at_most_db, 1.5 * block->to_hz, block->taps);
 }
 
+/// What a law of one's own hears: "6 sigma, 6 applied forces".
+std::string heard(const NamedLaw& law) {
+  std::string text;
+  for (const auto& [prefix, what] : {std::pair(sigma_prefix, "sigma"),
+                                     std::pair(applied_prefix, "applied forces"),
+                                     std::pair(strain_prefix, "strain forces"),
+                                     std::pair(floor_prefix, "accelerations of the floor")}) {
+    const auto n = std::count_if(law.inputs.begin(), law.inputs.end(),
+                                 [&](const std::string& name) { return name.starts_with(prefix); });
+    if (n > 0) text += (text.empty() ? "" : ", ") + cell("%td %s", n, what);
+  }
+  return text;
+}
+
+std::string own_law_lines(const LoopDesign& design) {
+  const SceneController& block = *design.scene.controller;
+  const NamedLaw& law = design.gains.law->matrices;
+  return cell(
+      "Law of %s: %td states, hears %s\n"
+      "Held against (\"continuous\") the PI of target %s Hz, damping %s, without sampling\n"
+      "Sampled at %g Hz, a command acts %g sample(s) after its measurement\n",
+      block.law->file.c_str(), law.A.rows(), heard(law).c_str(), listed(block.target_hz).c_str(),
+      listed(block.damping_ratio).c_str(), block.sample_rate_hz, block.delay_samples);
+}
+
 std::string heading(const LoopDesign& design) {
   const SceneController& block = *design.scene.controller;
   std::string text = design.scene.title + "\n";
-  text += cell("Target %s Hz, damping %s; order %s: X = I + K_P = %s / omega_d^2; leak %g Hz",
-               listed(block.target_hz).c_str(), listed(block.damping_ratio).c_str(),
-               block.order == GainOrder::exact ? "exact" : "deck",
-               block.order == GainOrder::exact ? "K M^-1" : "M^-1 K", block.leak_hz);
+  if (design.runs_own_law()) {
+    return text + own_law_lines(design) + instruments_line(design.scene.instruments);
+  }
+  const std::string origin =
+      design.has_own_gains()
+          ? "K_P and K_I of " + block.law->file
+          : cell("order %s: X = I + K_P = %s / omega_d^2",
+                 block.order == GainOrder::exact ? "exact" : "deck",
+                 block.order == GainOrder::exact ? "K M^-1" : "M^-1 K");
+  text += cell("Target %s Hz, damping %s; %s; leak %g Hz", listed(block.target_hz).c_str(),
+               listed(block.damping_ratio).c_str(), origin.c_str(), block.leak_hz);
   if (block.high_pass_hz > 0) text += cell(", high-pass %g Hz", block.high_pass_hz);
   if (block.roll_off_hz) text += cell(", roll-off %g Hz", *block.roll_off_hz);
   text += cell(
@@ -73,11 +105,13 @@ std::string warnings_text(const DesignAnalysis& analysis) {
 
 std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis) {
   const bool exact = design.scene.controller->order == GainOrder::exact;
-  const PoleSpread& used = exact ? analysis.exact : analysis.deck;
-  std::string text = cell(
-      "Design model, no leak: poles at %.6f to %.6f of what their targets ask for, largest real "
-      "part %.4g 1/s\n",
-      used.lowest, used.highest, used.largest_real);
+  std::string text;
+  if (const auto& used = exact ? analysis.exact : analysis.deck) {
+    text = cell(
+        "Design model, no leak: poles at %.6f to %.6f of what their targets ask for, largest real "
+        "part %.4g 1/s\n",
+        used->lowest, used->highest, used->largest_real);
+  }
   text += cell("Poles of the continuous law on the whole plant, all %td (rad/s):\n ",
                analysis.poles.size());
   size_t column = 0;
@@ -195,11 +229,12 @@ std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysi
   return text;
 }
 
-std::string limits_text(const DesignAnalysis& analysis) {
+std::string limits_text(const LoopDesign& design, const DesignAnalysis& analysis) {
   std::string text = cell(
       "Sampled closed loop: spectral radius %.9f; with the applied force "
       "reported one sample late %.9f\n",
       analysis.radius, analysis.misaligned_radius);
+  if (design.runs_own_law()) return text;
   text += "Stable rates:";
   for (const auto& [slowest, fastest] : analysis.rates) {
     text += cell(" %.4g Hz to %.4g Hz%s;", slowest, fastest, fastest >= 2e5 ? " and more" : "");
@@ -257,10 +292,23 @@ Json feed_forward_json(const LoopDesign& design) {
           {"taps", block->taps}};
 }
 
-Json spread_json(const PoleSpread& effect) {
-  return {{"lowest", effect.lowest},
-          {"highest", effect.highest},
-          {"largest_real", effect.largest_real}};
+Json spread_json(const std::optional<PoleSpread>& effect) {
+  if (!effect) return {};
+  return {{"lowest", effect->lowest},
+          {"highest", effect->highest},
+          {"largest_real", effect->largest_real}};
+}
+
+Json law_json(const LoopDesign& design) {
+  if (!design.scene.controller->law) return {};
+  Json out;
+  out["file"] = design.scene.controller->law->file;
+  if (!design.runs_own_law()) return out;
+  const NamedLaw& law = design.gains.law->matrices;
+  out["states"] = law.A.rows();
+  out["inputs"] = law.inputs;
+  out["outputs"] = law.outputs;
+  return out;
 }
 
 }  // namespace
@@ -270,10 +318,13 @@ std::string design_page(const LoopDesign& design, const DesignAnalysis& analysis
       design.scene.controller->force_limit_n
           ? ""
           : "force_limit_n is not given: stillframe run --mode wall_clock asks for it\n";
-  return heading(design) + warnings_text(analysis) + "\n" +
-         matrix_table("K_P (1)", design.gains.K_P) + matrix_table("K_I (1/s)", design.gains.K_I) +
-         "\n" + poles_text(design, analysis) + "\n" + transfer_text(analysis) + "\n" +
-         margins_text(design, analysis) + "\n" + limits_text(analysis) + by_the_clock;
+  const std::string gains = design.runs_own_law()
+                                ? ""
+                                : matrix_table("K_P (1)", design.gains.K_P) +
+                                      matrix_table("K_I (1/s)", design.gains.K_I) + "\n" +
+                                      poles_text(design, analysis) + "\n";
+  return heading(design) + warnings_text(analysis) + "\n" + gains + transfer_text(analysis) + "\n" +
+         margins_text(design, analysis) + "\n" + limits_text(design, analysis) + by_the_clock;
 }
 
 Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
@@ -294,6 +345,7 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
     crosstalk.push_back(line.decoupling ? Json(line.decoupling->crosstalk_db) : Json());
   }
   for (const auto& [slowest, fastest] : analysis.rates) rates.push_back({slowest, fastest});
+  const bool own = design.runs_own_law();
   Json peaks = Json::array();
   for (const auto& [row, line] : analysis.peaks) {
     peaks.push_back(
@@ -301,15 +353,16 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
   }
   Json out{{"scene", design.scene.title},
            {"scene_hash", design.scene.hash},
-           {"order", block.order == GainOrder::exact ? "exact" : "deck"},
+           {"order", block.law ? Json() : Json(block.order == GainOrder::exact ? "exact" : "deck")},
+           {"law", law_json(design)},
            {"legs", design.gains.legs},
            {"target_hz", block.target_hz},
            {"damping_ratio", block.damping_ratio},
-           {"K_P", to_json(design.gains.K_P)},
-           {"K_I", to_json(design.gains.K_I)},
+           {"K_P", own ? Json() : to_json(design.gains.K_P)},
+           {"K_I", own ? Json() : to_json(design.gains.K_I)},
            {"leak_hz", design.gains.leak_hz},
            {"feed_forward", feed_forward_json(design)},
-           {"closed_loop_poles", to_json(analysis.poles)},
+           {"closed_loop_poles", own ? Json() : to_json(analysis.poles)},
            {"exact_order", spread_json(analysis.exact)},
            {"deck_order", spread_json(analysis.deck)},
            {"spectral_radius", analysis.radius},
@@ -325,7 +378,7 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
            {"crosstalk_db", crosstalk},
            {"peaks", peaks},
            {"margins", analysis.margins ? margins_json(*analysis.margins) : Json()},
-           {"stable_rates_hz", rates},
+           {"stable_rates_hz", own ? Json() : rates},
            {"recommended", recommendation_json(analysis)},
            {"warnings", analysis.warnings}};
   return out;

@@ -11,6 +11,7 @@
 
 #include "controller/start_check.hpp"
 #include "core/control/continuous_loop.hpp"
+#include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 #include "tools/design_amplification.hpp"
@@ -32,6 +33,12 @@ void warn_of_stability(const LoopDesign& design, const DesignAnalysis& analysis,
   const std::string slow = controller::too_slow_to_tell(design.gains, analysis.radius);
   if (!slow.empty()) return out.push_back(slow);
   std::string text = cell("the sampled loop is not stable (spectral radius %.9g)", analysis.radius);
+  if (design.runs_own_law()) {
+    out.push_back(text);
+    const std::string unreached = controller::unreached_in_words(design.gains);
+    if (!unreached.empty()) out.push_back(unreached);
+    return;
+  }
   const Eigen::VectorXcd& poles = analysis.poles;
   const double real = poles.real().maxCoeff();
   const double rounding = 1e-9 * two_pi * design.scene.controller->lowest_target_hz();
@@ -50,9 +57,10 @@ void warn_of_stability(const LoopDesign& design, const DesignAnalysis& analysis,
 void warn_of_order(const LoopDesign& design, const DesignAnalysis& analysis,
                    std::vector<std::string>& out) {
   // The deck's matrices are the transposed ones.
+  if (!analysis.deck) return;
   const Eigen::MatrixXd& K_P = design.loop.gains.K_P;
   const bool coincide = (K_P - K_P.transpose()).norm() <= 1e-9 * K_P.norm();
-  const PoleSpread& deck = analysis.deck;
+  const PoleSpread& deck = *analysis.deck;
   if (coincide) return;
   if (deck.lowest > 0.99 && deck.highest < 1.01) return;
   const bool exact = design.scene.controller->order == GainOrder::exact;
@@ -309,6 +317,16 @@ void warn_of_inputs(const LoopDesign& design, std::vector<std::string>& out) {
                 ": what comes through there is in no number of this page");
 }
 
+/// What a law of one's own does where the loop is cut: while a force is limited.
+void warn_of_own_states(const LoopDesign& design, std::vector<std::string>& out) {
+  const double radius = spectral_radius(law_of(design.settings).A);
+  if (radius < largest_stable_radius) return;
+  out.push_back(
+      cell("the law's own states do not decay (spectral radius %.9g): while a force is limited "
+           "they run on, and what they have grown to is asked for when it no longer is",
+           radius));
+}
+
 void warn_of_margins(const DesignAnalysis& analysis, std::vector<std::string>& out) {
   if (!analysis.margins) return;
   const Margins& margins = *analysis.margins;
@@ -333,7 +351,8 @@ void warn_of_late_reports(const LoopSettings& settings, const DesignAnalysis& an
       cell("if the applied force were reported one sample late, the loop would be "
            "unstable (radius %.4g)%s",
            analysis.misaligned_radius,
-           settings.feedback.roll_off > 0 ? "" : "; roll_off_hz makes it forgive more"));
+           settings.own || settings.feedback.roll_off > 0 ? ""
+                                                          : "; roll_off_hz makes it forgive more"));
 }
 
 void warn_of_rates(double rate, double target_hz, const DesignAnalysis& analysis,
@@ -386,10 +405,14 @@ std::vector<std::string> standing_warnings(const LoopSettings& settings, double 
 std::vector<std::string> design_warnings(const LoopDesign& design, const DesignAnalysis& analysis) {
   std::vector<std::string> out;
   warn_of_stability(design, analysis, out);
-  warn_of_order(design, analysis, out);
-  warn_of_standstill(design, out);
-  warn_of_motions(design, analysis, out);
-  warn_of_targets(design, out);
+  if (design.runs_own_law()) {
+    warn_of_own_states(design, out);
+  } else {
+    warn_of_order(design, analysis, out);
+    warn_of_standstill(design, out);
+    warn_of_motions(design, analysis, out);
+    warn_of_targets(design, out);
+  }
   warn_of_inputs(design, out);
   const double target_hz = design.scene.controller->lowest_target_hz();
   for (const auto& warnings : {settings_warnings(design.settings, target_hz, analysis),

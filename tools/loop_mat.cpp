@@ -2,6 +2,8 @@
 
 #include "controller/law.hpp"
 #include "core/control/continuous_loop.hpp"
+#include "core/control/open_plant.hpp"
+#include "core/control/own_law.hpp"
 #include "report/export/mat_file.hpp"
 
 namespace stillframe::tools {
@@ -75,7 +77,12 @@ void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path)
   Signals forces, errors, floor_forces = floor, floor_noise = floor, motion_stresses = motion;
   const DiscreteLaw law = controller::law_from_gains(design.gains);
   forces.add(legs, "N", "force:");
-  errors.add(legs, "N", law.subtract_applied ? "strain_force:" : "sigma:");
+  const bool filtered = law.applied_memory > 0;
+  errors.add(legs, "N",
+             !law.subtract_applied ? sigma_prefix
+             : filtered            ? "filtered_strain_force:"
+                                   : strain_prefix);
+  if (law.hears_applied()) errors.add(legs, "N", applied_prefix);
   floor_forces.add(legs, "N", "force:");
   floor_noise.add(legs, "N", "sensor_noise:");
   motion_stresses.add(legs, "N", "sigma:");
@@ -84,8 +91,10 @@ void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path)
   file.add_text("scene", design.scene.title);
   file.add_text("scene_hash", design.scene.hash);
   file.add("leg_names", legs);
-  file.add("K_P", design.gains.K_P);
-  file.add("K_I", design.gains.K_I);
+  if (!design.runs_own_law()) {
+    file.add("K_P", design.gains.K_P);
+    file.add("K_I", design.gains.K_I);
+  }
   add_system(file, "plant", plant_system(design.settings.plant), 0, floor_forces, motion_stresses);
   add_system(file, "loop", continuous_loop(design.settings.plant, design.loop.gains), 0,
              floor_noise, motion);
@@ -97,6 +106,18 @@ void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path)
   if (law.feed_forward.D.cols() > 0) {
     add_system(file, "feed_forward", law.feed_forward, design.gains.sample_time(), floor, forces);
   }
+  Signals answers = motion, heard;
+  answers.add(legs, "N", sigma_prefix);
+  answers.add(legs, "N", applied_prefix);
+  answers.add(floor.names, "m/s^2", floor_prefix);
+  add_system(file, "sampled_plant", open_plant(design.sampled), design.gains.sample_time(),
+             floor_forces, answers);
+  const NamedLaw whole = named(law, legs, floor.names);
+  for (const std::string& name : whole.inputs) {
+    heard.add({name}, name.starts_with(floor_prefix) ? "m/s^2" : "N");
+  }
+  add_system(file, "whole_law", {whole.A, whole.B, whole.C, whole.D}, design.gains.sample_time(),
+             heard, forces);
   file.save();
 }
 

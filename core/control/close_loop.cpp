@@ -17,9 +17,11 @@ namespace {
 
 void check_shapes(const SampledPlant& plant, const DiscreteLaw& law) {
   const Index m = plant.Gamma_u.cols(), n = law.A.rows();
-  const bool fits = law.A.cols() == n && law.B.rows() == n && law.B.cols() == m &&
+  const Index n_in = law.D.cols();
+  const bool fits = law.A.cols() == n && law.B.rows() == n && law.B.cols() == n_in &&
                     law.C.rows() == m && law.C.cols() == n && law.D.rows() == m &&
-                    law.D.cols() == m && plant.C_sigma.rows() == m;
+                    (n_in == m || (n_in == 2 * m && !law.subtract_applied)) &&
+                    plant.C_sigma.rows() == m;
   if (!fits) {
     throw std::invalid_argument("close_loop: the law does not fit a plant of " + std::to_string(m) +
                                 " legs");
@@ -53,7 +55,8 @@ struct Layout {
     held = law + control.A.rows();
     filtered = held + m;
     reports = filtered + (control.subtract_applied && control.applied_memory > 0 ? m : 0);
-    pending = reports + (control.subtract_applied ? m * plant.report_age : 0);
+    const bool reported = control.subtract_applied || control.hears_applied();
+    pending = reports + (reported ? m * plant.report_age : 0);
     total = pending + plant.whole_delay.sum();
   }
 };
@@ -72,7 +75,7 @@ void shift_in(MatrixXd& A, Index begin, Index end, Index m, const MatrixXd& newe
 /// A closed loop in the states of Layout, and what its law hears of them.
 struct Connected {
   SampledLoop loop;
-  MatrixXd C_e;
+  MatrixXd C_e;  ///< of sigma, less the applied force where the law takes it out
   Index n_plant;  ///< before those of the law
 };
 
@@ -83,24 +86,33 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
 
   // e = C_e xi + v is the law's input, u = C_u xi + D v its command, c_1 = C_f xi what takes effect
   // in the coming interval.
+  // A law that hears the applied force has that below sigma in e.
   MatrixXd C_e = MatrixXd::Zero(m, at.total), C_report = C_e, C_applied = C_e;
   C_e.leftCols(n) = plant.C_sigma;
   C_e.middleCols(at.held, m) = plant.D_sigma;
   C_report.leftCols(n) = plant.C_report;
   C_report.middleCols(at.held, m) = plant.D_report;
-  if (law.subtract_applied) {
+  if (law.subtract_applied || law.hears_applied()) {
     C_applied = C_report;
     if (plant.report_age > 0) {
       C_applied.setZero();
       C_applied.middleCols(at.reports, m).setIdentity();
     }
+  }
+  if (law.subtract_applied) {
     if (law.applied_memory > 0) {
       C_applied *= 1 - law.applied_memory;
       C_applied.middleCols(at.filtered, m).diagonal().array() += law.applied_memory;
     }
     C_e -= C_applied;
   }
-  MatrixXd C_u = law.D * C_e;
+  MatrixXd C_in = C_e;
+  if (law.hears_applied()) {
+    C_in.resize(2 * m, at.total);
+    C_in << C_e, C_applied;
+  }
+  const MatrixXd B_v = law.B.leftCols(m), D_v = law.D.leftCols(m);
+  MatrixXd C_u = law.D * C_in;
   C_u.middleCols(at.law, n_law) += law.C;
   const LinearSystem& forward = law.feed_forward;
   const Index p = at.feed - at.floor, n_feed = at.law - at.feed;
@@ -109,7 +121,7 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
     C_u.middleCols(at.feed, n_feed) += forward.C;
   }
   // A leg whose command takes effect at once has it straight from the law, others from the queue.
-  MatrixXd C_f = C_u, D_f = law.D;  // of xi and v
+  MatrixXd C_f = C_u, D_f = D_v;  // of xi and v
   Index queue = at.pending;
   for (Index i = 0; i < m; ++i) {
     if (plant.whole_delay(i) == 0) continue;
@@ -126,7 +138,7 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
   loop.A.topRows(n) = plant.Gamma_u * C_f;
   loop.A.topLeftCorner(n, n) += plant.Phi;
   loop.A.block(0, at.held, n, m) += plant.Gamma_0;
-  loop.A.middleRows(at.law, n_law) = law.B * C_e;
+  loop.A.middleRows(at.law, n_law) = law.B * C_in;
   loop.A.block(at.law, at.law, n_law, n_law) += law.A;
   loop.A.middleRows(at.held, m) = C_f;
   if (at.reports > at.filtered) loop.A.middleRows(at.filtered, m) = C_applied;
@@ -141,14 +153,14 @@ Connected connected(const SampledPlant& plant, const DiscreteLaw& law) {
   }
   loop.B_v = MatrixXd::Zero(at.total, m);
   loop.B_v.topRows(n) = plant.Gamma_u * D_f;
-  loop.B_v.middleRows(at.law, n_law) = law.B;
+  loop.B_v.middleRows(at.law, n_law) = B_v;
   loop.B_v.middleRows(at.held, m) = D_f;
   queue = at.pending;
   for (Index i = 0; i < m; ++i) {
     if (plant.whole_delay(i) == 0) continue;
     const Index end = queue + plant.whole_delay(i);
     shift_in(loop.A, queue, end, 1, C_u.row(i));
-    loop.B_v.row(end - 1) = law.D.row(i);
+    loop.B_v.row(end - 1) = D_v.row(i);
     queue = end;
   }
   loop.C = plant.D_yu * C_f;
@@ -205,12 +217,16 @@ MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double
   law_resolvent.diagonal().array() += z;
   MatrixXcd F = law.C * law_resolvent.partialPivLu().solve(law.B.cast<Complex>()) + law.D;
   for (Index i = 0; i < m; ++i) F.row(i) *= std::pow(z, -plant.whole_delay(i));
-  if (!law.subtract_applied) return -F * sigma;
+  const MatrixXcd of_sigma = F.leftCols(m) * sigma;
+  if (!law.subtract_applied && !law.hears_applied()) return -of_sigma;
   MatrixXcd report = plant.C_report.leftCols(n) * x + plant.D_report.cast<Complex>() / z;
   report *=
       std::pow(z, -plant.report_age) * (1 - law.applied_memory) / (1.0 - law.applied_memory / z);
-  // c = F (sigma - r): what the law takes out of sigma is the report of its own command.
-  return -(MatrixXcd::Identity(m, m) + F * report).partialPivLu().solve(F * sigma);
+  // c = F (sigma - r): what the law takes out of sigma, or hears beside it, is the report of its
+  // own command.
+  const MatrixXcd of_report =
+      law.subtract_applied ? MatrixXcd(F * report) : MatrixXcd(-F.rightCols(m) * report);
+  return -(MatrixXcd::Identity(m, m) + of_report).partialPivLu().solve(of_sigma);
 }
 
 }  // namespace stillframe

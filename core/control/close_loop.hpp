@@ -18,7 +18,8 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law);
 struct GainedLoop {
   SampledLoop closed;        ///< as close_loop
   SampledLoop released;      ///< in the same states: commands are zero, but the law goes on
-  Eigen::MatrixXd C_e;       ///< what the law hears: e[k] = C_e xi[k] + v[k]
+  /// What the law hears of the force sensors: e[k] = C_e xi[k] + v[k], less what it takes out.
+  Eigen::MatrixXd C_e;
   Eigen::Index n_plant = 0;  ///< leading states that do not need the law's command: the plant's and
                              ///< the exogenous ones
 

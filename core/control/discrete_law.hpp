@@ -12,14 +12,17 @@ namespace stillframe {
 ///   r[k] = a r[k-1] + (1 - a) sigma_a,applied[k],   e[k] = sigma[k] - (subtract_applied ? r[k] :
 ///   0), u[k] = C x[k] + D e[k],   x[k+1] = A x[k] + B e[k].
 /// a = applied_memory is that of the low-pass that sigma comes through; 0: none. A: n x n, B: n x
-/// m, C: m x n, D: m x m for m legs; u and e in N. Linear, before any saturation. What feed_forward
-/// (inputs: the first accelerations of the floor in the same measurement, m/s^2) makes of the floor
-/// is added to u.
+/// m, C: m x n, D: m x m for m legs; u and e in N. Where B and D have 2 m columns the law hears the
+/// applied force by itself, and e is (sigma, sigma_a,applied) instead. Linear, before any
+/// saturation. What feed_forward (inputs: the first accelerations of the floor in the same
+/// measurement, m/s^2) makes of the floor is added to u.
 struct DiscreteLaw {
   Eigen::MatrixXd A, B, C, D;
   bool subtract_applied = true;
   double applied_memory = 0;
   LinearSystem feed_forward = {};  ///< without columns in D: none
+
+  bool hears_applied() const { return D.cols() > D.rows(); }
 };
 
 /// What the sampling of a law needs beside the law.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace stillframe {
 
@@ -21,6 +22,11 @@ LoopPlant feedback_part(const LoopPlant& plant) {
 }
 
 DiscreteLaw law_of(const LoopSettings& settings) {
+  if (settings.own) {
+    DiscreteLaw law = *settings.own;
+    law.feed_forward = {};
+    return law;
+  }
   LawSampling sampling = settings.law;
   sampling.sample_time = settings.sampling.sample_time;
   sampling.sensor_filter_hz = settings.sampling.instruments.sensor_filter_hz;
@@ -28,6 +34,7 @@ DiscreteLaw law_of(const LoopSettings& settings) {
 }
 
 DiscreteLaw whole_law_of(const LoopSettings& settings) {
+  if (settings.own) return *settings.own;
   DiscreteLaw law = law_of(settings);
   law.feed_forward = feed_forward_system(settings.feed_forward);
   return law;
@@ -55,6 +62,7 @@ double spectral_radius(const LoopSettings& settings) {
 }
 
 LoopSettings at_rate(LoopSettings settings, double rate_hz) {
+  if (settings.own) throw std::invalid_argument("at_rate: a law of one's own has one rate");
   settings.sampling.sample_time = 1 / rate_hz;
   settings.feed_forward = {};
   return settings;

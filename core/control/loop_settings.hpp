@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct LoopSettings {
   LawSampling law;         ///< its sample time and sensor filter are taken from `sampling`
   Sampling sampling;
   FeedForward feed_forward = {};  ///< no part of what is stable, robust or late
+  /// A law of one's own, which runs in place of those two, and at its own rate alone; `feedback` is
+  /// then what it is held against.
+  std::optional<DiscreteLaw> own = {};
 };
 
 /// The sampled feedback of a loop, without its feed-forward. Errors: as sample_law.
@@ -50,7 +54,8 @@ std::vector<std::pair<double, double>> stable_rates(const LoopSettings& settings
                                                     double highest_hz);
 
 /// The same feedback at another sample rate; delay, lead and report age stay so many samples. A
-/// feed-forward is of one rate, and is left out.
+/// feed-forward is of one rate, and is left out. Errors: std::invalid_argument of a law of one's
+/// own, which has one.
 LoopSettings at_rate(LoopSettings settings, double rate_hz);
 
 }  // namespace stillframe

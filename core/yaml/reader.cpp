@@ -216,6 +216,23 @@ Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols, double 
   return result;
 }
 
+std::pair<std::filesystem::path, std::string> YamlReader::file_bytes(std::size_t most) const {
+  const std::filesystem::path path = folder() / text();
+  if (std::filesystem::is_directory(path)) fail("'" + path.string() + "' is a folder");
+  std::ifstream file(path, std::ios::binary);
+  // One byte more than is allowed, so that a device without an end is refused as well.
+  std::string bytes(most + 1, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (file.bad() || file.gcount() == 0) {
+    fail("the file '" + path.string() + "' cannot be read (missing, empty or not allowed)");
+  }
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  if (bytes.size() > most) {
+    fail("the file '" + path.string() + "' has more than " + std::to_string(most >> 20) + " MiB");
+  }
+  return {path, bytes};
+}
+
 void YamlReader::fail(const std::string& message) const {
   throw InputError(place() + ": " +
                    printable((name_.empty() ? "" : name_ + ": ") + message, longest_message));

@@ -69,6 +69,10 @@ class YamlReader {
   Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index cols,
                          double largest = largest_number) const;
 
+  /// The file whose path stands here, from the folder of this one: its name and its bytes, `most`
+  /// at most. Errors: InputError of a file that is missing, empty, a folder or larger.
+  std::pair<std::filesystem::path, std::string> file_bytes(std::size_t most) const;
+
   /// Throws InputError "place: key: message".
   [[noreturn]] void fail(const std::string& message) const;
   /// "file:line:column".

@@ -57,6 +57,9 @@ double read_part(const YamlReader& block, const std::string& key) {
 constexpr double highest_part_of_rate = 0.25, part_of_rate = 0.05, part_of_target = 0.1;
 constexpr double most_db = 40;
 
+/// Of a law's file: one of as many states as a loop may have takes a tenth of it.
+constexpr std::size_t most_law_bytes = std::size_t{16} << 20;
+
 SceneFeedForward read_feed_forward(const YamlReader& block, const SceneController& controller) {
   block.allow_only(
       {"to_hz", "corner_hz", "at_most_db", "actuator_error", "noise_over_floor", "taps"});
@@ -93,7 +96,7 @@ SceneFeedForward read_feed_forward(const YamlReader& block, const SceneControlle
 SceneController read_controller(const YamlReader& block, const Scene& scene) {
   block.allow_only({"legs", "target_hz", "damping_ratio", "order", "reduction", "realisation",
                     "sample_rate_hz", "delay_samples", "leak_hz", "high_pass_hz", "lead_samples",
-                    "roll_off_hz", "force_limit_n", "feed_forward"});
+                    "roll_off_hz", "force_limit_n", "feed_forward", "law"});
   SceneController controller;
   controller.place = block.place();
   controller.legs = read_legs(block.require("legs"), scene);
@@ -119,7 +122,14 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
       number_within(block.require("sample_rate_hz"), lowest_rate_hz, highest_rate_hz);
   controller.delay_samples =
       number_within(block.require("delay_samples"), 0, longest_delay_samples);
-  controller.leak_hz = number_within(block.require("leak_hz"), 0, highest_hz);
+  if (const auto value = block.find("law")) {
+    const auto [path, bytes] = value->file_bytes(most_law_bytes);
+    controller.law = SceneLaw{.file = path.string(), .bytes = bytes};
+  }
+  // A law of one's own need have none.
+  if (!controller.law || block.find("leak_hz")) {
+    controller.leak_hz = number_within(block.require("leak_hz"), 0, highest_hz);
+  }
   if (const auto value = block.find("high_pass_hz")) {
     controller.high_pass_hz = number_within(*value, 0, highest_hz);
   }

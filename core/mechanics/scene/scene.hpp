@@ -138,6 +138,11 @@ struct SceneFeedForward {
   int taps = 16;
 };
 
+/// A law of one's own, as it stands in its file; judge/law_file.hpp reads it.
+struct SceneLaw {
+  std::string file, bytes;
+};
+
 struct SceneController {
   std::string place;
   std::vector<std::string> legs;
@@ -153,6 +158,7 @@ struct SceneController {
   double lead_samples = 0;
   std::optional<double> roll_off_hz, force_limit_n;
   std::optional<SceneFeedForward> feed_forward;
+  std::optional<SceneLaw> law;
 
   /// The lowest target and its damping, for what has room for one number only.
   double lowest_target_hz() const { return *std::min_element(target_hz.begin(), target_hz.end()); }

@@ -77,7 +77,8 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   if (controller) {
     scene.controller = read_controller(controller->reader, scene);
     // Gains belong to the controller block as much as to the frame.
-    scene.hash = text_hash(text + controller->text);
+    scene.hash = text_hash(text + controller->text +
+                           (scene.controller->law ? scene.controller->law->bytes : ""));
   }
   if (const auto block = root.find("instruments")) {
     const int n_legs = scene.controller ? static_cast<int>(scene.controller->legs.size()) : -1;
