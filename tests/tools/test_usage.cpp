@@ -10,9 +10,10 @@ TEST_F(Usage, HelpNamesEveryVerbAndExitCodes) {
   const Said said = run({"--help"});
   EXPECT_EQ(said.exit_code, 0);
   for (const char* word :
-       {"modes",  "equilibrium", "buckling", "linearise",   "sigma",     "design", "robustness",
-        "merge",  "run",         "identify", "report",      "batch",     "ctl",    "replay",
-        "export", "watch",       "0 done",   "2 bad usage", "3 refused", "4 a run"}) {
+       {"modes",       "equilibrium", "buckling", "linearise", "sigma",    "design",
+        "budget",      "robustness",  "merge",    "run",       "identify", "report",
+        "batch",       "ctl",         "replay",   "export",    "watch",    "0 done",
+        "2 bad usage", "3 refused",   "4 a run"}) {
     EXPECT_NE(said.output.find(word), std::string::npos) << word;
   }
 }
