@@ -24,8 +24,8 @@ FloorFilter::FloorFilter(const LinearSystem& system, Index m) : n_floor_(system.
   for (Index i = 0; p > 0 && i < n; ++i) {
     Index from = 0;
     const double largest = dynamics.row(i).cwiseAbs().maxCoeff(&from);
-    const bool hands_on = largest == 1 && dynamics(i, from) == 1 &&
-                          (dynamics.row(i).array() != 0).count() == 1;
+    const bool hands_on =
+        largest == 1 && dynamics(i, from) == 1 && (dynamics.row(i).array() != 0).count() == 1;
     if (!hands_on) {
       summed_.push_back(i);
       for (Index j = 0; j < n + p; ++j) {

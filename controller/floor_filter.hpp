@@ -10,8 +10,9 @@ namespace stillframe::controller {
 
 /// A feed-forward as it runs, one step a sample: u[k] = C x[k] + D w[k], x[k+1] = A x[k] + B w[k],
 /// p accelerations of the floor in (m/s^2), m forces out (N). A and B are nearly empty, most of
-/// their rows hand a sample on to the next state, and no more than that is computed. It has no loop through the frame, so it hears the floor whether or not its force is
-/// commanded. Construction is set-up; the rest is hot: noexcept, no allocation.
+/// their rows hand a sample on to the next state, and no more than that is computed. It has no loop
+/// through the frame, so it hears the floor whether or not its force is commanded. Construction is
+/// set-up; the rest is hot: noexcept, no allocation.
 class FloorFilter {
  public:
   /// More samples than this without a floor, and it begins anew.
@@ -61,8 +62,8 @@ class FloorFilter {
   std::vector<Term> terms_;
   std::vector<Eigen::Index> summed_;  ///< rows that terms_ add up to
   RowMatrix outputs_;                 ///< m x (n + p), (C D)
-  Eigen::MatrixXd at_rest_;  ///< n x p, (I - A)^-1 B: x of a floor that stands for ever
-  Eigen::VectorXd z_, next_;  ///< n + p: x and the floor that was heard last
+  Eigen::MatrixXd at_rest_;           ///< n x p, (I - A)^-1 B: x of a floor that stands for ever
+  Eigen::VectorXd z_, next_;          ///< n + p: x and the floor that was heard last
   Eigen::VectorXd last_, force_;
   bool begun_ = false;
 };

@@ -194,10 +194,10 @@ class Maker {
       const ForceCourse course(disturbance, T_);
       MatrixXd inputs = MatrixXd::Zero(n(), 1);
       for (Index k = 1; k < n(); ++k) inputs(k, 0) = course.at(k - 1);
-      courses_.push_back({"force " + disturbance.name, std::move(inputs),
-                          [this, i](BudgetMethod method) {
-                            return loops_->of_force(static_cast<Index>(i), method);
-                          }});
+      courses_.push_back(
+          {"force " + disturbance.name, std::move(inputs), [this, i](BudgetMethod method) {
+             return loops_->of_force(static_cast<Index>(i), method);
+           }});
     }
   }
 
@@ -309,8 +309,8 @@ class Maker {
   }
 
   static void add(const Noise& noise, Index output, BudgetMethod method, SignalBudget& budget) {
-    const bool acts = noise.feed_forward ? method == BudgetMethod::feed_forward
-                                         : method != BudgetMethod::passive;
+    const bool acts =
+        noise.feed_forward ? method == BudgetMethod::feed_forward : method != BudgetMethod::passive;
     Levels levels = levels_of(noise.power, output, acts ? noise.mean_square(output) : 0);
     budget.sources.push_back(part_of(levels));
     BudgetPart& total = budget.total;
@@ -326,7 +326,8 @@ class Maker {
     budget.vibration_class = report::vibration_class(total.velocity);
     if (!(total.rms > 0)) return;
     // Of the mean square: (S_v^2 + 2 S_d S_v) / T over frequency, v all noises, d the courses.
-    const VectorXd width = edges_hz_.tail(edges_hz_.size() - 1) - edges_hz_.head(total.power.size());
+    const VectorXd width =
+        edges_hz_.tail(edges_hz_.size() - 1) - edges_hz_.head(total.power.size());
     const VectorXd by_noise = (total.power - courses.power).cwiseMax(0);
     const double duration_s = static_cast<double>(n()) * T_;
     const double variance =
@@ -368,7 +369,8 @@ class Maker {
 
   void done() {
     ++n_done_;
-    if (plan_.progress) plan_.progress(static_cast<double>(n_done_) / static_cast<double>(n_to_do_));
+    if (plan_.progress)
+      plan_.progress(static_cast<double>(n_done_) / static_cast<double>(n_to_do_));
   }
 
   const LoopDesign& design_;

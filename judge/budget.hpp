@@ -18,8 +18,8 @@ const char* name_of(BudgetMethod method);
 
 /// What one source does to one acceleration, or all of them do together.
 struct BudgetPart {
-  double rms = 0;    ///< m/s^2, by itself, over the samples of the run from its start on
-  double share = 0;  ///< (m/s^2)^2, of the mean square of all sources together
+  double rms = 0;            ///< m/s^2, by itself, over the samples of the run from its start on
+  double share = 0;          ///< (m/s^2)^2, of the mean square of all sources together
   Eigen::VectorXd power;     ///< (m/s^2)^2 of every cell, by itself; together rms^2
   Eigen::VectorXd shared;    ///< (m/s^2)^2, share of the power of every cell; together `share`
   Eigen::VectorXd velocity;  ///< m/s rms, by itself, as report::third_octave_velocity
@@ -54,8 +54,8 @@ struct Budget {
 };
 
 struct BudgetPlan {
-  std::vector<ComparedFrame> axes;  ///< outputs and monitors of the scene, by name
-  std::int64_t n_samples = 0;       ///< measurements of the run, the first at rest
+  std::vector<ComparedFrame> axes;            ///< outputs and monitors of the scene, by name
+  std::int64_t n_samples = 0;                 ///< measurements of the run, the first at rest
   std::function<void(double)> progress = {};  ///< share of the work, 0 to 1
 };
 

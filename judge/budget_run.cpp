@@ -23,14 +23,13 @@ bool alike(const MatrixXd& a, const MatrixXd& b) {
 /// With which of a design's laws a log was run; nothing if with none of them.
 std::optional<BudgetMethod> method_of(const controller::Gains& of_log,
                                       const controller::Gains& of_design) {
-  const bool same = alike(of_log.K_P, of_design.K_P) && alike(of_log.K_I, of_design.K_I) &&
-                    of_log.sample_rate_hz == of_design.sample_rate_hz &&
-                    of_log.delay_samples == of_design.delay_samples &&
-                    of_log.lead_samples == of_design.lead_samples &&
-                    of_log.leak_hz == of_design.leak_hz &&
-                    of_log.high_pass_hz == of_design.high_pass_hz &&
-                    of_log.roll_off_hz == of_design.roll_off_hz &&
-                    of_log.realisation == of_design.realisation;
+  const bool same =
+      alike(of_log.K_P, of_design.K_P) && alike(of_log.K_I, of_design.K_I) &&
+      of_log.sample_rate_hz == of_design.sample_rate_hz &&
+      of_log.delay_samples == of_design.delay_samples &&
+      of_log.lead_samples == of_design.lead_samples && of_log.leak_hz == of_design.leak_hz &&
+      of_log.high_pass_hz == of_design.high_pass_hz &&
+      of_log.roll_off_hz == of_design.roll_off_hz && of_log.realisation == of_design.realisation;
   if (!same) return std::nullopt;
   if (of_log.feed_forward.filter.empty()) return BudgetMethod::feedback;
   if (!alike(of_log.feed_forward.filter.weights, of_design.feed_forward.filter.weights)) {
@@ -56,8 +55,8 @@ BudgetMethod method_of(const run_info_t& info, const std::string& place, const L
                      ": mode: found wall_clock, allowed are lock_step and single_process: by the "
                      "clock a loop takes hold of its frame while the run goes on");
   }
-  const auto method = method_of(controller::parse_gains(info.gains_text, place + ": gains_text"),
-                                design.gains);
+  const auto method =
+      method_of(controller::parse_gains(info.gains_text, place + ": gains_text"), design.gains);
   if (!method) {
     throw InputError(place + ": gains_text: found other gains than those of " + design.scene.file +
                      ", allowed are these, with or without their feed-forward");
@@ -70,13 +69,12 @@ BudgetMethod method_of(const run_info_t& info, const std::string& place, const L
 BudgetRun budget_run(const std::filesystem::path& log, const LoopDesign& design,
                      const std::string& floor_text, const std::vector<ComparedFrame>& axes) {
   BudgetRun run{.log = log, .method = {}, .n_samples = 0, .axes = {}};
-  const report::LogAnalysis data =
-      report::analyse_log(log, {}, [&](const run_info_t& info) {
-        run.method = method_of(info, log.string(), design, floor_text);
-        report::AnalysisPlan plan;
-        for (const ComparedFrame& axis : axes) plan.frames.push_back(axis.frame);
-        return plan;
-      });
+  const report::LogAnalysis data = report::analyse_log(log, {}, [&](const run_info_t& info) {
+    run.method = method_of(info, log.string(), design, floor_text);
+    report::AnalysisPlan plan;
+    for (const ComparedFrame& axis : axes) plan.frames.push_back(axis.frame);
+    return plan;
+  });
   run.n_samples = data.scan.info.n_samples;
   if (data.n_judged != run.n_samples) {
     throw InputError(log.string() + ": holds " + std::to_string(data.n_judged) + " of " +

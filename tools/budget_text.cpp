@@ -85,8 +85,8 @@ report::Table table_of(const Budget& budget) {
 }
 
 report::Table table_of(const std::vector<BudgetCheck>& checks, double within) {
-  report::Table table(
-      {"axis", "method", "predicted mm/s^2", "+-", "measured", "difference %", ""}, 2);
+  report::Table table({"axis", "method", "predicted mm/s^2", "+-", "measured", "difference %", ""},
+                      2);
   for (const BudgetCheck& check : checks) {
     table.add({check.axis, words_of(check.method), mm_s2(check.predicted), mm_s2(check.scatter),
                mm_s2(check.measured), cell("%.2f", 100 * check.difference()),
@@ -129,11 +129,11 @@ Json json_of(const SignalBudget& signal, const std::vector<std::string>& sources
 std::string budget_text(const std::string& title, const Budget& budget,
                         const std::vector<BudgetRun>& runs, double within) {
   const double seconds = static_cast<double>(budget.n_samples - 1) / budget.sample_rate_hz;
-  std::string text = title + cell(": error budget of %g s at %g Hz, from rest\n", seconds,
-                                  budget.sample_rate_hz) +
-                     "mm/s^2 rms of each source by itself, and its share of the mean square of "
-                     "all\n" +
-                     table_of(budget).print();
+  std::string text =
+      title + cell(": error budget of %g s at %g Hz, from rest\n", seconds, budget.sample_rate_hz) +
+      "mm/s^2 rms of each source by itself, and its share of the mean square of "
+      "all\n" +
+      table_of(budget).print();
   if (!budget.left_out.empty()) {
     text += "Not linear, and left out of the budget: " + budget.left_out + "\n";
   }
@@ -146,8 +146,8 @@ std::string budget_text(const std::string& title, const Budget& budget,
   return text;
 }
 
-Json budget_json(const std::string& title, const Budget& budget,
-                 const std::vector<BudgetRun>& runs, double within) {
+Json budget_json(const std::string& title, const Budget& budget, const std::vector<BudgetRun>& runs,
+                 double within) {
   Json json{{"scene", title},
             {"sample_rate_hz", budget.sample_rate_hz},
             {"n_samples", budget.n_samples},

@@ -13,7 +13,7 @@ std::string budget_text(const std::string& title, const Budget& budget,
                         const std::vector<BudgetRun>& runs, double within);
 
 /// The same with all digits and all bands; the keys are in the help of `stillframe budget`.
-Json budget_json(const std::string& title, const Budget& budget,
-                 const std::vector<BudgetRun>& runs, double within);
+Json budget_json(const std::string& title, const Budget& budget, const std::vector<BudgetRun>& runs,
+                 double within);
 
 }  // namespace stillframe::tools

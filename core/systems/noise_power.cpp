@@ -21,9 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 NoiseProcess NoiseProcess::stationary(double kept, double variance) {
-  return {.kept = kept,
-          .fresh = std::sqrt(variance * (1 - kept * kept)),
-          .first = std::sqrt(variance)};
+  return {
+      .kept = kept, .fresh = std::sqrt(variance * (1 - kept * kept)), .first = std::sqrt(variance)};
 }
 
 double NoiseProcess::density(double hz, double sample_time) const {
@@ -75,8 +74,7 @@ class CovarianceSums {
 
 }  // namespace
 
-VectorXd mean_square_over(const LinearSystem& system, const NoiseProcess& process,
-                          std::int64_t n) {
+VectorXd mean_square_over(const LinearSystem& system, const NoiseProcess& process, std::int64_t n) {
   const Index n_v = system.B.cols(), n_x = system.A.rows(), N = n_v + n_x;
   MatrixXd A = MatrixXd::Zero(N, N), Q = A, P_0 = A, C(system.C.rows(), N);
   A.topLeftCorner(n_v, n_v).diagonal().setConstant(process.kept);
@@ -207,12 +205,11 @@ std::vector<Part> parts_of(const VectorXd& edges_hz, const std::vector<double>& 
 
 }  // namespace
 
-std::vector<NoisePower> noise_power(const LinearSystem& system,
-                                    const std::vector<NoiseKind>& kinds, double sample_time,
-                                    const VectorXd& edges_hz) {
+std::vector<NoisePower> noise_power(const LinearSystem& system, const std::vector<NoiseKind>& kinds,
+                                    double sample_time, const VectorXd& edges_hz) {
   const Index n_y = system.C.rows(), n_cells = edges_hz.size() - 1;
-  std::vector<NoisePower> powers(
-      kinds.size(), {MatrixXd::Zero(n_y, n_cells), MatrixXd::Zero(n_y, n_cells)});
+  std::vector<NoisePower> powers(kinds.size(),
+                                 {MatrixXd::Zero(n_y, n_cells), MatrixXd::Zero(n_y, n_cells)});
   if (kinds.empty()) return powers;
   Spectrum spectrum(system, kinds, sample_time);
   const std::vector<Part> parts = parts_of(edges_hz, spectrum.peaks());

@@ -46,8 +46,7 @@ struct NoisePower {
 /// stable system: sum over the channels of |G(e^{j omega T_s})|^2 times the density, integrated
 /// adaptively (Gauss and Kronrod) from the angles of the poles outwards, so that no resonance is
 /// between two points, to 1e-6 of each part. Set-up. Errors: as FrequencySweep.
-std::vector<NoisePower> noise_power(const LinearSystem& system,
-                                    const std::vector<NoiseKind>& kinds, double sample_time,
-                                    const Eigen::VectorXd& edges_hz);
+std::vector<NoisePower> noise_power(const LinearSystem& system, const std::vector<NoiseKind>& kinds,
+                                    double sample_time, const Eigen::VectorXd& edges_hz);
 
 }  // namespace stillframe

@@ -76,7 +76,8 @@ std::string budget_panel(const BudgetPlot& plot, std::size_t p) {
   script += column == 0 ? "set format y '10^{%L}'\n" : "set format y ''\n";
   script += row + 1 == n_rows ? "set format x '%g'\n" : "set format x ''\n";
   std::vector<std::string> parts{std::string("$limits using 1:2") + limits_style};
-  const auto add = [&](const VectorXd& velocity, const std::string& name, const std::string& style) {
+  const auto add = [&](const VectorXd& velocity, const std::string& name,
+                       const std::string& style) {
     if (velocity.size() == 0 || !(velocity.array() > 0).any()) return;
     const std::string block = name + "_" + std::to_string(p);
     script += plot_data(block, table_in_um(velocity));
@@ -106,7 +107,8 @@ void plot_budget(const BudgetPlot& plot, const std::filesystem::path& path) {
   double highest = 0;
   bool measured = false;
   for (const BudgetPanel& panel : plot.panels) {
-    for (const double value : panel.total) highest = std::max(highest, std::isnan(value) ? 0 : value);
+    for (const double value : panel.total)
+      highest = std::max(highest, std::isnan(value) ? 0 : value);
     measured = measured || panel.measured.size() > 0;
   }
   around.legend.push_back(std::string("keyentry") + total_style + " title 'all'");
