@@ -157,6 +157,8 @@ std::vector<std::string> letters(const Parts::Part& part) {
 }
 
 std::vector<std::string> texts(const Parts::Part& part, Index rows, Index cols) {
+  // Of no letters there is one text, however many rows they are said to stand in.
+  if (rows * cols == 0) return {""};
   const std::vector<std::string> all = letters(part);
   if (std::ssize(all) != rows * cols) throw Broken{"has a text of another length than it says"};
   std::vector<std::string> out;
@@ -166,7 +168,6 @@ std::vector<std::string> texts(const Parts::Part& part, Index rows, Index cols) 
     // Rows of letters are filled up to one length.
     if (rows > 1) line.erase(line.find_last_not_of(' ') + 1);
   }
-  if (rows == 0) out.emplace_back();
   return out;
 }
 
