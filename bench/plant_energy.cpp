@@ -60,13 +60,15 @@ int main(int argc, char** argv) {
   app.option("--periods", options.periods, "Of the slowest mode")
       .check(cli::number_between(1.0, 1e9))
       .show_default();
-  app.option("--tolerance", options.tolerance)
+  app.option("--tolerance", options.tolerance, "Of the integration, relative")
       .check(cli::number_between(1e-14, 1e-2))
       .show_default();
   app.option("--part", options.part_s, "Length of the parts that are stepped, s")
       .check(cli::number_between(1e-5, 1e-1))
       .show_default();
-  app.option("--method", options.method).check(cli::one_of(methods)).show_default();
+  app.option("--method", options.method, "Of the integration")
+      .check(cli::one_of(methods))
+      .show_default();
   app.option("--push", options.push_n, "N in each leg, at most")
       .check(cli::positive_number())
       .show_default();
