@@ -197,7 +197,8 @@ std::string of_the_law(const Gains& gains, const Causes& causes) {
 /// What is left where no change of a setting that was tried makes the loop stable.
 std::string no_remedy(Gains gains) {
   if (gains.law) {
-    return " Whoever made the law mends it: `stillframe design --mat` writes the sampled plant that "
+    return " Whoever made the law mends it: `stillframe design --mat` writes the sampled plant "
+           "that "
            "it meets.";
   }
   // The two orders of the matrices, exact and deck, are each other's transposes.

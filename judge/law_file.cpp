@@ -20,8 +20,7 @@ namespace {
 
 LawFile from_yaml(const std::string& name, const std::string& bytes) {
   const YamlReader reader = YamlReader::from_text(bytes, name);
-  reader.allow_only(
-      {"sample_rate_hz", "inputs", "outputs", "A", "B", "C", "D", "K_P", "K_I"});
+  reader.allow_only({"sample_rate_hz", "inputs", "outputs", "A", "B", "C", "D", "K_P", "K_I"});
   LawFile file;
   if (const auto rate = reader.find("sample_rate_hz")) {
     file.sample_rate_hz = number_within(*rate, lowest_rate_hz, highest_rate_hz);

@@ -71,7 +71,9 @@ void check_alone(const SceneController& block) {
 void take_own_law(const Scene& scene, controller::Gains& gains) {
   const SceneController& block = *scene.controller;
   const LawFile file = read_law_file(block.law->file, block.law->bytes);
-  const auto fail = [&](const std::string& what) { throw InputError(block.law->file + ": " + what); };
+  const auto fail = [&](const std::string& what) {
+    throw InputError(block.law->file + ": " + what);
+  };
   // A sample time that was written in decimals is not its rate to the bit.
   if (file.sample_rate_hz &&
       std::abs(*file.sample_rate_hz / block.sample_rate_hz - 1) > same_rate) {

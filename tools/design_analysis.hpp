@@ -53,8 +53,8 @@ struct DesignAnalysis {
   /// which has no continuous form.
   Eigen::VectorXcd poles;
   std::optional<PoleSpread> exact, deck;  ///< on the design model, without leak, of designed gains
-  std::vector<FrequencyLine> lines;  ///< at round frequencies
-  std::vector<PeakLine> peaks;       ///< between them
+  std::vector<FrequencyLine> lines;       ///< at round frequencies
+  std::vector<PeakLine> peaks;            ///< between them
   double radius = 0;
   double misaligned_radius = 0;  ///< with the reported force one sample older
   std::optional<Margins> margins;

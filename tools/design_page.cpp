@@ -51,10 +51,10 @@ std::string feed_forward_line(const LoopDesign& design) {
 /// What a law of one's own hears: "6 sigma, 6 applied forces".
 std::string heard(const NamedLaw& law) {
   std::string text;
-  for (const auto& [prefix, what] : {std::pair(sigma_prefix, "sigma"),
-                                     std::pair(applied_prefix, "applied forces"),
-                                     std::pair(strain_prefix, "strain forces"),
-                                     std::pair(floor_prefix, "accelerations of the floor")}) {
+  for (const auto& [prefix, what] :
+       {std::pair(sigma_prefix, "sigma"), std::pair(applied_prefix, "applied forces"),
+        std::pair(strain_prefix, "strain forces"),
+        std::pair(floor_prefix, "accelerations of the floor")}) {
     const auto n = std::count_if(law.inputs.begin(), law.inputs.end(),
                                  [&](const std::string& name) { return name.starts_with(prefix); });
     if (n > 0) text += (text.empty() ? "" : ", ") + cell("%td %s", n, what);
@@ -79,12 +79,11 @@ std::string heading(const LoopDesign& design) {
   if (design.runs_own_law()) {
     return text + own_law_lines(design) + instruments_line(design.scene.instruments);
   }
-  const std::string origin =
-      design.has_own_gains()
-          ? "K_P and K_I of " + block.law->file
-          : cell("order %s: X = I + K_P = %s / omega_d^2",
-                 block.order == GainOrder::exact ? "exact" : "deck",
-                 block.order == GainOrder::exact ? "K M^-1" : "M^-1 K");
+  const std::string origin = design.has_own_gains()
+                                 ? "K_P and K_I of " + block.law->file
+                                 : cell("order %s: X = I + K_P = %s / omega_d^2",
+                                        block.order == GainOrder::exact ? "exact" : "deck",
+                                        block.order == GainOrder::exact ? "K M^-1" : "M^-1 K");
   text += cell("Target %s Hz, damping %s; %s; leak %g Hz", listed(block.target_hz).c_str(),
                listed(block.damping_ratio).c_str(), origin.c_str(), block.leak_hz);
   if (block.high_pass_hz > 0) text += cell(", high-pass %g Hz", block.high_pass_hz);

@@ -347,12 +347,11 @@ void warn_of_margins(const DesignAnalysis& analysis, std::vector<std::string>& o
 void warn_of_late_reports(const LoopSettings& settings, const DesignAnalysis& analysis,
                           std::vector<std::string>& out) {
   if (analysis.misaligned_radius < largest_stable_radius) return;
-  out.push_back(
-      cell("if the applied force were reported one sample late, the loop would be "
-           "unstable (radius %.4g)%s",
-           analysis.misaligned_radius,
-           settings.own || settings.feedback.roll_off > 0 ? ""
-                                                          : "; roll_off_hz makes it forgive more"));
+  out.push_back(cell(
+      "if the applied force were reported one sample late, the loop would be "
+      "unstable (radius %.4g)%s",
+      analysis.misaligned_radius,
+      settings.own || settings.feedback.roll_off > 0 ? "" : "; roll_off_hz makes it forgive more"));
 }
 
 void warn_of_rates(double rate, double target_hz, const DesignAnalysis& analysis,

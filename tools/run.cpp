@@ -76,7 +76,8 @@ std::optional<std::string> controller_text(const Options& options, const Scene& 
   if (!file && block && block->is_scalar()) file = folder_of(options.scene) / block->text();
   if (!file) return std::nullopt;
   auto text = text_again(*file, options.mode);
-  if (text && text_hash(scene.text + *text) != scene.hash) {
+  const auto& law = scene.controller->law;
+  if (text && text_hash(scene.text + *text + (law ? law->bytes : "")) != scene.hash) {
     throw InputError(file->string() + ": was changed while it was read");
   }
   return text;

@@ -75,7 +75,7 @@ void shift_in(MatrixXd& A, Index begin, Index end, Index m, const MatrixXd& newe
 /// A closed loop in the states of Layout, and what its law hears of them.
 struct Connected {
   SampledLoop loop;
-  MatrixXd C_e;  ///< of sigma, less the applied force where the law takes it out
+  MatrixXd C_e;   ///< of sigma, less the applied force where the law takes it out
   Index n_plant;  ///< before those of the law
 };
 

@@ -16,8 +16,8 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law);
 /// A closed loop whose law may act by a share g of its command: A, B_v, C and D_v are then
 /// (1 - g) released + g closed, B and D are the same.
 struct GainedLoop {
-  SampledLoop closed;        ///< as close_loop
-  SampledLoop released;      ///< in the same states: commands are zero, but the law goes on
+  SampledLoop closed;    ///< as close_loop
+  SampledLoop released;  ///< in the same states: commands are zero, but the law goes on
   /// What the law hears of the force sensors: e[k] = C_e xi[k] + v[k], less what it takes out.
   Eigen::MatrixXd C_e;
   Eigen::Index n_plant = 0;  ///< leading states that do not need the law's command: the plant's and

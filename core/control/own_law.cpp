@@ -61,8 +61,7 @@ void check_once(const char* list, const Names& names) {
   throw InputError("inputs: found \"" + name +
                    "\", which no measurement holds; allowed are sigma:, applied: or strain_force: "
                    "and a leg (" +
-                   listed("", legs) +
-                   (floor.empty() ? ")" : "), " + listed(floor_prefix, floor)));
+                   listed("", legs) + (floor.empty() ? ")" : "), " + listed(floor_prefix, floor)));
 }
 
 /// States that an input moves, or, of the transposed system, that move an output: by which entries
@@ -145,8 +144,8 @@ DiscreteLaw own_law(const NamedLaw& law, const Names& legs, const Names& floor) 
     const std::string& name = law.outputs[static_cast<size_t>(i)];
     const auto leg = place_in(legs, name, force_prefix);
     if (!leg) {
-      throw InputError("outputs: found \"" + name + "\", allowed is one for each leg: " +
-                       listed(force_prefix, legs));
+      throw InputError("outputs: found \"" + name +
+                       "\", allowed is one for each leg: " + listed(force_prefix, legs));
     }
     C.row(*leg) = law.C.row(i);
     D_named.row(*leg) = law.D.row(i);

@@ -235,13 +235,16 @@ Variable read_variable(std::string_view data, int depth) {
       // Of no letters nothing need stand there.
       return {texts(parts.empty() ? Parts::Part{16, {}} : parts.next(), rows, cols)};
     }
-    if (kind == Class::sparse) return {MatOther{"a sparse matrix (full() makes it one that is "
-                                                "read)"}};
+    if (kind == Class::sparse)
+      return {
+          MatOther{"a sparse matrix (full() makes it one that is "
+                   "read)"}};
     if (kind < Class::first_number) return {MatOther{"an object"}};
     if (is_complex) return {MatOther{"a matrix of complex numbers"}};
     if (rows * cols == 0) return {Eigen::MatrixXd(rows, cols)};
     const std::vector<double> values = numbers(parts.next());
-    if (std::ssize(values) != rows * cols) throw Broken{"has a matrix of another size than it says"};
+    if (std::ssize(values) != rows * cols)
+      throw Broken{"has a matrix of another size than it says"};
     return {Eigen::MatrixXd(Eigen::Map<const Eigen::MatrixXd>(values.data(), rows, cols))};
   };
   return {name, value()};

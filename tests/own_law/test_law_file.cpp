@@ -89,26 +89,26 @@ D: [[-1, 0.125, 1e-7]]
 TEST(LawFile, IsReadFromYamlAndMat) {
   expect_law(read_law_file("law.yaml", yaml));
   expect_law(read_law_file("law.mat", bytes_of([](MatFile& file) {
-    file.add_text("beside", "it");
-    file.add_struct("law", fields());
-  })));
+                             file.add_text("beside", "it");
+                             file.add_struct("law", fields());
+                           })));
   expect_law(read_law_file("law.mat", bytes_of([](MatFile& file) {
-    file.add("A", A);
-    file.add("B", B);
-    file.add("C", C);
-    file.add("D", D);
-    file.add("Ts", one(1e-3));
-    file.add("input_names", inputs);
-    file.add_text("output_names", outputs.front());
-  })));
+                             file.add("A", A);
+                             file.add("B", B);
+                             file.add("C", C);
+                             file.add("D", D);
+                             file.add("Ts", one(1e-3));
+                             file.add("input_names", inputs);
+                             file.add_text("output_names", outputs.front());
+                           })));
 }
 
 TEST(LawFile, MayBeGainsAlone) {
   const LawFile of_yaml = read_law_file("k.yml", "K_P: [[1, 2], [3, 4]]\nK_I: [[5, 6], [7, 8]]\n"),
-                of_mat = read_law_file("k.mat", bytes_of([](MatFile& file) {
-                  file.add("K_P", MatrixXd{{1, 2}, {3, 4}});
-                  file.add("K_I", MatrixXd{{5, 6}, {7, 8}});
-                }));
+                of_mat = read_law_file("k.mat", bytes_of([](MatFile&file) {
+                                         file.add("K_P", MatrixXd{{1, 2}, {3, 4}});
+                                         file.add("K_I", MatrixXd{{5, 6}, {7, 8}});
+                                       }));
   for (const LawFile& file : {of_yaml, of_mat}) {
     EXPECT_FALSE(file.law);
     EXPECT_FALSE(file.sample_rate_hz);
@@ -171,12 +171,12 @@ TEST(MatReader, SurvivesEveryCutAndManyWrongBytes) {
 }
 
 TEST(MatReader, ReadsLettersOfAnyAlphabet) {
-  const report::MatValues values = report::read_mat(
-      bytes_of([](MatFile& file) {
-        file.add("texts", std::vector<std::string>{"", "\xc3\xa9t\xc3\xa9"});
-        file.add("none", MatrixXd(0, 3));
-      }),
-      "a.mat");
+  const report::MatValues values =
+      report::read_mat(bytes_of([](MatFile& file) {
+                         file.add("texts", std::vector<std::string>{"", "\xc3\xa9t\xc3\xa9"});
+                         file.add("none", MatrixXd(0, 3));
+                       }),
+                       "a.mat");
   EXPECT_EQ(std::get<std::vector<std::string>>(values.at("texts").is),
             (std::vector<std::string>{"", "\xc3\xa9t\xc3\xa9"}));
   EXPECT_EQ(std::get<MatrixXd>(values.at("none").is).cols(), 3);

@@ -37,9 +37,10 @@ class OwnLawOctave : public Workspace {
   }
 
   std::filesystem::path block(const std::string& file, const std::string& keys) const {
-    return write(file, legs + std::string("target_hz: 5\ndamping_ratio: 0.7\n"
-                                          "sample_rate_hz: 1000\ndelay_samples: 1\n"
-                                          "force_limit_n: 200\n") +
+    return write(file, legs +
+                           std::string("target_hz: 5\ndamping_ratio: 0.7\n"
+                                       "sample_rate_hz: 1000\ndelay_samples: 1\n"
+                                       "force_limit_n: 200\n") +
                            keys);
   }
 
@@ -73,10 +74,10 @@ TEST_F(OwnLawOctave, ComesBackAndRunsAsPredicted) {
                          folder_ / "run", "--json"});
   ASSERT_EQ(said.exit_code, 0) << said.error;
   const json found = json::parse(said.output).at("identification");
-  std::cout << "largest deviation from the prediction " << found.at("closed_largest_db") << " dB at "
-            << found.at("n_frequencies") << " frequencies\n";
-  // As for ours: nonlinearity and the tolerance of the integrator, below 0.01 dB each. What is asked
-  // for is 0.1 dB.
+  std::cout << "largest deviation from the prediction " << found.at("closed_largest_db")
+            << " dB at " << found.at("n_frequencies") << " frequencies\n";
+  // As for ours: nonlinearity and the tolerance of the integrator, below 0.01 dB each. What is
+  // asked for is 0.1 dB.
   EXPECT_LT(found.at("closed_largest_db"), 0.1);
   EXPECT_GE(found.at("n_frequencies"), 40);
 
@@ -118,8 +119,8 @@ TEST_F(OwnLawOctave, IsRefusedWhereItDoesNotFit) {
                               "; save('-v7', 'law.mat', 'law');\"");
     ASSERT_EQ(saved.exit_code, 0) << saved.error;
     block("own.yaml", "law: law.mat\n" + keys);
-    const Said said = run({"design", frame_, "--controller", folder_ / "own.yaml", "--out",
-                           folder_ / "gains.yaml"});
+    const Said said = run(
+        {"design", frame_, "--controller", folder_ / "own.yaml", "--out", folder_ / "gains.yaml"});
     EXPECT_EQ(said.exit_code, code) << said.output;
     EXPECT_NE(said.error.find(what), std::string::npos) << said.error;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "gains.yaml"));

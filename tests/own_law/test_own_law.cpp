@@ -58,8 +58,8 @@ struct Case {
     plant = sample_and_hold(has, settings.sampling);
     law = law_of(settings);
     if (draw.coin()) {
-      law.feed_forward = feed_forward_system(
-          {.memory = 0.98, .n_taps = 3, .weights = random(m, p * 5)});
+      law.feed_forward =
+          feed_forward_system({.memory = 0.98, .n_taps = 3, .weights = random(m, p * 5)});
     }
     legs = names_of("leg_", m);
     floor = names_of("floor_", p);
@@ -100,9 +100,8 @@ MatrixXcd by_fractions(const Case& c, const NamedLaw& law, Complex z) {
   }
   const MatrixXcd I = MatrixXcd::Identity(m, m);
   return G.topLeftCorner(n_y, p) +
-         G.topRightCorner(n_y, m) * (I - ordered * heard.rightCols(m))
-                                        .partialPivLu()
-                                        .solve(ordered * heard.leftCols(p));
+         G.topRightCorner(n_y, m) *
+             (I - ordered * heard.rightCols(m)).partialPivLu().solve(ordered * heard.leftCols(p));
 }
 
 void expect_same_loop(const Case& c, const DiscreteLaw& law, const NamedLaw& as_named) {
@@ -186,8 +185,8 @@ TEST(OwnLaw, DiskMarginsAreThoseOfItsReturnRatio) {
     SCOPED_TRACE(seed);
     Case c(seed);
     c.settings.own = own_law(random_law(c, seed), c.legs, c.floor);
-    const SampledPlant plant = sample_and_hold(feedback_part(c.settings.plant),
-                                               c.settings.sampling);
+    const SampledPlant plant =
+        sample_and_hold(feedback_part(c.settings.plant), c.settings.sampling);
     const LinearSystem half = half_sensitivity(c.settings);
     for (const double part : {0.013, 0.12, 0.43}) {
       const double omega = two_pi * part / c.plant.sample_time;

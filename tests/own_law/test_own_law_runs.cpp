@@ -32,8 +32,8 @@ Gains ours() {
 
 Gains as_brought(Gains gains) {
   const std::vector<std::string> floor = gains.feed_forward.floor;
-  gains.law = BroughtLaw{.matrices = named(law_from_gains(gains), gains.legs, floor),
-                         .floor = floor};
+  gains.law =
+      BroughtLaw{.matrices = named(law_from_gains(gains), gains.legs, floor), .floor = floor};
   gains.feed_forward = {};
   gains.lead_samples = gains.leak_hz = 0;
   return gains;

@@ -24,6 +24,9 @@ RunFiles::RunFiles(const Scene& scene, const floor::FloorSpec& floor) {
     const auto* recording = std::get_if<ForceRecording>(&disturbance.force);
     if (recording) add(recording->file, text_of(recording->file));
   }
+  if (scene.controller && scene.controller->law) {
+    add(scene.controller->law->file, scene.controller->law->bytes);
+  }
   add_recordings(floor);
 }
 
