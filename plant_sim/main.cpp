@@ -48,7 +48,8 @@ constexpr const char* footer =
 
 struct Options {
   std::filesystem::path scene, gains;
-  std::optional<std::filesystem::path> floor, controller, scene_folder, floor_folder, pace_by_log;
+  std::optional<std::filesystem::path> floor, controller, scene_folder, controller_folder,
+      floor_folder, pace_by_log;
   std::string mode = "lock_step", loop = "active", lcm_url;
   std::optional<std::int64_t> run_id;
   std::optional<double> duration_s;
@@ -69,6 +70,9 @@ void add_options(cli::Command& app, Options& options) {
   app.option("--floor", options.floor, "Floor block that replaces the scene's").type_name("FILE");
   app.option("--scene-folder", options.scene_folder,
              "Look here for recordings that the scene names (default: beside it)")
+      .type_name("DIR");
+  app.option("--controller-folder", options.controller_folder,
+             "Look here for the law that the controller block names (default: beside it)")
       .type_name("DIR");
   app.option("--floor-folder", options.floor_folder,
              "Look here for recordings that the floor block names (default: beside it)")
@@ -125,11 +129,9 @@ void request_fifo(int priority) {
 }
 
 int run(const Options& options) {
-  Scene scene = read_scene(options.scene, options.controller);
-  if (options.scene_folder) {
-    const auto root = YamlReader::from_text(scene.text, scene.file, *options.scene_folder);
-    scene.disturbances = read_disturbances(root, scene);
-  }
+  const Scene scene =
+      read_scene(options.scene, options.controller,
+                 {.scene = options.scene_folder, .controller = options.controller_folder});
   require_loop_signals(scene);
   auto floor = read_floor(scene, options.floor);
   if (!floor)

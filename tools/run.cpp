@@ -68,11 +68,16 @@ std::optional<std::string> text_again(const std::filesystem::path& file, const s
                    "single_process");
 }
 
-/// The text of a controller block that does not stand in the scene itself.
-std::optional<std::string> controller_text(const Options& options, const Scene& scene) {
-  std::optional<std::filesystem::path> file = options.controller;
+/// Where a controller block stands that is not in the scene itself.
+std::optional<std::filesystem::path> controller_file(const Options& options, const Scene& scene) {
+  if (options.controller) return options.controller;
   const auto block = YamlReader::from_text(scene.text, scene.file).find("controller");
-  if (!file && block && block->is_scalar()) file = folder_of(options.scene) / block->text();
+  if (!block || !block->is_scalar()) return std::nullopt;
+  return folder_of(options.scene) / block->text();
+}
+
+std::optional<std::string> controller_text(const Options& options, const Scene& scene) {
+  const auto file = controller_file(options, scene);
   if (!file) return std::nullopt;
   auto text = text_again(*file, options.mode);
   const auto& law = scene.controller->law;
@@ -157,6 +162,8 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
                      .gains = keep("gains.yaml", to_yaml(design.gains)),
                      .floor = keep("floor.yaml", checked.floor_text),
                      .scene_folder = folder_of(options.scene),
+                     .controller_folder =
+                         folder_of(controller_file(options, design.scene).value_or(options.scene)),
                      .floor_folder = checked.floor_folder,
                      .controller = {},
                      .mode = options.mode,

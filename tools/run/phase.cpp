@@ -151,6 +151,7 @@ class Phase {
     // Below the controller, and above whatever else the machine does.
     if (options_.realtime.value_or("") != "off") add("--priority", "40");
     add("--scene-folder", options_.scene_folder.string());
+    add("--controller-folder", options_.controller_folder.string());
     add("--floor-folder", options_.floor_folder.string());
     if (options_.floor) add("--floor", options_.floor->string());
     if (options_.controller) add("--controller", options_.controller->string());

@@ -13,7 +13,8 @@ namespace stillframe::tools {
 struct PhaseOptions {
   std::filesystem::path scene, gains;
   std::optional<std::filesystem::path> floor;
-  std::filesystem::path scene_folder, floor_folder;  ///< of what the scene and the floor name
+  /// Of what scene, controller and floor name.
+  std::filesystem::path scene_folder, controller_folder, floor_folder;
   std::optional<std::filesystem::path> controller;
   std::string mode, loop, lcm_url;
   std::int64_t run_id = 0;

@@ -16,8 +16,10 @@ namespace stillframe {
 namespace {
 
 /// A file is read once: a pipe gives its text only once, and another's text might be the second.
-Block read_block_file(const std::filesystem::path& path) {
-  const YamlReader reader = YamlReader::from_file(path);
+Block read_block_file(const std::filesystem::path& path,
+                      const std::optional<std::filesystem::path>& named_from = std::nullopt) {
+  YamlReader reader = YamlReader::from_file(path);
+  if (named_from) reader = YamlReader::from_text(reader.source_text(), path.string(), *named_from);
   return {reader, reader.source_text()};
 }
 
@@ -54,7 +56,8 @@ SceneSimulation read_simulation(const YamlReader& block) {
 }
 
 Scene read_scene_map(const YamlReader& root, const std::string& text,
-                     const std::optional<std::filesystem::path>& controller_file) {
+                     const std::optional<std::filesystem::path>& controller_file,
+                     const NamedFrom& named_from) {
   root.allow_only({"title",        "planar",      "gravity",     "operating_point", "nodes",
                    "masses",       "elements",    "supports",    "prescribed",      "dofs",
                    "loads",        "inputs",      "outputs",     "monitors",        "compare",
@@ -70,7 +73,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   read_signals(root, scene);
   std::optional<Block> controller;
   if (controller_file) {
-    controller = read_block_file(*controller_file);
+    controller = read_block_file(*controller_file, named_from.controller);
   } else if (const auto block = root.find("controller")) {
     controller = read_block(*block);
   }
@@ -94,15 +97,16 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& file,
-                 const std::optional<std::filesystem::path>& controller_file) {
-  const YamlReader root = YamlReader::from_file(file);
-  Scene scene = read_scene_map(root, root.source_text(), controller_file);
+                 const std::optional<std::filesystem::path>& controller_file,
+                 const NamedFrom& named_from) {
+  const auto [root, text] = read_block_file(file, named_from.scene);
+  Scene scene = read_scene_map(root, text, controller_file, named_from);
   scene.file = file.string();
   return scene;
 }
 
 Scene parse_scene(const std::string& text, const std::string& source_name) {
-  Scene scene = read_scene_map(YamlReader::from_text(text, source_name), text, std::nullopt);
+  Scene scene = read_scene_map(YamlReader::from_text(text, source_name), text, std::nullopt, {});
   scene.file = source_name;
   return scene;
 }

@@ -16,12 +16,18 @@ struct Block {
   std::string text;
 };
 
+/// Where to look for the files that texts name, if not beside them.
+struct NamedFrom {
+  std::optional<std::filesystem::path> scene, controller;
+};
+
 /// Reads and checks a scene; every name that a key refers to exists and every value is in its
 /// range. docs/scene.md is the reference of the keys. controller_file, if given, replaces the
 /// scene's controller block. Errors: InputError with file, line, column, key, what was found and
 /// what is allowed.
 Scene read_scene(const std::filesystem::path& file,
-                 const std::optional<std::filesystem::path>& controller_file = std::nullopt);
+                 const std::optional<std::filesystem::path>& controller_file = std::nullopt,
+                 const NamedFrom& named_from = {});
 
 /// The same from text (relative paths are not allowed then), for tests.
 Scene parse_scene(const std::string& text, const std::string& source_name);
