@@ -146,7 +146,7 @@ class Maker {
     for (const Course& course : courses_) budget.sources.push_back(course.name);
     for (const Noise& noise : noises_) budget.sources.push_back(noise.name);
     std::vector<BudgetMethod> methods{BudgetMethod::passive, BudgetMethod::feedback};
-    if (!design_.gains.feed_forward.filter.empty()) methods.push_back(BudgetMethod::feed_forward);
+    if (!design_.gains.heard_floor().empty()) methods.push_back(BudgetMethod::feed_forward);
     const Index n_axes = std::ssize(plan_.axes);
     n_to_do_ = std::ssize(methods) * n_axes + std::ssize(outputs_) - n_axes;
     for (const BudgetMethod method : methods) {
@@ -204,7 +204,7 @@ class Maker {
   void add_sensors() {
     const Instruments& instruments = design_.gains.instruments;
     if (const auto& errors = instruments.force_sensors) add_force_sensors(*errors);
-    const bool heard = !design_.gains.feed_forward.filter.empty();
+    const bool heard = !design_.gains.heard_floor().empty();
     if (!heard || !instruments.floor_sensors || instruments.floor_sensors->noise == 0) return;
     add_noises(loops_->of_floor_sensors(),
                {{"floor sensors, noise", {process_of(*instruments.floor_sensors, T_)}}}, true);

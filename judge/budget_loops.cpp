@@ -73,8 +73,12 @@ SampledLoop BudgetLoops::around(const VectorXd& moved, const VectorXd& heard,
   plant.D_yw = plant_.D_yw * moved;
   if (method == BudgetMethod::passive) return open_loop(plant);
   DiscreteLaw law = controller::law_from_gains(design_.gains);
-  law.feed_forward = {};
-  if (method == BudgetMethod::feed_forward && !heard.isZero(0)) {
+  if (method != BudgetMethod::feed_forward || heard.isZero(0)) {
+    law.feed_forward = {};
+  } else if (design_.gains.law) {
+    law.feed_forward.B *= heard;
+    law.feed_forward.D *= heard;
+  } else {
     law.feed_forward = feed_forward_system(hearing(design_.gains.feed_forward.filter, heard));
   }
   return close_loop(plant, law);

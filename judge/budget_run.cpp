@@ -31,8 +31,10 @@ std::optional<BudgetMethod> method_of(const controller::Gains& of_log,
       of_log.high_pass_hz == of_design.high_pass_hz &&
       of_log.roll_off_hz == of_design.roll_off_hz && of_log.realisation == of_design.realisation;
   if (!same) return std::nullopt;
-  if (of_log.feed_forward.filter.empty()) return BudgetMethod::feedback;
-  if (!alike(of_log.feed_forward.filter.weights, of_design.feed_forward.filter.weights)) {
+  if (of_log.heard_floor().empty()) return BudgetMethod::feedback;
+  // A law of one's own is part of the hash of the scene.
+  if (!of_log.law &&
+      !alike(of_log.feed_forward.filter.weights, of_design.feed_forward.filter.weights)) {
     return std::nullopt;
   }
   return BudgetMethod::feed_forward;

@@ -65,6 +65,24 @@ TEST_F(BudgetVerb, IsWhatRunsMeasureOnEveryAxisByEveryMethod) {
   EXPECT_EQ(n_checked, 2 * 3 * 2 * 3);
 }
 
+// LQG that hears sigma, what acts and the floor: no law of ours.
+TEST_F(BudgetVerb, IsWhatARunByALawOfOnesOwnMeasures) {
+  const auto controller = config("controllers/own_law_1khz.yaml");
+  const Said run_said = run({"run", scene_, "--controller", controller, "--floor",
+                             config("floors/vc_d.yaml"), "--mode", "single_process", "--duration",
+                             "10", "--loop", "active", "--out", folder_ / "own"});
+  ASSERT_TRUE(run_said.exit_code == 0 || run_said.exit_code == 4) << run_said.error;
+  const Json found = json({"budget", scene_, "--controller", controller, "--floor",
+                           config("floors/vc_d.yaml"), "--log", folder_ / "own" / "active.lcm"});
+  const Json& a_run = found.at("runs").at(0);
+  EXPECT_EQ(a_run.at("method"), "feed_forward");
+  for (const auto& [name, axis] : a_run.at("axes").items()) {
+    const double predicted = axis.at("predicted_m_s2"), measured = axis.at("measured_m_s2"),
+                 scatter = axis.at("scatter_m_s2");
+    EXPECT_LT(std::abs(predicted - measured), 1e-3 * measured + 3 * scatter) << name;
+  }
+}
+
 TEST_F(BudgetVerb, SharesAddUpToTheWholeInEveryCell) {
   const Json found = json([&] {
     auto arguments = budget("feed_forward_1khz.yaml", vc_a_);
