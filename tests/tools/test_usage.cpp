@@ -33,8 +33,8 @@ TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
   expect_refused(
       {"linearize", "scene.yaml"}, 2,
       "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
-      "equilibrium, buckling, linearise, sigma, design, robustness, merge, run, batch, ctl, "
-      "watch, replay, identify, report, export");
+      "equilibrium, buckling, linearise, sigma, design, budget, robustness, merge, run, batch, "
+      "ctl, watch, replay, identify, report, export");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {
