@@ -70,8 +70,7 @@ TEST_F(OwnLawOctave, ComesBackAndRunsAsPredicted) {
   EXPECT_TRUE(page.at("K_P").is_null());
 
   const Said said = run({"run", frame_, "--controller", folder_ / "own.yaml", "--floor",
-                         config("floors/multisine.yaml"), "--loop", "active", "--out",
-                         folder_ / "run", "--json"});
+                         config("floors/multisine.yaml"), "--out", folder_ / "run", "--json"});
   ASSERT_EQ(said.exit_code, 0) << said.error;
   const json found = json::parse(said.output).at("identification");
   std::cout << "largest deviation from the prediction " << found.at("closed_largest_db")
