@@ -56,4 +56,12 @@ double Bystander::worst_s(std::int64_t begin_ns, std::int64_t end_ns) {
   return static_cast<double>(worst_ns) / ns_per_s;
 }
 
+std::int64_t Bystander::n_later_than(double late_s, std::int64_t begin_ns, std::int64_t end_ns) {
+  const std::lock_guard lock(mutex_);
+  return std::count_if(late_.begin(), late_.end(), [&](const Late& late) {
+    return late.due_ns >= begin_ns && late.woke_ns <= end_ns &&
+           static_cast<double>(late.woke_ns - late.due_ns) > late_s * ns_per_s;
+  });
+}
+
 }  // namespace stillframe::faults

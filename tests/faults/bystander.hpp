@@ -20,6 +20,8 @@ class Bystander {
   /// How late any woke up at most between two times (CLOCK_MONOTONIC, ns), s. Wake-ups that were
   /// late by less than a few milliseconds are not remembered.
   double worst_s(std::int64_t begin_ns, std::int64_t end_ns);
+  /// How often one woke up later than that (from a few milliseconds on) between two times.
+  std::int64_t n_later_than(double late_s, std::int64_t begin_ns, std::int64_t end_ns);
 
  private:
   struct Late {

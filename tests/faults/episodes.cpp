@@ -65,6 +65,7 @@ Marks play(Rig& rig, const Kind& kind, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   Stage stage{.rig = rig, .random = random, .seed = seed};
   rig.wait_samples(stage.whole_between(50, 250));
+  wait_until_active(rig);  // the machine may have made it let go since the last episode
   Marks marks;
   marks.seed = seed;
   marks.before = mark(rig);
@@ -93,7 +94,8 @@ KindResult run_kind(Workbench& bench, const Kind& kind, int number, const TableO
                     .at_most = kind.at_most,
                     .episodes = {},
                     .exit_code = {},
-                    .trouble = {}};
+                    .trouble = {},
+                    .by_machine = false};
   std::vector<Marks> all;
   Rig rig(
       bench,
@@ -104,6 +106,9 @@ KindResult run_kind(Workbench& bench, const Kind& kind, int number, const TableO
     wait_until_active(rig);
     for (const std::uint64_t seed : options.seeds) all.push_back(play(rig, kind, seed));
     result.exit_code = rig.end();
+  } catch (const MachineTrouble& error) {
+    result.trouble = error.what();
+    result.by_machine = true;
   } catch (const std::exception& error) {
     result.trouble = error.what();
   }

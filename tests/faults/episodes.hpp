@@ -42,6 +42,7 @@ struct KindResult {
   std::vector<Episode> episodes;
   std::optional<int> exit_code;  ///< of the controller, when the plant was ended by SIGTERM
   std::string trouble;           ///< why the episodes were broken off; empty: they were not
+  bool by_machine = false;       ///< they were because the machine stood still again and again
 };
 
 /// What all kinds of a table have in common.

@@ -211,7 +211,8 @@ Episode judge(Workbench& bench, const Trace& trace, const Kind& kind, const Mark
   const Machine found = machine(bench, trace, statuses, kind, marks);
   episode.lateness = in_words(found, trace, marks);
   // Where samples and loop are late because that is the fault, the bystander alone is a witness.
-  episode.disturbed = (kind.stops_time ? found.bystander : found.worst()) > few;
+  const bool began_active = statuses.front().status.state == controller_status_t::ACTIVE;
+  episode.disturbed = !began_active || (kind.stops_time ? found.bystander : found.worst()) > few;
   compare(bench, trace, marks, episode);
   count(statuses, kind, marks, episode);
   return episode;

@@ -1,5 +1,6 @@
 #include "tests/faults/rig.hpp"
 
+#include <array>
 #include <csignal>
 #include <fstream>
 #include <stdexcept>
@@ -13,6 +14,23 @@ namespace {
 // Above the controller's, below the relay's: a plant does not wait for its controller.
 constexpr int plant_priority = 60;
 
+constexpr double hold_s = 0.01;  // of the default policy at 1 kHz
+// Each costs a loop at most the three seconds that it needs to come back: half of what is waited.
+constexpr std::int64_t often = 5;
+
+/// What the controller had in the newest of its periods, for a message.
+std::string newest_periods(const Trace& trace) {
+  constexpr std::size_t most = 5000;
+  const std::size_t n = trace.periods.size(), first = n > most ? n - most : 0;
+  std::array<int, 5> defects{};
+  for (std::size_t i = first; i < n; ++i) {
+    ++defects.at(static_cast<std::size_t>(trace.periods[i].defect));
+  }
+  return "of its last " + std::to_string(n - first) + " periods " + std::to_string(defects[0]) +
+         " had a measurement, " + std::to_string(defects[1]) + " none, " +
+         std::to_string(defects[2]) + " a late one";
+}
+
 std::string program(const char* name) { return std::string(STILLFRAME_BIN_DIR) + "/" + name; }
 
 std::string port_url(int number, int side) {
@@ -25,7 +43,7 @@ std::filesystem::path named(const Workbench& bench, const std::string& what, int
 
 }  // namespace
 
-Rig::Rig(const Workbench& bench, const RigOptions& options)
+Rig::Rig(Workbench& bench, const RigOptions& options)
     : bench_(bench),
       options_(options),
       relay_(port_url(options.number, 0), port_url(options.number, 1), bench.rate_hz()) {
@@ -95,14 +113,24 @@ void Rig::wait_samples(std::int64_t n) {
 }
 
 void Rig::wait(const std::string& what, const std::function<bool(const Trace&)>& condition) {
-  if (relay_.wait(condition, limit_s)) return;
+  std::int64_t n_still = 0;
+  for (int i = 0; i < most_waits; ++i) {
+    const std::int64_t begin_ns = monotonic_ns();
+    if (relay_.wait(condition, limit_s)) return;
+    n_still = bench_.bystander().n_later_than(hold_s, begin_ns, monotonic_ns());
+    if (n_still < often) break;
+  }
   const std::string state = relay_.look([](const Trace& trace) {
     return trace.status() == nullptr ? "no word from the controller"
                                      : "the controller: " + trace.status()->text;
   });
-  throw std::runtime_error("waited for " + what + " for " + std::to_string(limit_s) + " s; " +
-                           state + "\nplant:\n" + plant_->said() + "controller:\n" +
-                           controller_->said());
+  const std::string text =
+      "waited for " + what + "; in the last " + std::to_string(static_cast<int>(limit_s)) +
+      " s the machine stood still for longer than the controller holds a force " +
+      std::to_string(n_still) + " times; " + state + "; " + relay_.look(newest_periods) +
+      "\nplant:\n" + plant_->said() + "controller:\n" + controller_->said();
+  if (n_still >= often) throw MachineTrouble(text);
+  throw std::runtime_error(text);
 }
 
 void Rig::ask(std::int32_t request) {
