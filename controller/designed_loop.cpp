@@ -30,9 +30,10 @@ DesignedLoop::DesignedLoop(const Gains& gains)
     : plant_(sample_and_hold(gains.loop_plant(floor_corner(gains)), gains.sampling())),
       law_(law_from_gains(gains)) {
   const Index m = gains.n_legs();
+  Gamma_beside_ = plant_.Gamma_0 + plant_.Gamma_u;
   x_ = x_next_ = VectorXd::Zero(plant_.Phi.rows());
   w_ = w_now_ = VectorXd::Zero(n_floor());
-  before_ = u_ = last_ = sigma_ = change_ = VectorXd::Zero(m);
+  before_ = beside_ = u_ = last_ = sigma_ = change_ = VectorXd::Zero(m);
   acts_ = VectorXd::Ones(m);
   // A gains file has one delay for all legs.
   commands_ = MatrixXd::Zero(m, plant_.whole_delay.maxCoeff() + 1);
@@ -57,6 +58,7 @@ void DesignedLoop::sample(const Ref<const VectorXd>& w) noexcept {
   x_next_.noalias() = plant_.Phi * x_;
   x_next_.noalias() += plant_.Gamma_w * w;
   x_next_.noalias() += plant_.Gamma_0 * before_;
+  x_next_.noalias() += Gamma_beside_ * beside_;
   before_ = acts_.cwiseProduct(commands_.col((newest_command_ + 1) % commands_.cols()));
   x_next_.noalias() += plant_.Gamma_u * before_;
   x_.swap(x_next_);
@@ -81,6 +83,7 @@ const VectorXd& DesignedLoop::step(std::int64_t n, const Ref<const VectorXd>& w,
   sigma_ = v;
   sigma_.noalias() += plant_.C_sigma * x_;
   sigma_.noalias() += plant_.D_sigma * before_;
+  sigma_.noalias() += plant_.D_sigma * beside_;
   law_.hear_floor(samples, w, share);
   law_.step_over(samples, sigma_, reports_.col((newest_report_ + 1) % reports_.cols()), u_);
   change_ = gain_ * u_ - last_;

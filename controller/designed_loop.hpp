@@ -28,6 +28,8 @@ class DesignedLoop {
   /// Of a command this part acts and is reported, leg by leg (m, 1); at first all of it. Actuators
   /// that are a little short leave legs some of their stiffness, and a frame swings otherwise.
   void actuators(const Eigen::Ref<const Eigen::VectorXd>& part) noexcept { acts_ = part; }
+  /// What acts on the frame in the next step beside its own commands, and is not reported: m, N.
+  void act_beside(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept { beside_ = force; }
   /// The next command after n samples, of which the last had the floor's acceleration w (p, m/s^2),
   /// those between the one before and it what lies between; commands were held meanwhile. v: m, N,
   /// beside what the sensors read; gain: of the law in the command; share: of the feed-forward in
@@ -56,10 +58,12 @@ class DesignedLoop {
   void push(const Eigen::VectorXd& command) noexcept;
 
   SampledPlant plant_;
+  Eigen::MatrixXd Gamma_beside_;  ///< of a force that acts over a whole sample
   Law law_;
   Eigen::VectorXd x_, x_next_;         ///< of the plant
   Eigen::VectorXd w_, w_now_;          ///< p, the last floor, and the one of a sample
   Eigen::VectorXd before_, u_, last_;  ///< m, N
+  Eigen::VectorXd beside_;             ///< m, N
   Eigen::VectorXd acts_;               ///< m, 1
   Eigen::VectorXd sigma_, change_;     ///< m, N
   Eigen::MatrixXd commands_;           ///< m x (whole delay + 1), a ring

@@ -1,6 +1,7 @@
 #include "controller/floor_filter.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <stdexcept>
 
 namespace stillframe::controller {
@@ -9,6 +10,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Ref;
 using Eigen::VectorXd;
+
+namespace {
+
+constexpr double longest_mean = 1000;  // samples
+// Of the force in a sample where the floor is not believed. A force that is held would be a load on
+// a frame that its feedback has made soft, and a step of a few samples is one of a passive frame.
+constexpr double kept = 0.9;
+
+}  // namespace
 
 FloorFilter::FloorFilter(const LinearSystem& system, Index m) : n_floor_(system.D.cols()) {
   const Index n = system.A.rows(), p = n_floor_;
@@ -39,7 +49,7 @@ FloorFilter::FloorFilter(const LinearSystem& system, Index m) : n_floor_(system.
     }
   }
   z_ = next_ = VectorXd::Zero(n + p);
-  last_ = VectorXd::Zero(p);
+  last_ = rest_ = VectorXd::Zero(p);
   force_ = VectorXd::Zero(m);
 }
 
@@ -66,11 +76,20 @@ void FloorFilter::step() noexcept {
 }
 
 // Between two calls x is that of the sample to come, and the floor that of the last one.
-void FloorFilter::hear(std::int64_t n, const Ref<const VectorXd>& w) noexcept {
+void FloorFilter::hear(std::int64_t n, const Ref<const VectorXd>& w, bool believed) noexcept {
   if (n_floor() == 0 || w.size() != n_floor()) return;
+  if (!believed) {
+    n_rest_ = begun_ ? 1 : std::min(n_rest_ + 1, longest_mean);
+    begun_ = false;
+    rest_ += (w - rest_) / n_rest_;
+    force_ *= kept;
+    return;
+  }
   if (!begun_ || n > longest_gap) {
-    z_.head(n_states()).noalias() = at_rest_ * w;
+    if (begun_ || n_rest_ == 0) rest_ = w;
+    z_.head(n_states()).noalias() = at_rest_ * rest_;
     begun_ = true;
+    n_rest_ = 0;
   } else if (n > 1) {
     last_ = z_.tail(n_floor());
     for (std::int64_t j = 1; j < n; ++j) {

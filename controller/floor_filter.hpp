@@ -27,7 +27,11 @@ class FloorFilter {
   /// The floor (p, m/s^2) n samples after the last one; of those between it is on the line from the
   /// last to this one, as the floor of a law that lost samples is nowhere else more likely. The
   /// first one is taken to have stood for ever: what a sensor is constantly off by is no motion.
-  void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
+  /// While they are not believed the force goes within some samples, and the next that is believed
+  /// begins anew with their mean for what has stood for ever: of one reading the hum of a building
+  /// would be left, for seconds.
+  void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w,
+            bool believed = true) noexcept;
   /// The force (m, N) that goes with the floor that was heard last.
   const Eigen::VectorXd& force() const noexcept { return force_; }
 
@@ -39,7 +43,7 @@ class FloorFilter {
 
   template <class Archive>
   void visit(Archive& archive) {
-    archive(z_), archive(force_), archive(begun_);
+    archive(z_), archive(force_), archive(rest_), archive(n_rest_), archive(begun_);
   }
 
  private:
@@ -64,7 +68,8 @@ class FloorFilter {
   RowMatrix outputs_;                 ///< m x (n + p), (C D)
   Eigen::MatrixXd at_rest_;           ///< n x p, (I - A)^-1 B: x of a floor that stands for ever
   Eigen::VectorXd z_, next_;          ///< n + p: x and the floor that was heard last
-  Eigen::VectorXd last_, force_;
+  Eigen::VectorXd last_, rest_, force_;
+  double n_rest_ = 0;  ///< samples in the mean of those that are not believed
   bool begun_ = false;
 };
 

@@ -12,7 +12,6 @@ namespace {
 
 // What is not noise repeats itself no longer: a converter's step is below the noise of its sensor.
 constexpr double fewest_repeats = 50, repeats_s = 0.1;
-constexpr double well_s = 1;
 // Second differences of white noise have six times its variance. A floor that is moved has far less
 // of them, and a tone near half the rate up to 16.
 constexpr double averaged_s = 0.2, fewest_averaged = 100;
@@ -69,7 +68,7 @@ void FloorWatch::average(std::int64_t n, const Ref<const VectorXd>& w) noexcept 
   }
 }
 
-void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w) noexcept {
+void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w, Index liar) noexcept {
   if (last_.size() == 0 || w.size() != last_.size()) return;
   const auto samples = static_cast<double>(n);
   for (Index j = 0; j < w.size(); ++j) {
@@ -77,24 +76,26 @@ void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w) noexcept {
     same_(j) = changed ? 0 : same_(j) + samples;
     if (changed) moved_(j) = 1;
   }
+  n_heard_ += samples;
   average(n, w);
   before_ = last_;
   last_ = w;
   begun_ = true;
   const double passed = samples * sample_time_;
-  const Index repeats = stuck();
-  if (const Index j = repeats >= 0 ? repeats : noisy(); j >= 0) {
+  const Index repeats = stuck(), noise = noisy();
+  if (const Index j = repeats >= 0 ? repeats : noise >= 0 ? noise : liar; j >= 0) {
     broken_ = j;
     well_ = 0;
+    goes_ = true;
+  } else if (broken_ >= 0) {
+    // Half gone, it goes on going: a cable that comes and goes is no sensor.
+    if (p_ == 0) well_ += passed;
+    if (well_ >= well_s) goes_ = false;
+  }
+  if (goes_) {
     p_ = std::max(0.0, p_ - passed / fade_s_);
   } else if (broken_ >= 0) {
-    well_ += passed;
-    // Half gone, it goes on going: a cable that comes and goes is no sensor.
-    if (well_ < well_s) {
-      p_ = std::max(0.0, p_ - passed / fade_s_);
-    } else {
-      p_ = std::min(1.0, p_ + passed / ramp_in_s_);
-    }
+    p_ = std::min(1.0, p_ + passed / ramp_in_s_);
     if (p_ == 1) broken_ = -1;
   }
 }

@@ -44,11 +44,12 @@ class Law {
                  Eigen::Ref<Eigen::VectorXd> force) noexcept;
 
   /// The floor (p, m/s^2) of the measurement that is answered next, n samples after the one before:
-  /// heard before step, or without any step. share: of the feed-forward in the force. A floor of
-  /// another size than the feed-forward has inputs is not heard.
+  /// heard before step, or without any step. share: of the feed-forward in the force, which goes
+  /// within some samples while the floor is not believed. A floor of another size than the
+  /// feed-forward has inputs is not heard.
   void hear_floor(std::int64_t n_samples, const Eigen::Ref<const Eigen::VectorXd>& floor,
-                  double share = 1) noexcept {
-    floor_.hear(n_samples, floor);
+                  double share = 1, bool believed = true) noexcept {
+    floor_.hear(n_samples, floor, believed);
     share_ = share;
   }
   /// What the feed-forward of another law has heard, which is the same one.

@@ -131,6 +131,7 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       watch_(gains.n_legs(), gains.sample_time(), force_limit(gains, policy), policy.limited_part),
       obedience_(gains, policy.disobeyed_part),
       pace_(gains, pace_settings(gains, policy)),
+      floor_evidence_(gains),
       floor_watch_(law_.floor().n_floor(), policy, gains.sample_time()),
       sample_time_(gains.sample_time()),
       forgets_(sample_time_ / slowed(missing_s, gains.sample_rate_hz)),
@@ -162,6 +163,7 @@ void Supervisor::visit(Archive& archive) {
   watch_.visit(archive);
   obedience_.visit(archive);
   pace_.visit(archive);
+  floor_evidence_.visit(archive);
   floor_watch_.visit(archive);
 }
 
@@ -463,8 +465,9 @@ void Supervisor::hear_floor(const Event& event) noexcept {
   const std::int64_t n = floor_seq_ < 0 ? 1 : event.measurement->seq - floor_seq_;
   floor_seq_ = event.measurement->seq;
   const bool was_broken = floor_watch_.broken() >= 0;
-  floor_watch_.hear(n, event.measurement->floor);
-  law_.hear_floor(n, event.measurement->floor, floor_watch_.share());
+  const Measurement& now = *event.measurement;
+  floor_watch_.hear(n, now.floor, floor_evidence_.hear(n, now.floor, now.sigma, now.applied));
+  law_.hear_floor(n, now.floor, floor_watch_.share(), floor_watch_.believed());
   const bool broken = floor_watch_.broken() >= 0;
   if (was_broken && !broken) pace_.hear_as(law_);
   pace_.floor(event.measurement->floor, broken);

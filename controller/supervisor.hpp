@@ -7,6 +7,7 @@
 
 #include "controller/arming.hpp"
 #include "controller/command_watch.hpp"
+#include "controller/floor_evidence.hpp"
 #include "controller/floor_watch.hpp"
 #include "controller/io.hpp"
 #include "controller/law.hpp"
@@ -102,6 +103,7 @@ class Supervisor {
   CommandWatch watch_;
   Obedience obedience_;
   Pace pace_;
+  FloorEvidence floor_evidence_;
   FloorWatch floor_watch_;
   double sample_time_;
   double forgets_;       ///< of missing_part_, in a period

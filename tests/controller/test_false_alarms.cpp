@@ -69,13 +69,19 @@ struct Sound {
   double actuators = 0;      ///< by this part they do less than is commanded, and say so
   /// By this part they do more or less, and their read-backs say that they do what is commanded.
   double unsaid = 0;
-  bool shipped = false;  ///< the metrology frame and its gains as they are shipped
+  /// Of the metrology frame as it is shipped, with these gains.
+  const char* shipped = nullptr;
+  double floor_noise = 0;        ///< m/s^2/sqrt(Hz), of each of its sensors
+  double floor_calibration = 0;  ///< part by which they read more or less
 };
 
-Gains frame_of(Gains gains, double stiffness, std::mt19937_64& random) {
+/// Whose legs are each a part stiffer or softer; all softer where they share the masses, which rows
+/// of another size would not be those of a frame.
+Gains frame_of(Gains gains, double stiffness, bool share_masses, std::mt19937_64& random) {
   const Index m = gains.n_legs();
   for (Index i = 0; i < m; ++i) {
-    const double factor = random() % 2 == 0 ? 1 + stiffness : 1 - stiffness;
+    const bool stiffer = random() % 2 == 0 && !share_masses;
+    const double factor = stiffer ? 1 + stiffness : 1 - stiffness;
     gains.plant.A.row(m + i).head(m) *= factor;
     gains.plant.C.row(i) *= factor;
   }
@@ -90,7 +96,7 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
   const char* asked = std::getenv("STILLFRAME_SIMULATED_HOURS");
   const double hours = asked != nullptr ? std::stod(asked) : 0.02;
   Gains gains =
-      sound.shipped ? shipped_gains("force_feedback_5hz") : toy::damped_gains(5, sound.rate_hz);
+      sound.shipped != nullptr ? shipped_gains(sound.shipped) : toy::damped_gains(5, sound.rate_hz);
   if (sound.by_position) gains = toy::by_position(gains);
   const Index m = gains.n_legs();
   const auto n = static_cast<std::int64_t>(hours * 3600 * sound.rate_hz);
@@ -99,7 +105,11 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
   std::uniform_real_distribution<double> uniform;
   VectorXd scale = VectorXd::Ones(m);
   for (double& value : scale) value += random() % 2 == 0 ? sound.calibration : -sound.calibration;
-  Rig rig({}, true, gains, frame_of(gains, sound.stiffness, random));
+  VectorXd floor_scale = VectorXd::Ones(gains.plant.B_w.cols());
+  for (double& value : floor_scale) {
+    value += random() % 2 == 0 ? sound.floor_calibration : -sound.floor_calibration;
+  }
+  Rig rig({}, true, gains, frame_of(gains, sound.stiffness, sound.shipped != nullptr, random));
   MadeUpFloor made_up(sound.rate_hz, 18);
   const RecordedFloor recorded(sound.recording != nullptr ? sound.recording : "mikb_floor_200hz",
                                sound.rate_hz);
@@ -135,7 +145,10 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
       if (sound.step > 0) m.sigma(i) = sound.step * std::round(m.sigma(i) / sound.step);
     }
     if (sound.floor_late) m.floor.swap(floor_before);
-    m.floor.array() += sound.tilt;
+    for (Index j = 0; j < m.floor.size(); ++j) {
+      const double noise = sound.floor_noise * std::sqrt(sound.rate_hz / 2) * normal(random);
+      m.floor(j) = floor_scale(j) * m.floor(j) + sound.tilt + noise;
+    }
     const bool in_burst =
         m.seq % std::llround(sound.rate_hz) < sound.burst && rig.k() > first_burst;
     const bool lost = in_burst || (sound.lost > 0 && uniform(random) < sound.lost);
@@ -144,12 +157,17 @@ TEST_P(NoFalseAlarm, ForAsLongAsOneLikes) {
   };
   ASSERT_TRUE(rig.reaches(State::active, static_cast<int>(4 * sound.rate_hz), wire))
       << to_text(rig.fault());
-  for (std::int64_t k = 0; k < n; ++k) rig.step(wire);
+  std::int64_t n_disbelieved = 0;
+  for (std::int64_t k = 0; k < n; ++k) {
+    rig.step(wire);
+    n_disbelieved += rig.supervisor().broken_floor() >= 0 ? 1 : 0;
+  }
   // Within a burst that is longer than forces are held they fade.
   if (sound.burst <= 10) {
     EXPECT_EQ(rig.state(), State::active);
   }
   EXPECT_EQ(rig.supervisor().n_faults(), 0) << to_text(rig.fault());
+  EXPECT_EQ(n_disbelieved, 0);
   // After a burst a command may catch up less than it would.
   EXPECT_LE(rig.supervisor().n_saturated(), sound.burst > 0 ? n / 1000 : 0);
   EXPECT_EQ(rig.loop().counters().n_missing, n_lost);
@@ -179,28 +197,75 @@ INSTANTIATE_TEST_SUITE_P(
         Sound{.name = "ActuatorsShort", .actuators = 0.02},
         Sound{.name = "ActuatorsOffUnsaid", .unsaid = 0.02},
         // Newtons for tenths of a micrometre: its legs meet their limit on a floor that is loud.
-        Sound{.name = "Shipped", .loud = 0.02, .quiet = 5e-3, .shipped = true},
+        Sound{.name = "Shipped", .loud = 0.02, .quiet = 5e-3, .shipped = "force_feedback_5hz"},
         Sound{.name = "ShippedActuatorsShort",
               .loud = 0.02,
               .quiet = 5e-3,
               .actuators = 0.02,
-              .shipped = true},
+              .shipped = "force_feedback_5hz"},
         Sound{.name = "ShippedActuatorsTenPercentShort",
               .loud = 0.02,
               .quiet = 5e-3,
               .actuators = 0.1,
-              .shipped = true},
+              .shipped = "force_feedback_5hz"},
         Sound{.name = "ShippedActuatorsShortOnePercentLost",
               .loud = 0.02,
               .quiet = 5e-3,
               .lost = 0.01,
               .actuators = 0.02,
-              .shipped = true},
+              .shipped = "force_feedback_5hz"},
         Sound{.name = "ShippedActuatorsOffUnsaid",
               .loud = 0.02,
               .quiet = 5e-3,
               .unsaid = 0.02,
-              .shipped = true},
+              .shipped = "force_feedback_5hz"},
+        Sound{.name = "FeedForward",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-6},
+        Sound{.name = "FeedForwardEarthquakes",
+              .step = 0.015,
+              .loud = 0.02,
+              .quiet = 2e-4,
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-6},
+        Sound{.name = "FeedForwardQuiet",
+              .loud = 1e-5,
+              .quiet = 1e-5,
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-6},
+        Sound{.name = "FeedForwardRecordedFloor",
+              .recording = "mikb_floor_200hz",
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-7},
+        Sound{.name = "FeedForwardLegsOff",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .stiffness = 0.05,
+              .tilt = 0.05,
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-6,
+              .floor_calibration = 0.05},
+        Sound{.name = "FeedForwardActuatorsOffUnsaid",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .unsaid = 0.02,
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-6},
+        Sound{.name = "FeedForwardTenPercentLost",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .lost = 0.1,
+              .floor_late = true,
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-6},
+        Sound{.name = "FeedForwardBurstsOf21",
+              .loud = 0.02,
+              .quiet = 5e-3,
+              .burst = 21,
+              .shipped = "feed_forward_1khz",
+              .floor_noise = 1e-6},
         Sound{.name = "Kicked", .loud = 0.03, .quiet = 0.01, .kick = 0.02}),
     [](const auto& sound) { return sound.param.name; });
 

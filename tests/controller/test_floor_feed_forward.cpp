@@ -235,8 +235,10 @@ TEST_F(Watched, FadesTheFeedForwardOutWhileASensorRepeatsItself) {
   EXPECT_EQ(watch_.broken(), 1);
   EXPECT_EQ(watch_.share(), 0);
   EXPECT_LT(steepest_, 1.9 / policy_.fade_s);
-  hear(990, true, true);
+  EXPECT_FALSE(watch_.believed());
+  hear(1490, true, true);
   EXPECT_EQ(watch_.share(), 0);
+  EXPECT_TRUE(watch_.believed());
   hear(600, true, true);
   EXPECT_EQ(watch_.share(), 1);
   EXPECT_EQ(watch_.broken(), -1);

@@ -1,0 +1,127 @@
+#include "controller/floor_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "controller/slow_loops.hpp"
+#include "core/control/close_loop.hpp"
+#include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/two_pi.hpp"
+
+namespace stillframe::controller {
+
+using Eigen::Index;
+using Eigen::Ref;
+using Eigen::VectorXd;
+
+namespace {
+
+// Of the lowest target, as in the designed loop: what is slower is how sensors drift.
+constexpr double slow = 0.1, no_target_hz = 1;
+// Also of the lowest target: with the leak of a law that holds a frame still, a beginning would be
+// remembered for a minute.
+constexpr double leaks = 0.4;
+// In which a difference of the models has died out that began with what they heard first.
+constexpr double settles_s = 1.5;
+constexpr double forgets_s = 3;  // as the pace forgets how large a floor was
+// The noise of sensors that are integrated to the force of a floor takes seconds to swing.
+constexpr double learns_s = 10;
+// Actuators that are off by 5 %, springs by 10 and sensors that are tilted leave a third.
+constexpr double part_of_felt = 0.5, roots = 6, part_of_another = 0.1;
+
+double lowest_target_hz(const Gains& gains) {
+  return gains.target_hz.empty() ? no_target_hz : *std::ranges::min_element(gains.target_hz);
+}
+
+/// The feedback of the gains by itself, whose forces act and are heard at once and as they are:
+/// what lags between a command and its force is in the force that is reported.
+Gains observing(Gains gains) {
+  gains.forget_floor();
+  gains.law.reset();
+  gains.leak_hz = std::max(gains.leak_hz, leaks * lowest_target_hz(gains));
+  gains.instruments.actuator_gain = 1;
+  gains.instruments.actuator_lag_hz = 0;
+  gains.instruments.report = Instruments::Report::measured;
+  gains.instruments.report_age_samples = 0;
+  return gains;
+}
+
+bool is_stable(const Gains& gains) {
+  const SampledPlant plant = sample_and_hold(gains.feedback_plant(), gains.sampling());
+  const SampledLoop loop = close_loop(plant, law_from_gains(gains));
+  return loop.A.allFinite() && spectral_radius(loop.A) < 1;
+}
+
+}  // namespace
+
+FloorEvidence::FloorEvidence(const Gains& gains) {
+  if (gains.heard_floor().empty()) return;
+  const Gains observer = observing(gains);
+  if (!is_stable(observer)) return;
+  heard_.emplace(observer);
+  felt_.emplace(observer);
+  m_ = gains.n_legs();
+  p_ = heard_->n_floor();
+  slow_kept_ = std::exp(-two_pi * slow * lowest_target_hz(gains) * gains.sample_time());
+  kept_ = std::exp(-gains.sample_time() / slowed(forgets_s, gains.sample_rate_hz));
+  learns_ = gains.sample_time() / slowed(learns_s, gains.sample_rate_hz);
+  settled_ = std::llround(slowed(settles_s, gains.sample_rate_hz) / gains.sample_time());
+  now_ = slow_ = moves_ = VectorXd::Zero(p_ + 2 * m_);
+  usual_ = no_floor_ = VectorXd::Zero(p_);
+  largest_ = squares_ = nothing_ = minus_sigma_ = VectorXd::Zero(m_);
+}
+
+void FloorEvidence::begin(const Ref<const VectorXd>& all) noexcept {
+  heard_->reset(1);
+  felt_->reset(1);
+  slow_ = all;
+  n_ = 0;
+}
+
+bool FloorEvidence::is_believed() noexcept {
+  const double another = part_of_another * largest_.maxCoeff();
+  for (Index i = 0; i < m_; ++i) {
+    const double f = heard_->command()(i), d = -felt_->command()(i);
+    const double root = std::sqrt(squares_(i));
+    const double most = part_of_felt * std::max(largest_(i), another) + roots * root;
+    if (std::abs(f) > std::abs(d) && std::abs(f - d) > most) return false;
+  }
+  return true;
+}
+
+Index FloorEvidence::hear(std::int64_t n, const Ref<const VectorXd>& w,
+                          const Ref<const VectorXd>& sigma,
+                          const Ref<const VectorXd>& applied) noexcept {
+  if (!heard_ || w.size() != p_) return -1;
+  now_ << w, sigma, applied;
+  if (n_ == 0 || n > DesignedLoop::longest_step) begin(now_);
+  const auto samples = static_cast<double>(n);
+  const double slow_kept = n == 1 ? slow_kept_ : std::pow(slow_kept_, samples);
+  const double kept = n == 1 ? kept_ : std::pow(kept_, samples);
+  slow_ = slow_kept * slow_ + (1 - slow_kept) * now_;
+  moves_ = now_ - slow_;
+  heard_->step(n, moves_.head(p_), nothing_, 1);
+  felt_->act_beside(moves_.tail(m_));
+  minus_sigma_ = -moves_.segment(p_, m_);
+  felt_->step(n, no_floor_, minus_sigma_, 1);
+  n_ += n;
+  if (n_ < settled_) {
+    sound_ = n_;
+    return -1;
+  }
+  largest_ = (kept * largest_).cwiseMax(felt_->command().cwiseAbs());
+  const bool believed = 2 * n_learned_ < settled_ || is_believed();
+  Index grown = -1;
+  if (!believed) (moves_.head(p_).array().square() / (usual_.array() + 1e-300)).maxCoeff(&grown);
+  sound_ = believed ? sound_ + n : 0;
+  if (!believed) return grown;
+  // A lie that swings is no usual difference. At first the mean of all there were.
+  if (sound_ < settled_) return -1;
+  n_learned_ += n;
+  const double part = std::max(learns_, samples / static_cast<double>(n_learned_));
+  usual_ += part * (moves_.head(p_).cwiseAbs2() - usual_);
+  squares_ += part * ((heard_->command() + felt_->command()).cwiseAbs2() - squares_);
+  return -1;
+}
+
+}  // namespace stillframe::controller
