@@ -5,6 +5,7 @@
 #include "core/cli/command.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/broken_channels/episodes.hpp"
+#include "tests/broken_channels/lying_floor.hpp"
 
 // The table of docs/safety.md: what breaks, how hard the frame is driven, when it is found.
 namespace {
@@ -69,6 +70,33 @@ int run(const std::string& controller, const std::string& scene, int n_seeds, do
   return 0;
 }
 
+/// The same of a sensor of the floor.
+int run_lies(const std::string& controller, const std::string& scene, int n_seeds, double floor,
+             const std::string& wanted) {
+  const Gains gains = shipped_gains(controller, scene);
+  if (gains.heard_floor().empty()) {
+    throw std::runtime_error("--controller: " + controller + " hears no floor");
+  }
+  std::printf(
+      "| a floor sensor | leg force | frame | faded out | let go of |\n|---|---|---|---|---|\n");
+  for (const Lie& lie : all_lies()) {
+    if (lie.name.find(wanted) == std::string::npos) continue;
+    LieEpisode worst;
+    int n_disbelieved = 0, n_faulty = 0;
+    for (int seed = 1; seed <= n_seeds; ++seed) {
+      const LieEpisode one = run_lie(gains, lie, static_cast<std::uint64_t>(seed), floor);
+      worst.leg_force = worst_of(worst.leg_force, one.leg_force);
+      worst.acceleration = worst_of(worst.acceleration, one.acceleration);
+      n_disbelieved += one.disbelieved ? 1 : 0;
+      n_faulty += one.faulty ? 1 : 0;
+    }
+    std::printf("| %s | %.2f | %.2f | %d of %d | %d |\n", lie.name.c_str(), worst.leg_force,
+                worst.acceleration, n_disbelieved, n_seeds, n_faulty);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -83,6 +111,7 @@ int main(int argc, char** argv) {
   std::string controller = "force_feedback_5hz", scene = "metrology_frame";
   std::string wanted;
   int n_seeds = 10;
+  bool floor_sensors = false;
   double floor = usual_floor;
   app.option("--controller", controller, "One of config/controllers").show_default();
   app.option("--scene", scene, "That frame, or frame_under_gravity").show_default();
@@ -90,11 +119,14 @@ int main(int argc, char** argv) {
       .check(cli::number_between(1e-9, 1.0))
       .show_default();
   app.option("--damage", wanted, "Only those whose name has this in it, as scaled");
+  app.flag("--floor-sensors", floor_sensors,
+           "Sensors of the floor instead, of a controller with a feed-forward");
   app.option("--seeds", n_seeds, "Episodes of each")
       .check(cli::whole_number(1, 1000))
       .show_default();
   try {
     if (const auto code = app.parse(argc, argv)) return *code;
+    if (floor_sensors) return run_lies(controller, scene, n_seeds, floor, wanted);
     return run(controller, scene, n_seeds, floor, wanted);
   } catch (const std::exception& error) {
     std::cerr << "broken_channels: " << error.what() << "\n";
