@@ -28,6 +28,10 @@ constexpr double forgets_s = 3;  // as the pace forgets how large a floor was
 constexpr double learns_s = 10;
 // Actuators that are off by 5 %, springs by 10 and sensors that are tilted leave a third.
 constexpr double part_of_felt = 0.5, roots = 6, part_of_another = 0.1;
+// What lies from the first sample on, or more and more, is no noise.
+constexpr double most_usual = 2;
+// m/s^2: what a floor asks for that is too quiet to be measured may be noise, too.
+constexpr double quiet_floor = 1e-4;
 
 double lowest_target_hz(const Gains& gains) {
   return gains.target_hz.empty() ? no_target_hz : *std::ranges::min_element(gains.target_hz);
@@ -66,15 +70,29 @@ FloorEvidence::FloorEvidence(const Gains& gains) {
   kept_ = std::exp(-gains.sample_time() / slowed(forgets_s, gains.sample_rate_hz));
   learns_ = gains.sample_time() / slowed(learns_s, gains.sample_rate_hz);
   settled_ = std::llround(slowed(settles_s, gains.sample_rate_hz) / gains.sample_time());
-  now_ = slow_ = moves_ = VectorXd::Zero(p_ + 2 * m_);
+  now_ = slow_ = moves_ = before_ = VectorXd::Zero(p_ + 2 * m_);
   usual_ = no_floor_ = VectorXd::Zero(p_);
   largest_ = squares_ = nothing_ = minus_sigma_ = VectorXd::Zero(m_);
+  quiet_ = asked_by_a_quiet_floor(lowest_target_hz(gains), gains.sample_time());
+}
+
+// Of a floor that all of it swings at the lowest target, once that has settled.
+VectorXd FloorEvidence::asked_by_a_quiet_floor(double target_hz, double sample_time) {
+  VectorXd most = VectorXd::Zero(m_), w(p_);
+  for (std::int64_t k = 0; k < 2 * settled_; ++k) {
+    w.setConstant(quiet_floor *
+                  std::sin(two_pi * target_hz * sample_time * static_cast<double>(k)));
+    heard_->step(1, w, nothing_, 1);
+    if (k > settled_) most = most.cwiseMax(heard_->command().cwiseAbs());
+  }
+  return most;
 }
 
 void FloorEvidence::begin(const Ref<const VectorXd>& all) noexcept {
   heard_->reset(1);
   felt_->reset(1);
   slow_ = all;
+  before_.setZero();
   n_ = 0;
 }
 
@@ -83,10 +101,19 @@ bool FloorEvidence::is_believed() noexcept {
   for (Index i = 0; i < m_; ++i) {
     const double f = heard_->command()(i), d = -felt_->command()(i);
     const double root = std::sqrt(squares_(i));
-    const double most = part_of_felt * std::max(largest_(i), another) + roots * root;
+    const double felt = std::max(largest_(i), another);
+    const double usual = std::min(roots * root, most_usual * std::max(felt, quiet_(i)));
+    const double most = part_of_felt * felt + usual;
     if (std::abs(f) > std::abs(d) && std::abs(f - d) > most) return false;
   }
   return true;
+}
+
+void FloorEvidence::follow(std::int64_t n) noexcept {
+  heard_->step(n, before_.head(p_), nothing_, 1);
+  felt_->act_beside(before_.tail(m_));
+  minus_sigma_ = -before_.segment(p_, m_);
+  felt_->step(n, no_floor_, minus_sigma_, 1);
 }
 
 Index FloorEvidence::hear(std::int64_t n, const Ref<const VectorXd>& w,
@@ -94,23 +121,26 @@ Index FloorEvidence::hear(std::int64_t n, const Ref<const VectorXd>& w,
                           const Ref<const VectorXd>& applied) noexcept {
   if (!heard_ || w.size() != p_) return -1;
   now_ << w, sigma, applied;
-  if (n_ == 0 || n > DesignedLoop::longest_step) begin(now_);
+  if (n_ == 0 || n > FloorFilter::longest_gap) begin(now_);
   const auto samples = static_cast<double>(n);
   const double slow_kept = n == 1 ? slow_kept_ : std::pow(slow_kept_, samples);
   const double kept = n == 1 ? kept_ : std::pow(kept_, samples);
   slow_ = slow_kept * slow_ + (1 - slow_kept) * now_;
   moves_ = now_ - slow_;
-  heard_->step(n, moves_.head(p_), nothing_, 1);
-  felt_->act_beside(moves_.tail(m_));
-  minus_sigma_ = -moves_.segment(p_, m_);
-  felt_->step(n, no_floor_, minus_sigma_, 1);
+  // What was lost lies on the line to what came, in steps that the loops can follow.
+  for (std::int64_t left = n; left > 0; left -= DesignedLoop::longest_step) {
+    const double part =
+        static_cast<double>(std::min(left, DesignedLoop::longest_step)) / static_cast<double>(left);
+    before_ += part * (moves_ - before_);
+    follow(std::min(left, DesignedLoop::longest_step));
+  }
   n_ += n;
   if (n_ < settled_) {
     sound_ = n_;
     return -1;
   }
   largest_ = (kept * largest_).cwiseMax(felt_->command().cwiseAbs());
-  const bool believed = 2 * n_learned_ < settled_ || is_believed();
+  const bool believed = !judges() || is_believed();
   Index grown = -1;
   if (!believed) (moves_.head(p_).array().square() / (usual_.array() + 1e-300)).maxCoeff(&grown);
   sound_ = believed ? sound_ + n : 0;

@@ -68,7 +68,8 @@ void FloorWatch::average(std::int64_t n, const Ref<const VectorXd>& w) noexcept 
   }
 }
 
-void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w, Index liar) noexcept {
+void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w, Index liar,
+                      bool judged) noexcept {
   if (last_.size() == 0 || w.size() != last_.size()) return;
   const auto samples = static_cast<double>(n);
   for (Index j = 0; j < w.size(); ++j) {
@@ -92,9 +93,11 @@ void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w, Index liar) 
     if (p_ == 0) well_ += passed;
     if (well_ >= well_s) goes_ = false;
   }
-  if (goes_) {
+  if (!judged) {
+    p_ = 0;
+  } else if (goes_) {
     p_ = std::max(0.0, p_ - passed / fade_s_);
-  } else if (broken_ >= 0) {
+  } else {
     p_ = std::min(1.0, p_ + passed / ramp_in_s_);
     if (p_ == 1) broken_ = -1;
   }

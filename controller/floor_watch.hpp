@@ -21,9 +21,10 @@ class FloorWatch {
   FloorWatch(Eigen::Index p, const Policy& policy, double sample_time);
 
   /// What they read (p, m/s^2) n samples after the last time; liar: one that the frame has not
-  /// felt, or -1.
-  void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w,
-            Eigen::Index liar = -1) noexcept;
+  /// felt, or -1; judged: false while that cannot be told yet, and nothing of the feed-forward
+  /// acts: then it comes in as after a break.
+  void hear(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w, Eigen::Index liar = -1,
+            bool judged = true) noexcept;
 
   double share() const noexcept { return smooth_step(p_); }  ///< 0 to 1
   /// Whether the feed-forward should hear them: not while it has just begun, and not from when one

@@ -466,7 +466,8 @@ void Supervisor::hear_floor(const Event& event) noexcept {
   floor_seq_ = event.measurement->seq;
   const bool was_broken = floor_watch_.broken() >= 0;
   const Measurement& now = *event.measurement;
-  floor_watch_.hear(n, now.floor, floor_evidence_.hear(n, now.floor, now.sigma, now.applied));
+  const Index liar = floor_evidence_.hear(n, now.floor, now.sigma, now.applied);
+  floor_watch_.hear(n, now.floor, liar, floor_evidence_.judges());
   law_.hear_floor(n, now.floor, floor_watch_.share(), floor_watch_.believed());
   const bool broken = floor_watch_.broken() >= 0;
   if (was_broken && !broken) pace_.hear_as(law_);

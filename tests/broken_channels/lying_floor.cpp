@@ -77,7 +77,8 @@ std::vector<Lie> all_lies() {
            }}};
 }
 
-LieEpisode run_lie(const Gains& gains, const Lie& lie, std::uint64_t seed, double floor_size) {
+LieEpisode run_lie(const Gains& gains, const Lie& lie, std::uint64_t seed, double floor_size,
+                   const LieTiming& timing) {
   const double rate = gains.sample_rate_hz;
   const auto samples = [&](double s) { return static_cast<int>(std::lround(s * rate)); };
   Rig rig({}, true, gains), passive({}, false, gains);
@@ -88,7 +89,7 @@ LieEpisode run_lie(const Gains& gains, const Lie& lie, std::uint64_t seed, doubl
   }
   std::mt19937_64 random(seed);
   const auto sensor = static_cast<Index>(seed) % gains.plant.B_w.cols();
-  bool lies = false;
+  bool lies = timing.from_the_beginning, lossy = false;
   std::int64_t since = 0;
   double first = 0;
   std::deque<double> heard;
@@ -109,15 +110,17 @@ LieEpisode run_lie(const Gains& gains, const Lie& lie, std::uint64_t seed, doubl
                .late = heard.front(),
                .random = random};
     lie.tell(at);
-    return true;
+    return !lossy || m.seq % 200 >= timing.lost_of_200;
   };
-  if (!rig.reaches(State::active, samples(4), wire)) throw std::runtime_error("not active");
+  // A controller may refuse to begin with such a sensor.
+  const bool active = rig.reaches(State::active, samples(4), wire);
+  if (!active && !lies) throw std::runtime_error("not active");
   rig.steps(samples(2), wire);
   passive.steps(static_cast<int>(rig.k()));
-  lies = true;
-  rig.peak = rig.peak_y = passive.peak = passive.peak_y = 0;
+  lies = lossy = true;
+  if (!timing.early) rig.peak = rig.peak_y = passive.peak = passive.peak_y = 0;
   LieEpisode found;
-  for (int k = 0; k < samples(10); ++k) {
+  for (int k = 0; k < samples(timing.lasts_s); ++k) {
     rig.step(wire);
     passive.step();
     found.disbelieved |= rig.supervisor().broken_floor() >= 0;

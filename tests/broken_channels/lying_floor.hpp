@@ -33,8 +33,17 @@ struct LieEpisode {
   bool disbelieved = false;  ///< the feed-forward was faded out for a while
 };
 
+/// When it lies, and what beside it.
+struct LieTiming {
+  bool from_the_beginning = false;  ///< else once the loop has been active for two seconds
+  bool early = false;               ///< peaks count from the first sample on
+  double lasts_s = 10;
+  int lost_of_200 = 0;  ///< measurements in a row, from when it lies
+};
+
 /// The loop of these gains, which hear the floor, on a floor of that size (m/s^2), with the noise
 /// of its sensors (1 mN; 1e-6 m/s^2/sqrt(Hz)). Sensor and noise by seed.
-LieEpisode run_lie(const Gains& gains, const Lie& lie, std::uint64_t seed, double floor_size);
+LieEpisode run_lie(const Gains& gains, const Lie& lie, std::uint64_t seed, double floor_size,
+                   const LieTiming& timing = {});
 
 }  // namespace stillframe::controller
