@@ -1,6 +1,7 @@
 #include "controller/floor_watch.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stillframe::controller {
 
@@ -17,6 +18,9 @@ constexpr double fewest_repeats = 50, repeats_s = 0.1;
 constexpr double averaged_s = 0.2, fewest_averaged = 100;
 constexpr double least_of_white = 3, most_of_white = 9;
 constexpr double louder_than_another = 10;
+// A change from sample to sample, m/s^2, and of those of the last seconds: no floor that a frame
+// stands on begins so suddenly but by a blow.
+constexpr double leap = 0.02, leap_over_largest = 20, remembers_s = 3;
 
 }  // namespace
 
@@ -25,8 +29,9 @@ FloorWatch::FloorWatch(Index p, const Policy& policy, double sample_time)
       fade_s_(policy.fade_s),
       ramp_in_s_(policy.ramp_in_s),
       stuck_after_(std::max(fewest_repeats, repeats_s / sample_time)),
+      keep_(std::exp(-sample_time / remembers_s)),
       forget_(1 / std::max(fewest_averaged, averaged_s / sample_time)) {
-  last_ = same_ = moved_ = before_ = mean_ = rough_ = swing_ = VectorXd::Zero(p);
+  last_ = same_ = largest_ = moved_ = before_ = mean_ = rough_ = swing_ = VectorXd::Zero(p);
 }
 
 Index FloorWatch::stuck() const noexcept {
@@ -56,6 +61,18 @@ Index FloorWatch::noisy() const noexcept {
   return alone && white ? loudest : -1;
 }
 
+Index FloorWatch::leaping(double samples, const Ref<const VectorXd>& w) noexcept {
+  Index found = -1;
+  const double kept = samples == 1 ? keep_ : std::pow(keep_, samples);
+  for (Index j = 0; begun_ && j < w.size(); ++j) {
+    const double change = std::abs(w(j) - last_(j)) / samples;
+    const bool leaps = change > std::max(leap, leap_over_largest * largest_(j));
+    if (leaps && n_averaged_ * forget_ >= 1) found = j;
+    largest_(j) = std::max(kept * largest_(j), change);
+  }
+  return found;
+}
+
 void FloorWatch::average(std::int64_t n, const Ref<const VectorXd>& w) noexcept {
   n_in_a_row_ = n == 1 ? n_in_a_row_ + 1 : 0;
   if (n_in_a_row_ < 2) return;
@@ -78,13 +95,18 @@ void FloorWatch::hear(std::int64_t n, const Ref<const VectorXd>& w, Index liar,
     if (changed) moved_(j) = 1;
   }
   n_heard_ += samples;
+  const Index leaps = leaping(samples, w);
   average(n, w);
   before_ = last_;
   last_ = w;
   begun_ = true;
   const double passed = samples * sample_time_;
   const Index repeats = stuck(), noise = noisy();
-  if (const Index j = repeats >= 0 ? repeats : noise >= 0 ? noise : liar; j >= 0) {
+  if (const Index j = repeats >= 0 ? repeats
+                      : noise >= 0 ? noise
+                      : leaps >= 0 ? leaps
+                                   : liar;
+      j >= 0) {
     broken_ = j;
     well_ = 0;
     goes_ = true;

@@ -12,9 +12,9 @@ namespace stillframe::controller {
 /// going to 0 within the policy's fade_s once a sensor is broken, and then back within ramp_in_s
 /// when all have been well for one and a half. A sensor that has moved and then repeats one reading
 /// while others go on is broken; where all rest, the floor does. So is one that reads white noise
-/// ten times as large as that of any other, and one that the frame has not felt
-/// (floor_evidence.hpp). Feedback needs none of them. Construction is set-up; the rest is hot:
-/// noexcept, no allocation. Source: docs/safety.md.
+/// ten times as large as that of any other, one that leaps by twenty times its largest change of
+/// late, and one that the frame has not felt (floor_evidence.hpp). Feedback needs none of them.
+/// Construction is set-up; the rest is hot: noexcept, no allocation. Source: docs/safety.md.
 class FloorWatch {
  public:
   /// p sensors.
@@ -38,7 +38,8 @@ class FloorWatch {
 
   template <class Archive>
   void visit(Archive& archive) {
-    archive(last_), archive(same_), archive(moved_), archive(well_), archive(p_), archive(broken_);
+    archive(last_), archive(same_), archive(largest_), archive(moved_), archive(well_), archive(p_),
+        archive(broken_);
     archive(goes_), archive(n_heard_);
     archive(begun_), archive(before_), archive(mean_), archive(rough_), archive(swing_);
     archive(n_in_a_row_), archive(n_averaged_);
@@ -51,15 +52,18 @@ class FloorWatch {
   void average(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
   Eigen::Index stuck() const noexcept;
   Eigen::Index noisy() const noexcept;
+  Eigen::Index leaping(double samples, const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
 
   double sample_time_, fade_s_, ramp_in_s_;
-  double stuck_after_;      ///< samples
-  Eigen::VectorXd last_;    ///< p, m/s^2
-  Eigen::VectorXd same_;    ///< p, samples for which it read the same
-  Eigen::VectorXd moved_;   ///< p, 1: it has changed before
-  Eigen::VectorXd before_;  ///< p, m/s^2, the reading before last_
-  Eigen::VectorXd mean_;    ///< p, m/s^2, and of squares: of second differences, about the mean
+  double stuck_after_;       ///< samples
+  Eigen::VectorXd last_;     ///< p, m/s^2
+  Eigen::VectorXd largest_;  ///< p, m/s^2, change from one sample to the next, of late
+  Eigen::VectorXd same_;     ///< p, samples for which it read the same
+  Eigen::VectorXd moved_;    ///< p, 1: it has changed before
+  Eigen::VectorXd before_;   ///< p, m/s^2, the reading before last_
+  Eigen::VectorXd mean_;     ///< p, m/s^2, and of squares: of second differences, about the mean
   Eigen::VectorXd rough_, swing_;
+  double keep_;            ///< part of largest_ that is left after a sample
   double forget_;          ///< part of an average that a sample replaces
   double n_in_a_row_ = 0;  ///< samples since the last gap
   double n_averaged_ = 0;
