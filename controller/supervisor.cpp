@@ -464,14 +464,14 @@ void Supervisor::arm(const Event& event) noexcept {
 void Supervisor::hear_floor(const Event& event) noexcept {
   const std::int64_t n = floor_seq_ < 0 ? 1 : event.measurement->seq - floor_seq_;
   floor_seq_ = event.measurement->seq;
-  const bool was_broken = floor_watch_.broken() >= 0;
+  const bool was_believed = floor_watch_.believed();
   const Measurement& now = *event.measurement;
   const Index liar = floor_evidence_.hear(n, now.floor, now.sigma, now.applied);
   floor_watch_.hear(n, now.floor, liar, floor_evidence_.judges());
   law_.hear_floor(n, now.floor, floor_watch_.share(), floor_watch_.believed());
-  const bool broken = floor_watch_.broken() >= 0;
-  if (was_broken && !broken) pace_.hear_as(law_);
-  pace_.floor(event.measurement->floor, broken);
+  const bool believed = floor_watch_.believed();
+  if (!was_believed && believed) pace_.hear_as(law_);
+  pace_.floor(now.floor, !believed && floor_watch_.broken() >= 0);
 }
 
 void Supervisor::run_law(const Event& event) noexcept {
