@@ -154,9 +154,13 @@ class Period {
   explicit Period(const Gains& gains)
       : T_ns_(static_cast<std::int64_t>(1e9 / gains.sample_rate_hz)),
         sigma_(gains.n_legs()),
-        io_(gains.n_legs()),
+        floor_(gains.plant.B_w.cols()),
+        io_(gains.n_legs(), 64, gains.plant.B_w.cols()),
         supervisor_(gains, policy_, true),
-        loop_(io_, supervisor_, policy_, {.sample_rate_hz = gains.sample_rate_hz, .phase = 0.5}) {
+        loop_(io_, supervisor_, policy_,
+              {.sample_rate_hz = gains.sample_rate_hz,
+               .phase = 0.5,
+               .n_floor = gains.plant.B_w.cols()}) {
     measurement_.sigma = measurement_.applied = command_.force = VectorXd::Zero(gains.n_legs());
   }
   void before(std::int64_t) {
@@ -166,6 +170,8 @@ class Period {
     measurement_.seq = loop_.next_ns() / T_ns_;
     measurement_.time_ns = measurement_.received_ns = measurement_.seq * T_ns_;
     measurement_.sigma = sigma_(measurement_.seq);
+    // m/s^2; of a larger one the made-up forces would say that it is none.
+    measurement_.floor = 1e-6 * floor_(measurement_.seq);
     io_.put(measurement_);
   }
   void step() { loop_.period(loop_.next_ns()); }
@@ -176,7 +182,7 @@ class Period {
   // The forces are made up, and no loop's: without room they would be a fault.
   Policy policy_{.limited_part = 1, .free_rate_n_per_s = 1e12};
   std::int64_t T_ns_;
-  Forces sigma_;
+  Forces sigma_, floor_;
   InProcessIo io_;
   Supervisor supervisor_;
   Loop loop_;
@@ -186,7 +192,8 @@ class Period {
 
 void period_row(const Gains& gains, std::int64_t n, std::int64_t period_ns) {
   Period period(gains);
-  for (std::int64_t k = 0; k < 2 * gains.sample_rate_hz; ++k) {  // to the active state
+  // To the active state, and until the feed-forward has come in.
+  for (std::int64_t k = 0; k < 5 * gains.sample_rate_hz; ++k) {
     period.before(k);
     period.step();
   }

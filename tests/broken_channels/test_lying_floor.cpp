@@ -16,7 +16,8 @@ TEST(LyingFloor, DrivesTheFrameNoHarderThanIsPromised) {
   std::uint64_t seed = 1;
   for (const Lie& lie : all_lies()) {
     const LieEpisode episode = run_lie(gains, lie, seed++, usual_floor);
-    EXPECT_LT(worst_of(episode.leg_force, episode.acceleration), 1.1) << lie.name;
+    // 1.1 is promised; ten seeds reach 0.28, and what is found too late or let go of too slowly 1.
+    EXPECT_LT(worst_of(episode.leg_force, episode.acceleration), 0.4) << lie.name;
     // A sound one isolates as it should, and is believed.
     if (lie.name == "sound") {
       EXPECT_LT(episode.acceleration, 0.2);
@@ -60,8 +61,8 @@ TEST(LyingFloor, FromTheBeginningSlowlyAndThroughGaps) {
     Lie lie;
     LieTiming timing;
   } cases[] = {{tenfold, {.from_the_beginning = true}},
-               {swings(5, 0.1), {.from_the_beginning = true}},
-               {swings(5, 0.3), {.from_the_beginning = true}},
+               {swings(5, 0.1), {.from_the_beginning = true, .early = true}},
+               {swings(5, 0.3), {.from_the_beginning = true, .early = true}},
                {bump, {.from_the_beginning = true, .early = true}},
                {grows, {.lasts_s = 20}},
                {tenfold, {.lost_of_200 = 50}},

@@ -86,6 +86,23 @@ TEST(FloorFilter, TakesItsFirstReadingAndThatAfterALongGapForRest) {
   }
 }
 
+TEST(FloorFilter, LetsGoOfItsForceWhileItIsNotBelievedAndBeginsWithTheMean) {
+  FloorFilter filter(feed_forward_system(filter_of(3, 2)), 3);
+  const MatrixXd w = random_matrix(2, 50, 3);
+  filter.rest();
+  for (Index k = 0; k < w.cols(); ++k) filter.hear(1, w.col(k));
+  const double before = filter.force().norm();
+  // To a third within ten samples, whatever is read.
+  for (Index k = 0; k < 10; ++k) filter.hear(1, 1e3 * w.col(k), false);
+  EXPECT_NEAR(filter.force().norm(), std::pow(0.9, 10) * before, 1e-9 * before);
+  // A hum about five: what stands for ever is five.
+  for (int k = 0; k < 5000; ++k)
+    filter.hear(1, VectorXd::Constant(2, k % 2 == 0 ? 4.0 : 6.0), false);
+  filter.hear(1, VectorXd::Constant(2, 5.0));
+  // A reading that is off by 1 m/s^2 leaves 850 N, the mean of a thousand half a thousandth of it.
+  EXPECT_LT(filter.force().norm(), 1);
+}
+
 TEST(FloorFilter, DoesNotAllocate) {
   FloorFilter filter(feed_forward_system(filter_of(6, 6)), 6);
   const MatrixXd w = random_matrix(6, 10, 4);
@@ -284,6 +301,27 @@ TEST_F(Watched, FadesTheFeedForwardOutWhileASensorReadsNoise) {
   hear_motion(5000, 1e-5);
   EXPECT_EQ(watch_.share(), 1);
   EXPECT_EQ(watch_.broken(), -1);
+}
+
+TEST_F(Watched, DoesNotBelieveASensorFromTheSampleOnInWhichItLeaps) {
+  const auto hear_motion = [&](int n) {
+    for (int k = 0; k < n; ++k, ++k_) {
+      w_(0) = 1e-3 * std::sin(two_pi * 7 * k_ / rate);
+      w_(1) = 1e-3 * std::sin(two_pi * 11 * k_ / rate);
+      watch_.hear(1, w_);
+    }
+  };
+  hear_motion(2000);
+  EXPECT_TRUE(watch_.believed());
+  // Twice the motion is none.
+  w_(1) += 2e-3;
+  watch_.hear(1, w_);
+  EXPECT_TRUE(watch_.believed());
+  hear_motion(10);
+  w_(1) += 1;
+  watch_.hear(1, w_);
+  EXPECT_FALSE(watch_.believed());
+  EXPECT_EQ(watch_.broken(), 1);
 }
 
 TEST_F(Watched, TakesAToneNearHalfTheRateOnOneSensorForMotion) {
