@@ -1,7 +1,8 @@
 #include "controller/designed_loop.hpp"
 
 #include <algorithm>
-#include <numbers>
+
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::controller {
 
@@ -10,21 +11,11 @@ using Eigen::MatrixXd;
 using Eigen::Ref;
 using Eigen::VectorXd;
 
-namespace {
-
-// Of the lowest target: where a floor is slower its points move as one, and the loop follows it.
-// Integrals from further below are of how its sensors drift.
-constexpr double slow = 0.1;
-constexpr double no_target_hz = 1;
-
 double floor_corner(const Gains& gains) {
+  constexpr double slow = 0.1, no_target_hz = 1;
   const auto& targets = gains.target_hz;
-  const double lowest_hz =
-      targets.empty() ? no_target_hz : *std::min_element(targets.begin(), targets.end());
-  return 2 * std::numbers::pi * slow * lowest_hz;
+  return two_pi * slow * (targets.empty() ? no_target_hz : *std::ranges::min_element(targets));
 }
-
-}  // namespace
 
 DesignedLoop::DesignedLoop(const Gains& gains)
     : plant_(sample_and_hold(gains.loop_plant(floor_corner(gains)), gains.sampling())),

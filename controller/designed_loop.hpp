@@ -9,6 +9,11 @@
 
 namespace stillframe::controller {
 
+/// rad/s, a tenth of the lowest target (of 1 Hz where none is known): where a floor is slower its
+/// points move as one, and the loop follows it; what is integrated from further below is of how its
+/// sensors drift.
+double floor_corner(const Gains& gains);
+
 /// The loop as it was designed, frame and law, sample by sample under the floor that is measured:
 /// what a sound loop would command now. Its frame begins at rest. Where the floor acts by its
 /// position, too, that is of what it does above a tenth of the lowest target. Construction is

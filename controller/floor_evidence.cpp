@@ -16,11 +16,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Of the lowest target, as in the designed loop: what is slower is how sensors drift.
-constexpr double slow = 0.1, no_target_hz = 1;
-// Also of the lowest target: with the leak of a law that holds a frame still, a beginning would be
-// remembered for a minute.
-constexpr double leaks = 0.4;
+// Of the corner below which a floor is not followed: with the leak of a law that holds a frame
+// still, a beginning would be remembered for a minute. The target is at ten.
+constexpr double leaks = 4, targets = 10;
 // In which a difference of the models has died out that began with what they heard first.
 constexpr double settles_s = 1.5;
 constexpr double forgets_s = 3;  // as the pace forgets how large a floor was
@@ -33,16 +31,12 @@ constexpr double most_usual = 2;
 // m/s^2: what a floor asks for that is too quiet to be measured may be noise, too.
 constexpr double quiet_floor = 1e-4;
 
-double lowest_target_hz(const Gains& gains) {
-  return gains.target_hz.empty() ? no_target_hz : *std::ranges::min_element(gains.target_hz);
-}
-
 /// The feedback of the gains by itself, whose forces act and are heard at once and as they are:
 /// what lags between a command and its force is in the force that is reported.
 Gains observing(Gains gains) {
   gains.forget_floor();
   gains.law.reset();
-  gains.leak_hz = std::max(gains.leak_hz, leaks * lowest_target_hz(gains));
+  gains.leak_hz = std::max(gains.leak_hz, leaks * floor_corner(gains) / two_pi);
   gains.instruments.actuator_gain = 1;
   gains.instruments.actuator_lag_hz = 0;
   gains.instruments.report = Instruments::Report::measured;
@@ -66,22 +60,21 @@ FloorEvidence::FloorEvidence(const Gains& gains) {
   felt_.emplace(observer);
   m_ = gains.n_legs();
   p_ = heard_->n_floor();
-  slow_kept_ = std::exp(-two_pi * slow * lowest_target_hz(gains) * gains.sample_time());
+  slow_kept_ = std::exp(-floor_corner(gains) * gains.sample_time());
   kept_ = std::exp(-gains.sample_time() / slowed(forgets_s, gains.sample_rate_hz));
   learns_ = gains.sample_time() / slowed(learns_s, gains.sample_rate_hz);
   settled_ = std::llround(slowed(settles_s, gains.sample_rate_hz) / gains.sample_time());
   now_ = slow_ = moves_ = before_ = VectorXd::Zero(p_ + 2 * m_);
   usual_ = no_floor_ = VectorXd::Zero(p_);
   largest_ = squares_ = nothing_ = minus_sigma_ = VectorXd::Zero(m_);
-  quiet_ = asked_by_a_quiet_floor(lowest_target_hz(gains), gains.sample_time());
+  quiet_ = asked_by_a_quiet_floor(targets * floor_corner(gains) * gains.sample_time());
 }
 
-// Of a floor that all of it swings at the lowest target, once that has settled.
-VectorXd FloorEvidence::asked_by_a_quiet_floor(double target_hz, double sample_time) {
+// Of a floor that swings as one by `angle` a sample, once that has settled.
+VectorXd FloorEvidence::asked_by_a_quiet_floor(double angle) {
   VectorXd most = VectorXd::Zero(m_), w(p_);
   for (std::int64_t k = 0; k < 2 * settled_; ++k) {
-    w.setConstant(quiet_floor *
-                  std::sin(two_pi * target_hz * sample_time * static_cast<double>(k)));
+    w.setConstant(quiet_floor * std::sin(angle * static_cast<double>(k)));
     heard_->step(1, w, nothing_, 1);
     if (k > settled_) most = most.cwiseMax(heard_->command().cwiseAbs());
   }

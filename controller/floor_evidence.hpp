@@ -48,7 +48,7 @@ class FloorEvidence {
   }
 
  private:
-  Eigen::VectorXd asked_by_a_quiet_floor(double target_hz, double sample_time);
+  Eigen::VectorXd asked_by_a_quiet_floor(double angle);
   void follow(std::int64_t n) noexcept;
   void begin(const Eigen::Ref<const Eigen::VectorXd>& all) noexcept;
   bool is_believed() noexcept;

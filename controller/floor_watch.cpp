@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/slow_loops.hpp"
+
 namespace stillframe::controller {
 
 using Eigen::Index;
@@ -29,7 +31,7 @@ FloorWatch::FloorWatch(Index p, const Policy& policy, double sample_time)
       fade_s_(policy.fade_s),
       ramp_in_s_(policy.ramp_in_s),
       stuck_after_(std::max(fewest_repeats, repeats_s / sample_time)),
-      keep_(std::exp(-sample_time / remembers_s)),
+      keep_(std::exp(-sample_time / slowed(remembers_s, 1 / sample_time))),
       forget_(1 / std::max(fewest_averaged, averaged_s / sample_time)) {
   last_ = same_ = largest_ = moved_ = before_ = mean_ = rough_ = swing_ = VectorXd::Zero(p);
 }

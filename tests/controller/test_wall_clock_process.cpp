@@ -161,7 +161,12 @@ struct End {
   int exit_code = 4;
 };
 
-class WallClockEnds : public ControllerProcess, public testing::WithParamInterface<End> {};
+class WallClockEnds : public ControllerProcess, public testing::WithParamInterface<End> {
+ protected:
+  /// Once more, up to six times in all, where this program was late.
+  void ends_with_a_ramp();
+  int n_late_ = 0;
+};
 
 /// The largest change of a force from one command to the next, a sample.
 double steepest(const std::vector<command_t>& commands, std::size_t begin, std::size_t end) {
@@ -184,7 +189,7 @@ double size(const command_t& command) {
 
 // On a floor that keeps the force up. Where the machine takes the processor away a fade of the same
 // shape takes the ramp's place, for as long as itself.
-TEST_P(WallClockEnds, WithARampToNoForce) {
+void WallClockEnds::ends_with_a_ramp() {
   constexpr double floor_hz = 2, floor_mps2 = 0.002, rate_hz = 1000;
   const Gains gains = toy::gains(5, rate_hz, 1);
   const Policy policy;
@@ -229,16 +234,15 @@ TEST_P(WallClockEnds, WithARampToNoForce) {
   // It waits for the plant that begins anew.
   if (GetParam().later_ns != 0) controller.signal(SIGTERM);
   EXPECT_EQ(controller.wait(), GetParam().exit_code) << controller.err();
+  // A frame that this program moves late, by several samples at once, swings for itself.
+  if (latest_ns > 3'000'000 && ++n_late_ < 6) return ends_with_a_ramp();
 
   // s(p) U changes by s' U + s U', s' being 15/8 a ramp at the most, U' what the law itself changes
   // while it is active: twice that, because the frame swings otherwise on its way out. Seen 0.42 to
   // 0.64 of it, and 27 times of it where the force is dropped.
   const double ramp = 15.0 / 8 * largest / (policy.ramp_out_s * rate_hz);
-  // A frame that this program moves late, by several samples at once, swings for itself: seen 1.23
-  // beside other programs.
-  const double factor = latest_ns > 3'000'000 ? 8 : 2;
   EXPECT_LT(steepest(plant.commands, n_told, n_commands),
-            factor * (ramp + steepest(plant.commands, n_active, n_told)));
+            2 * (ramp + steepest(plant.commands, n_active, n_told)));
   EXPECT_EQ(size(plant.commands.back()), 0);
 
   const auto end = listener.records.end();
@@ -260,6 +264,8 @@ TEST_P(WallClockEnds, WithARampToNoForce) {
   const auto n_held = std::accumulate(stop, zero, std::int64_t{0}, held);
   EXPECT_LT(lasted_s, policy.ramp_out_s + 0.005 + static_cast<double>(n_held) / rate_hz);
 }
+
+TEST_P(WallClockEnds, WithARampToNoForce) { ends_with_a_ramp(); }
 
 INSTANTIATE_TEST_SUITE_P(
     Ends, WallClockEnds,
