@@ -15,7 +15,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct BatchOptions {
   std::vector<std::filesystem::path> scenes, controllers, floors;
   std::optional<double> duration_s;
   int jobs = 0;
@@ -23,7 +23,7 @@ struct Options {
 };
 
 /// Every scene with every controller and every floor.
-std::vector<StudyCase> cases_of(const Options& options) {
+std::vector<StudyCase> cases_of(const BatchOptions& options) {
   using Block = std::optional<std::filesystem::path>;
   const auto or_own = [](const std::vector<std::filesystem::path>& files) {
     return files.empty() ? std::vector<Block>{std::nullopt}
@@ -78,7 +78,7 @@ Json to_json(const StudyCase& study, const StudyResult& result) {
   return row;
 }
 
-std::string table_of(const Options& options, const std::vector<StudyCase>& cases,
+std::string table_of(const BatchOptions& options, const std::vector<StudyCase>& cases,
                      const std::vector<StudyResult>& results) {
   using report::cell;
   report::Table table({"scene", "controller", "floor", "axis", "floor um/s^2", "passive", "active",
@@ -111,7 +111,7 @@ std::string table_of(const Options& options, const std::vector<StudyCase>& cases
   return table.print();
 }
 
-int run(const Options& options) {
+int run(const BatchOptions& options) {
   const std::vector<StudyCase> cases = cases_of(options);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int jobs =
@@ -149,7 +149,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_batch(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BatchOptions>();
   cli::Command verb = app.verb(
       "batch", "Simulate every scene with every controller and floor, on all cores, without LCM");
   verb.option("scenes", options->scenes, "Scene files (YAML)").required().type_name("SCENE");

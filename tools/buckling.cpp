@@ -14,7 +14,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct BucklingOptions {
   std::filesystem::path scene;
   int count = 10;
   bool json = false;
@@ -38,7 +38,7 @@ void print_page(const Scene& scene, const Buckling& result, Index shown) {
   }
 }
 
-int run(const Options& options) {
+int run(const BucklingOptions& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
   const Model model = make_model(scene);
@@ -60,7 +60,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_buckling(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BucklingOptions>();
   cli::Command verb = app.verb(
       "buckling", "Multiples of the scene's loads, gravity and preloads at which it buckles");
   verb.option("scene", options->scene, "Scene file (YAML) with a load")

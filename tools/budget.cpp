@@ -17,7 +17,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct BudgetOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, floor, plot;
   std::vector<std::filesystem::path> logs;
@@ -28,7 +28,7 @@ struct Options {
 };
 
 /// The signals that are asked for, or else what the scene compares on such a floor.
-std::vector<ComparedFrame> axes_of(const Options& options, const Scene& scene,
+std::vector<ComparedFrame> axes_of(const BudgetOptions& options, const Scene& scene,
                                    const floor::FloorSpec& spec) {
   std::vector<ComparedFrame> axes;
   for (const std::string& name : options.signals) axes.push_back({name, "", name});
@@ -40,7 +40,7 @@ std::vector<ComparedFrame> axes_of(const Options& options, const Scene& scene,
   return axes;
 }
 
-std::vector<BudgetRun> runs_of(const Options& options, const LoopDesign& design,
+std::vector<BudgetRun> runs_of(const BudgetOptions& options, const LoopDesign& design,
                                const std::string& floor_text,
                                const std::vector<ComparedFrame>& axes) {
   std::vector<BudgetRun> runs;
@@ -77,7 +77,7 @@ report::BudgetPlot plot_of(const std::string& title, const Budget& budget,
   return plot;
 }
 
-int run(const Options& options) {
+int run(const BudgetOptions& options) {
   std::vector<GivenFile> read{{"the scene", options.scene},
                               {"the controller block", options.controller},
                               {"the floor block", options.floor}};
@@ -117,7 +117,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_budget(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BudgetOptions>();
   cli::Command verb = app.verb(
       "budget",
       "What each source (floor, forces, sensors) adds to the motion of the frame, passive and by "

@@ -26,7 +26,7 @@ using stillframe_msgs::controller_status_t;
 constexpr std::int64_t repeat_ns = 100'000'000;  // of a request, because a datagram may get lost
 constexpr double next_status_s = 0.3;            // a controller says something every 0.1 s
 
-struct Options {
+struct CtlOptions {
   std::string action, lcm_url;
   std::int64_t run_id = 0;
   double timeout_s = 2;
@@ -70,7 +70,7 @@ std::int32_t number_of(const std::string& action) {
   return control_request_t::RESET;
 }
 
-std::string nobody(const Options& options, const std::string& url, const Listener& listener) {
+std::string nobody(const CtlOptions& options, const std::string& url, const Listener& listener) {
   const std::string within = report::cell(" within %g s", options.timeout_s);
   if (!listener.other()) {
     return "no controller heard" + within + " on " + url +
@@ -102,7 +102,7 @@ void listen(lcm::LCM& lcm, const Listener& listener, control_request_t request, 
   }
 }
 
-controller_status_t ask(const Options& options) {
+controller_status_t ask(const CtlOptions& options) {
   const std::string url = lcm_url(options.lcm_url);
   const auto lcm = open_lcm(url);
   require_hearing(*lcm);
@@ -180,7 +180,7 @@ std::string to_text(const controller_status_t& status) {
   return text;
 }
 
-int run(const Options& options) {
+int run(const CtlOptions& options) {
   const controller_status_t status = ask(options);
   if (options.json) {
     print(to_json(status));
@@ -195,7 +195,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_ctl(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CtlOptions>();
   cli::Command verb = app.verb(
       "ctl", "Ask the controller of a wall-clock run to start, to stop, for a reset or its status");
   verb.option("action", options->action,

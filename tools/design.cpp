@@ -20,7 +20,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct DesignOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, design_scene, out, mat, plot_trade;
   bool json = false;
@@ -44,7 +44,7 @@ void plot_trade(const LoopDesign& design, const std::filesystem::path& path) {
   report::plot_trade(plot, path);
 }
 
-int run(const Options& options) {
+int run(const DesignOptions& options) {
   require_own_places(
       {{"the scene", options.scene},
        {"the controller block", options.controller},
@@ -76,7 +76,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_design(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DesignOptions>();
   cli::Command verb = app.verb("design",
                                "Decoupled PI force-feedback gains K_P and K_I of a scene, "
                                "and what the closed loop then does");

@@ -19,7 +19,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct EquilibriumOptions {
   std::filesystem::path scene;
   bool json = false;
 };
@@ -53,7 +53,7 @@ void add_held(const Scene& scene, const SceneConstraint& constraint,
   }
 }
 
-Page solve(const Options& options) {
+Page solve(const EquilibriumOptions& options) {
   Patience patience("reading the scene");
   Scene scene = read_scene(options.scene);
   if (scene.operating_point == OperatingPoint::as_written) {
@@ -189,7 +189,7 @@ void print_json(const Page& page, const Json& stable) {
        {"load_steps", found.load_steps}});
 }
 
-int run(const Options& options) {
+int run(const EquilibriumOptions& options) {
   const Page page = solve(options);
   const Json stable =
       warn_unless_stable(page.model, linearise(page.model, page.equilibrium.motion, {}, {}));
@@ -200,7 +200,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_equilibrium(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EquilibriumOptions>();
   cli::Command verb =
       app.verb("equilibrium",
                "Equilibrium of a scene under its loads, gravity, preloads and stationary "

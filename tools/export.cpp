@@ -13,7 +13,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct ExportOptions {
   std::filesystem::path log;
   std::optional<std::filesystem::path> csv, mat;
   report::ExportSettings settings;
@@ -64,7 +64,7 @@ void print_page(const report::ExportSummary& summary, const std::filesystem::pat
   }
 }
 
-int run(const Options& options) {
+int run(const ExportOptions& options) {
   if (!options.csv && !options.mat) {
     throw InputError("export: say where to, --csv FILE or --mat FILE");
   }
@@ -98,7 +98,7 @@ int run(const Options& options) {
   return exit_done;
 }
 
-constexpr const char* footer =
+constexpr const char* export_footer =
     "Columns: seq and time_s (plant time), then the signals, floor:NAME and frame:NAME in m/s^2\n"
     "(floor: the scene's inputs; frame: its outputs and monitors, those of floor points too),\n"
     "sigma:LEG, applied:LEG and command:LEG in N. A lost sample has no row; a sample without an\n"
@@ -114,7 +114,7 @@ constexpr const char* footer =
 }  // namespace
 
 void add_export(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   cli::Command verb = app.verb(
       "export", "The signals of a log as text or as a MATLAB file, one column each with its unit");
   verb.option("log", options->log, "LCM log").required().type_name("LOG");
@@ -132,7 +132,7 @@ void add_export(cli::Command& app, int& exit_code) {
               "frame:lens_x")
       .delimiter(',');
   verb.flag("--json", options->json, "Print JSON (keys below)");
-  verb.footer(footer);
+  verb.footer(export_footer);
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 

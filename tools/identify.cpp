@@ -20,7 +20,7 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using report::cell;
 
-struct Options {
+struct IdentifyOptions {
   std::filesystem::path log;
   std::optional<std::int64_t> run_id;
   std::optional<int> plant;
@@ -193,7 +193,7 @@ void print_table(const Shown& item, double level) {
   }
 }
 
-int run(const Options& options) {
+int run(const IdentifyOptions& options) {
   Patience patience("reading");
   report::ComparisonRule rule;
   if (options.tolerance_db) rule.tolerance_db = *options.tolerance_db;
@@ -244,7 +244,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_identify(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<IdentifyOptions>();
   cli::Command verb = app.verb(
       "identify", "Frequency responses from a log, with confidence bands, against the predictions");
   verb.option("log", options->log, "LCM log of one run").required().type_name("LOG");

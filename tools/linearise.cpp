@@ -22,7 +22,7 @@ namespace {
 /// A matrix of more columns does not fit on a page.
 constexpr Index page_columns = 8;
 
-struct Options {
+struct LineariseOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> mat;
   bool json = false, certify = false;
@@ -108,7 +108,7 @@ void print_certificates(const std::vector<BlockCertificate>& certificates) {
   std::cout << table.print();
 }
 
-int run(const Options& options) {
+int run(const LineariseOptions& options) {
   require_own_places({{"the scene", options.scene}}, {{"--mat", options.mat}});
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
@@ -141,7 +141,7 @@ int run(const Options& options) {
   return exit_failed;
 }
 
-constexpr const char* footer =
+constexpr const char* linearise_footer =
     "M q'' + (C + D) q' + (K + N + G) q = forces, and x' = A x + B u, y = C x + D u with x = (q, "
     "q').\n"
     "A force, torque or stress has one column of B and D; a prescribed motion has three, for its\n"
@@ -172,7 +172,7 @@ constexpr const char* footer =
 }  // namespace
 
 void add_linearise(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LineariseOptions>();
   cli::Command verb =
       app.verb("linearise",
                "Linear model of a scene about its operating point: A, B, C, D and M, C, D, K, "
@@ -185,7 +185,7 @@ void add_linearise(cli::Command& app, int& exit_code) {
             "Compare every block with extrapolated differences of the nonlinear equations; "
             "exit code 4 if one is further than 1e-9 from them, and than their rounding lets "
             "them be known");
-  verb.footer(footer);
+  verb.footer(linearise_footer);
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 

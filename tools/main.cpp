@@ -20,7 +20,7 @@ constexpr const char* description =
     "stillframe: active vibration isolation, from a multibody scene to a measured run.\n"
     "A scene is a YAML file (docs/scene.md); config/scenes/ has examples.";
 
-constexpr const char* footer =
+constexpr const char* main_footer =
     "Try:\n"
     "  stillframe modes config/scenes/metrology_frame.yaml\n"
     "  stillframe linearise config/scenes/cart.yaml\n"
@@ -78,7 +78,7 @@ int say(const char* what, const std::string& text, int code) {
 
 int main(int argc, char** argv) {
   cli::Command app(description, "stillframe");
-  app.footer(footer);
+  app.footer(main_footer);
   app.version(STILLFRAME_VERSION);
   app.at_most_one_verb();
   int exit_code = exit_done;

@@ -10,7 +10,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct MergeOptions {
   std::vector<std::filesystem::path> files;
   std::filesystem::path out;
   bool json = false;
@@ -28,7 +28,7 @@ std::string missing_shards(const robustness::Record& record) {
   return list;
 }
 
-int run(const Options& options) {
+int run(const MergeOptions& options) {
   std::vector<GivenFile> read;
   for (const auto& file : options.files) read.push_back({"a record", file});
   require_own_places(read, {{"--out", options.out}});
@@ -51,7 +51,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_merge(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MergeOptions>();
   cli::Command verb =
       app.verb("merge", "Puts the records of `robustness --shard` together into one");
   verb.option("files", options->files, "Records that `stillframe robustness --out` wrote")

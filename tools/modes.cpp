@@ -18,7 +18,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct ModesOptions {
   std::filesystem::path scene;
   bool json = false;
 };
@@ -102,7 +102,7 @@ Modes solve(const NodeParts& parts, const LinearModel& linear) {
   }
 }
 
-int run(const Options& options) {
+int run(const ModesOptions& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
   const Model model = make_model(scene);
@@ -119,7 +119,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_modes(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ModesOptions>();
   cli::Command verb = app.verb(
       "modes",
       "Natural frequencies, damping ratios and mode shapes of a scene about its operating point");

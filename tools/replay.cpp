@@ -11,19 +11,19 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct ReplayOptions {
   std::filesystem::path log;
   std::optional<std::filesystem::path> gains, policy;
   std::optional<std::int64_t> run_id;
   bool json = false;
 };
 
-controller::Gains gains_of(const Options& options, const ReplayLog& log) {
+controller::Gains gains_of(const ReplayOptions& options, const ReplayLog& log) {
   if (options.gains) return controller::read_gains(*options.gains);
   return controller::parse_gains(log.info.gains_text, options.log.string() + ": gains_text");
 }
 
-controller::Policy policy_of(const Options& options, const ReplayLog& log, double rate_hz) {
+controller::Policy policy_of(const ReplayOptions& options, const ReplayLog& log, double rate_hz) {
   if (options.policy) return controller::read_policy(*options.policy, rate_hz);
   for (const LoopSession& session : log.sessions) {
     if (session.checkpoints.empty()) continue;
@@ -95,7 +95,7 @@ std::string to_text(const ReplayLog& log, const ReplayResult& result) {
   return text;
 }
 
-int run(const Options& options) {
+int run(const ReplayOptions& options) {
   const ReplayLog log = read_replay_log(options.log, options.run_id);
   const controller::Gains gains = gains_of(options, log);
   const controller::Policy policy = policy_of(options, log, gains.sample_rate_hz);
@@ -116,7 +116,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_replay(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   cli::Command verb =
       app.verb("replay", "Compute the commands of a log again, and compare them to the bit");
   verb.option("log", options->log, "LCM log of a run, or a flight record")

@@ -14,7 +14,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct ReportOptions {
   std::vector<std::filesystem::path> paths;
   std::optional<std::filesystem::path> out, verdict;
   std::optional<std::int64_t> run_id;
@@ -25,7 +25,7 @@ struct Options {
 };
 
 /// The logs of a run directory, or the log itself.
-std::vector<std::filesystem::path> logs_of(const Options& options) {
+std::vector<std::filesystem::path> logs_of(const ReportOptions& options) {
   std::vector<std::filesystem::path> logs;
   for (const auto& path : options.paths) {
     if (!std::filesystem::is_directory(path)) {
@@ -49,14 +49,14 @@ std::vector<std::filesystem::path> logs_of(const Options& options) {
 }
 
 /// Beside what it is made of: report.html in a run directory, NAME.html for NAME.lcm.
-std::filesystem::path place_of(const Options& options) {
+std::filesystem::path place_of(const ReportOptions& options) {
   if (options.out) return *options.out;
   std::filesystem::path first = options.paths.front();
   if (std::filesystem::is_directory(first)) return first / "report.html";
   return first.replace_extension(".html");
 }
 
-int run(const Options& options) {
+int run(const ReportOptions& options) {
   const std::vector<std::filesystem::path> logs = logs_of(options);
   const std::filesystem::path place = place_of(options);
   std::vector<GivenFile> read;
@@ -88,7 +88,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_report(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportOptions>();
   cli::Command verb = app.verb(
       "report", "One HTML file that shows what logs say and what was predicted; opens anywhere");
   verb.option("paths", options->paths,

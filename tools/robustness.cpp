@@ -28,7 +28,7 @@ using robustness::WorstCase;
 
 namespace {
 
-struct Options {
+struct RobustnessOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, design_scene, uncertainty, out, from, plot;
   std::uint64_t samples = 1000, seed = 1;
@@ -54,7 +54,7 @@ Shard parse_shard(const std::string& text) {
   return {number, of};
 }
 
-SceneUncertainty uncertainty_of(const Options& options, const Scene& scene) {
+SceneUncertainty uncertainty_of(const RobustnessOptions& options, const Scene& scene) {
   if (options.uncertainty) return read_uncertainty(YamlReader::from_file(*options.uncertainty));
   if (scene.uncertainty) return *scene.uncertainty;
   throw InputError(scene.file +
@@ -79,7 +79,7 @@ Evaluator evaluator_of(const LoopDesign& design, const SceneUncertainty& uncerta
 }
 
 /// What was asked, nothing sampled yet.
-Record empty_record(const Options& options, const LoopDesign& design,
+Record empty_record(const RobustnessOptions& options, const LoopDesign& design,
                     const SceneUncertainty& uncertainty, const Evaluator& evaluator) {
   Record record;
   record.scene = design.scene.title;
@@ -99,7 +99,7 @@ Record empty_record(const Options& options, const LoopDesign& design,
 }
 
 /// Samples, or takes the samples of a file that must be of the same question.
-void fill(const Options& options, const Evaluator& evaluator, Patience& patience, Record& record) {
+void fill(const RobustnessOptions& options, const Evaluator& evaluator, Patience& patience, Record& record) {
   if (options.from) {
     Record found = read_record(*options.from);
     record.seed = found.seed;
@@ -121,7 +121,7 @@ void fill(const Options& options, const Evaluator& evaluator, Patience& patience
       [&](std::uint64_t done) { patience.now("samples", 100 * static_cast<double>(done) / n); });
 }
 
-WorstCases search(const Options& options, const Evaluator& evaluator, const Record& record,
+WorstCases search(const RobustnessOptions& options, const Evaluator& evaluator, const Record& record,
                   Patience& patience) {
   WorstCases found;
   for (const Measure measure : robustness::measures) {
@@ -206,7 +206,7 @@ void require_folder(const std::filesystem::path& file) {
   }
 }
 
-int run(Options options) {
+int run(RobustnessOptions options) {
   if (options.jobs == 0)
     options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   require_own_places({{"the scene", options.scene},
@@ -239,7 +239,7 @@ int run(Options options) {
   return exit_done;
 }
 
-constexpr const char* footer =
+constexpr const char* robustness_footer =
     "The gains stay those of the scene as it is; the plant varies within the scene's uncertainty\n"
     "block (docs/scene.md), or that of --uncertainty FILE, which has the same keys:\n"
     "  stiffness: 0.1            # of each leg, +-10 %\n"
@@ -287,7 +287,7 @@ constexpr const char* footer =
 }  // namespace
 
 void add_robustness(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RobustnessOptions>();
   cli::Command verb =
       app.verb("robustness",
                "What a loop does on plants that differ from the scene: samples and worst case");
@@ -330,7 +330,7 @@ void add_robustness(cli::Command& app, int& exit_code) {
   verb.option("--plot", options->plot, "Draw the spread of T and of the damping into a PNG file")
       .type_name("FILE");
   verb.flag("--json", options->json, "Print JSON (keys below)");
-  verb.footer(footer);
+  verb.footer(robustness_footer);
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 

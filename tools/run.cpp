@@ -27,7 +27,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct RunOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, design_scene, floor, policy, out;
   std::optional<std::string> realtime;
@@ -69,14 +69,14 @@ std::optional<std::string> text_again(const std::filesystem::path& file, const s
 }
 
 /// Where a controller block stands that is not in the scene itself.
-std::optional<std::filesystem::path> controller_file(const Options& options, const Scene& scene) {
+std::optional<std::filesystem::path> controller_file(const RunOptions& options, const Scene& scene) {
   if (options.controller) return options.controller;
   const auto block = YamlReader::from_text(scene.text, scene.file).find("controller");
   if (!block || !block->is_scalar()) return std::nullopt;
   return folder_of(options.scene) / block->text();
 }
 
-std::optional<std::string> controller_text(const Options& options, const Scene& scene) {
+std::optional<std::string> controller_text(const RunOptions& options, const Scene& scene) {
   const auto file = controller_file(options, scene);
   if (!file) return std::nullopt;
   auto text = text_again(*file, options.mode);
@@ -88,7 +88,7 @@ std::optional<std::string> controller_text(const Options& options, const Scene& 
 }
 
 /// What the processes of a run by the clock would refuse.
-void require_clocked(const Options& options, const LoopDesign& design,
+void require_clocked(const RunOptions& options, const LoopDesign& design,
                      const controller::Policy& policy) {
   if (design.gains.delay_samples < 1) {
     throw InputError(design.scene.controller->place + ": delay_samples: found " +
@@ -102,7 +102,7 @@ void require_clocked(const Options& options, const LoopDesign& design,
 
 /// What no one refuses, as it depends on the floor: a loop that answers to a push changes its
 /// forces faster than its floor asks for, as one that runs away does.
-void warn_of_pushes(const Options& options, const Scene& scene, const controller::Policy& policy) {
+void warn_of_pushes(const RunOptions& options, const Scene& scene, const controller::Policy& policy) {
   if (options.mode != "wall_clock" || options.loop == "passive") return;
   if (policy.free_rate_n_per_s || !has_forces(scene)) return;
   std::cerr << "stillframe: warning: the scene's disturbances push the frame beside its floor, and "
@@ -112,7 +112,7 @@ void warn_of_pushes(const Options& options, const Scene& scene, const controller
 }
 
 /// Everything that a person may have got wrong is found before anything is started or written.
-Checked check_input(const Options& options) {
+Checked check_input(const RunOptions& options) {
   LoopDesign design = make_loop_design(options.scene, options.controller, options.design_scene);
   const double rate_hz = design.gains.sample_rate_hz;
   const controller::Policy policy = options.policy
@@ -150,7 +150,7 @@ int fail(RunDirectory& directory, const PhaseResult& result) {
   return result.exit_code;
 }
 
-int run_into(RunDirectory& directory, const Options& options, const Checked& checked) {
+int run_into(RunDirectory& directory, const RunOptions& options, const Checked& checked) {
   const LoopDesign& design = checked.design;
   RunFiles files = checked.files;
   const auto keep = [&](const std::string& name, const std::string& text) {
@@ -211,7 +211,7 @@ int run_into(RunDirectory& directory, const Options& options, const Checked& che
   return exit_code_of(verdict.judgement.outcome);
 }
 
-int run(const Options& options) {
+int run(const RunOptions& options) {
   const Checked checked = check_input(options);
   catch_stop_signals();
   RunDirectory directory(options.out.value_or(default_folder(options.scene)),
@@ -227,7 +227,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_run(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunOptions>();
   cli::Command verb = app.verb(
       "run", "Run plant, controller and logger of a scene, passive and active, and judge the logs");
   verb.option("scene", options->scene, "Scene file (YAML) with controller and floor")

@@ -28,7 +28,7 @@ namespace stillframe::tools {
 
 namespace {
 
-struct Options {
+struct SigmaOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, plot;
   std::optional<double> from_hz, to_hz;
@@ -187,7 +187,7 @@ void plot(const std::string& title, const Curves& curves, const Scene& scene,
 }
 
 /// The range asked for, or else what the model, its targets and its rate call for.
-FrequencyRange range_of(const Options& options, FrequencyRange range) {
+FrequencyRange range_of(const SigmaOptions& options, FrequencyRange range) {
   range = {options.from_hz.value_or(range.lowest_hz), options.to_hz.value_or(range.highest_hz)};
   // One end that is given beyond the other that is not moves it along.
   if (!options.from_hz) range.lowest_hz = std::min(range.lowest_hz, range.highest_hz / 10);
@@ -199,7 +199,7 @@ FrequencyRange range_of(const Options& options, FrequencyRange range) {
   return range;
 }
 
-int run(const Options& options) {
+int run(const SigmaOptions& options) {
   require_own_places({{"the scene", options.scene}, {"the controller block", options.controller}},
                      {{"--plot", options.plot}});
   Patience patience("linearising");
@@ -251,7 +251,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_sigma(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SigmaOptions>();
   cli::Command verb = app.verb("sigma",
                                "Singular values over frequency from the scene's inputs to "
                                "its outputs, open and closed loop");

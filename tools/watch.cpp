@@ -27,7 +27,7 @@ constexpr int default_port = 8765;
 constexpr double once_s = 2;
 constexpr int niceness = 10;
 
-struct Options {
+struct WatchOptions {
   std::string lcm_url;
   std::optional<std::filesystem::path> scene;
   std::optional<std::int64_t> run_id;
@@ -55,7 +55,7 @@ live::RunNames names_of(const Scene& scene) {
 /// What is done with a view: onto a terminal, line by line, or to browsers.
 class Watch {
  public:
-  explicit Watch(const Options& options)
+  explicit Watch(const WatchOptions& options)
       : options_(options), url_(lcm_url(options.lcm_url)), listener_(url_, settings(options)) {
     // Of this thread and those that it starts from here on: whatever is watched comes first. The
     // one that hears has little to do, and what it misses is gone.
@@ -83,7 +83,7 @@ class Watch {
   }
 
  private:
-  static live::WatchSettings settings(const Options& options) {
+  static live::WatchSettings settings(const WatchOptions& options) {
     live::WatchSettings settings{.run_id = options.run_id, .names = {}};
     if (options.scene) settings.names = names_of(read_scene(*options.scene));
     return settings;
@@ -138,7 +138,7 @@ class Watch {
     return exit_done;
   }
 
-  const Options& options_;
+  const WatchOptions& options_;
   std::string url_;
   live::Listener listener_;
   std::optional<live::PageServer> page_;
@@ -147,7 +147,7 @@ class Watch {
   std::int64_t printed_ns_ = 0;
 };
 
-int run(const Options& options) {
+int run(const WatchOptions& options) {
   catch_stop_signals();
   return Watch(options).run();
 }
@@ -155,7 +155,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_watch(cli::Command& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<WatchOptions>();
   cli::Command verb = app.verb(
       "watch", "Watch a run while it goes on: levels, forces, state, late and lost; only listens");
   verb.option("--lcm-url", options->lcm_url,

@@ -27,7 +27,8 @@ struct Psd {
 /// four bins.
 inline constexpr double default_segment_s = 16;
 
-/// The number of samples in default_segment_s, or all of them if there are fewer.
+/// The number of samples in default_segment_s, or all of them if there are fewer; of a thousand and
+/// more the next number down that transforms are quick for.
 Eigen::Index default_segment_length(Eigen::Index n_samples, double sample_rate_hz);
 
 /// Welch's estimate of a signal that comes in parts, in memory of one segment: segments with 50 %
@@ -53,7 +54,8 @@ class RunningWelch {
   Eigen::Index n_segments() const { return n_segments_; }
 
   /// The estimate so far. Before there is a whole segment, that of the longest stretch as one
-  /// shorter segment, if it has 2 samples, else an empty density.
+  /// shorter segment (of a thousand samples and more, its first ones, as many as transforms are
+  /// quick for), if it has 2 samples, else an empty density.
   Psd finish() const;
 
  private:

@@ -137,7 +137,7 @@ MatrixXd rounding_of(const LinearModel& l, const Levers& levers, Complex s, doub
     return L.cast<Complex>().triangularView<Eigen::Lower>().solve(A);
   };
   const MatrixXcd Z = solve_left(solve_left(parts.Z).transpose()).transpose();
-  const auto values = Eigen::BDCSVD<MatrixXcd>(Z).singularValues();
+  const auto values = Eigen::JacobiSVD<MatrixXcd>(Z).singularValues();
   const double smallest = values(values.size() - 1), kappa = values(0) / smallest;
   VectorXd y = solve_left(parts.Y.transpose()).colwise().norm(),
            b = solve_left(parts.B).colwise().norm();

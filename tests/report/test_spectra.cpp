@@ -124,6 +124,16 @@ TEST(Welch, RefusesSegmentsThatDoNotFit) {
   EXPECT_EQ(default_segment_length(100000, 1000), 16000);
 }
 
+// Twelve seconds and seven samples, a prime number: its transform takes 0.4 s a channel.
+TEST(Welch, OfAShortRunTakesALengthThatIsQuick) {
+  EXPECT_EQ(default_segment_length(12007, 1000), 12000);
+  EXPECT_EQ(default_segment_length(997, 1000), 997);
+  const VectorXd x = noise(12007, 1e-3, 1);
+  RunningWelch estimate(1000, 16000);
+  estimate.add(x);
+  EXPECT_EQ(estimate.finish().density, welch(x.head(12000), 1000, 12000).density);
+}
+
 /// The root of what a transform of the whole record has in a band, per sample.
 double direct_band_rms(const VectorXd& x, double rate, double lower_hz, double upper_hz) {
   const Eigen::VectorXcd X = fourier(x);

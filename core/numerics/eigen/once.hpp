@@ -40,7 +40,6 @@ extern template class SelfAdjointEigenSolver<MatrixXcd>;
 extern template class JacobiSVD<MatrixXd>;
 extern template class JacobiSVD<MatrixXcd>;
 extern template class BDCSVD<MatrixXd>;
-extern template class BDCSVD<MatrixXcd>;
 
 #ifdef STILLFRAME_EIGEN_KERNELS
 namespace internal {

@@ -5,6 +5,5 @@ namespace Eigen {
 template class JacobiSVD<MatrixXd>;
 template class JacobiSVD<MatrixXcd>;
 template class BDCSVD<MatrixXd>;
-template class BDCSVD<MatrixXcd>;
 
 }  // namespace Eigen
