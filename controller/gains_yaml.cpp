@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "controller/gains.hpp"
+#include "controller/law_block.hpp"
 #include "core/yaml/quoted.hpp"
 
 namespace stillframe::controller {
@@ -30,8 +31,8 @@ std::string rows(const Eigen::MatrixXd& matrix, const std::string& indent) {
   return out;
 }
 
-std::string matrix(const char* name, const Eigen::MatrixXd& values) {
-  return std::string("  ") + name + (values.rows() == 0 ? ": []\n" : ":\n" + rows(values, "    "));
+std::string matrix(const std::string& indent, const char* name, const Eigen::MatrixXd& values) {
+  return indent + name + (values.rows() == 0 ? ": []\n" : ":\n" + rows(values, indent + "  "));
 }
 
 std::string names(const std::vector<std::string>& values) {
@@ -66,6 +67,12 @@ std::string plant_hash(const Gains& gains) {
   char hex[17];
   std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
   return hex;
+}
+
+std::string law_block(const NamedLaw& law, const std::string& indent) {
+  return indent + "inputs: " + names(law.inputs) + "\n" + indent +
+         "outputs: " + names(law.outputs) + "\n" + matrix(indent, "A", law.A) +
+         matrix(indent, "B", law.B) + matrix(indent, "C", law.C) + matrix(indent, "D", law.D);
 }
 
 std::string to_yaml(const Gains& gains) {
@@ -106,11 +113,9 @@ std::string to_yaml(const Gains& gains) {
     out += "  weights:\n" + rows(filter.weights, "    ");
   }
   if (gains.law) {
-    const NamedLaw& law = gains.law->matrices;
     out += "law:\n";
     if (!gains.law->floor.empty()) out += "  floor: " + names(gains.law->floor) + "\n";
-    out += "  inputs: " + names(law.inputs) + "\n  outputs: " + names(law.outputs) + "\n";
-    out += matrix("A", law.A) + matrix("B", law.B) + matrix("C", law.C) + matrix("D", law.D);
+    out += law_block(gains.law->matrices, "  ");
   }
   return out;
 }

@@ -10,4 +10,8 @@ namespace stillframe::controller {
 /// numbers beyond largest_entry.
 NamedLaw read_law_block(const YamlReader& reader);
 
+/// The same keys as text, which read_law_block reads to the same bits; every line begins with
+/// `indent`.
+std::string law_block(const NamedLaw& law, const std::string& indent);
+
 }  // namespace stillframe::controller

@@ -99,7 +99,8 @@ Record empty_record(const RobustnessOptions& options, const LoopDesign& design,
 }
 
 /// Samples, or takes the samples of a file that must be of the same question.
-void fill(const RobustnessOptions& options, const Evaluator& evaluator, Patience& patience, Record& record) {
+void fill(const RobustnessOptions& options, const Evaluator& evaluator, Patience& patience,
+          Record& record) {
   if (options.from) {
     Record found = read_record(*options.from);
     record.seed = found.seed;
@@ -121,8 +122,8 @@ void fill(const RobustnessOptions& options, const Evaluator& evaluator, Patience
       [&](std::uint64_t done) { patience.now("samples", 100 * static_cast<double>(done) / n); });
 }
 
-WorstCases search(const RobustnessOptions& options, const Evaluator& evaluator, const Record& record,
-                  Patience& patience) {
+WorstCases search(const RobustnessOptions& options, const Evaluator& evaluator,
+                  const Record& record, Patience& patience) {
   WorstCases found;
   for (const Measure measure : robustness::measures) {
     std::vector<Eigen::VectorXd> starts;

@@ -69,7 +69,8 @@ std::optional<std::string> text_again(const std::filesystem::path& file, const s
 }
 
 /// Where a controller block stands that is not in the scene itself.
-std::optional<std::filesystem::path> controller_file(const RunOptions& options, const Scene& scene) {
+std::optional<std::filesystem::path> controller_file(const RunOptions& options,
+                                                     const Scene& scene) {
   if (options.controller) return options.controller;
   const auto block = YamlReader::from_text(scene.text, scene.file).find("controller");
   if (!block || !block->is_scalar()) return std::nullopt;
@@ -102,7 +103,8 @@ void require_clocked(const RunOptions& options, const LoopDesign& design,
 
 /// What no one refuses, as it depends on the floor: a loop that answers to a push changes its
 /// forces faster than its floor asks for, as one that runs away does.
-void warn_of_pushes(const RunOptions& options, const Scene& scene, const controller::Policy& policy) {
+void warn_of_pushes(const RunOptions& options, const Scene& scene,
+                    const controller::Policy& policy) {
   if (options.mode != "wall_clock" || options.loop == "passive") return;
   if (policy.free_rate_n_per_s || !has_forces(scene)) return;
   std::cerr << "stillframe: warning: the scene's disturbances push the frame beside its floor, and "

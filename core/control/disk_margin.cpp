@@ -124,8 +124,9 @@ double simple_bound(const MatrixXcd& Z) {
 
 }  // namespace
 
-LinearSystem half_sensitivity(const LoopSettings& settings) {
-  const SampledPlant plant = sample_and_hold(feedback_part(settings.plant), settings.sampling);
+LinearSystem half_sensitivity(const LoopPlant& loop_plant, const Sampling& sampling,
+                              const DiscreteLaw& law) {
+  const SampledPlant plant = sample_and_hold(feedback_part(loop_plant), sampling);
   const Index n = plant.Phi.rows(), m = plant.Gamma_u.cols();
   const MatrixXd I = MatrixXd::Identity(m, m);
   // Beside the plant: the d that held before, and where the report is a measured one, what d has
@@ -158,15 +159,24 @@ LinearSystem half_sensitivity(const LoopSettings& settings) {
   with_d.D_0 = MatrixXd::Zero(m, m);
   with_d.D_yu = I;
   with_d.D_yw = I / 2;
-  const SampledLoop loop = close_loop(with_d, law_of(settings));
+  DiscreteLaw feedback = law;
+  feedback.feed_forward = {};
+  const SampledLoop loop = close_loop(with_d, feedback);
   return {.A = loop.A, .B = loop.B, .C = loop.C, .D = loop.D};
 }
 
+LinearSystem half_sensitivity(const LoopSettings& settings) {
+  return half_sensitivity(settings.plant, settings.sampling, law_of(settings));
+}
+
 DiskSearch::DiskSearch(const LoopSettings& settings)
-    : system_(half_sensitivity(settings)),
+    : DiskSearch(settings.plant, settings.sampling, law_of(settings)) {}
+
+DiskSearch::DiskSearch(const LoopPlant& plant, const Sampling& sampling, const DiscreteLaw& law)
+    : system_(half_sensitivity(plant, sampling, law)),
       sweep_(proper_system(system_)),
       m_(system_.D.rows()),
-      sample_time_(settings.sampling.sample_time),
+      sample_time_(sampling.sample_time),
       angles_(angles_to_search(sweep_.poles())),
       here_(m_, m_) {
   for (const double angle : angles_) values_.push_back(at(angle));

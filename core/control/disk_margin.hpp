@@ -15,6 +15,8 @@ namespace stillframe {
 /// force d is added to the force f that acts, but not to what is reported, and the output is
 /// f - d/2; m x m, D = I/2. Its poles are those of the closed loop and, of the path of d alone,
 /// those of the actuators. Errors: as close_loop.
+LinearSystem half_sensitivity(const LoopPlant& plant, const Sampling& sampling,
+                              const DiscreteLaw& law);
 LinearSystem half_sensitivity(const LoopSettings& settings);
 
 /// A disk margin and the frequency at which it is least. NaN: not known, as a computation failed.
@@ -29,6 +31,7 @@ struct DiskMargin {
 class DiskSearch {
  public:
   /// Set-up; the loop is taken to be stable. Errors: as close_loop.
+  DiskSearch(const LoopPlant& plant, const Sampling& sampling, const DiscreteLaw& law);
   explicit DiskSearch(const LoopSettings& settings);
 
   Eigen::Index n_legs() const { return m_; }

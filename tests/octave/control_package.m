@@ -255,6 +255,14 @@ function open_system(file, g)
   put(file, "Gamma", held.b);
 end
 
+% -- Riccati equations -----------------------------------------------------------------------------
+
+function riccati(file, g)
+  [X, L, K] = dare(g.A, g.B, g.Q, g.R, g.S);
+  put(file, "X", X);
+  put(file, "K", K);
+end
+
 % -- All cases -------------------------------------------------------------------------------------
 
 folder = argv(){1};
@@ -265,6 +273,8 @@ for found = glob(fullfile(folder, "*.given"))'
     continuous(file, given);
     sampled(file, given);
     if isfield(given, "M"), design(file, given); end
+  elseif isfield(given, "Q")
+    riccati(file, given);
   else
     open_system(file, given);
   end

@@ -7,10 +7,14 @@
 #include <Eigen/LU>
 #include <complex>
 #include <iostream>
+#include <numbers>
+#include <random>
 
 #include "core/control/continuous_loop.hpp"
+#include "core/control/mode_design.hpp"
 #include "core/numerics/balance.hpp"
 #include "core/numerics/extended/decompositions.hpp"
+#include "core/numerics/riccati.hpp"
 #include "core/numerics/singular_values.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "tests/octave/cases.hpp"
@@ -31,12 +35,53 @@ using Eigen::VectorXd;
 /// cases.hpp and the measures of difference.hpp keep it to that.
 constexpr double agreement = 1e-9;
 
+/// The filter and the control problem of H2 laws of virtual modes from 5 to 400 Hz, and others.
+std::map<std::string, RiccatiProblem> riccati_cases() {
+  std::map<std::string, RiccatiProblem> cases;
+  const ModeGoal goal{.omega_d = 2 * std::numbers::pi * 2, .zeta = 0.7, .to_hz = 50};
+  for (const double hz : {5.0, 49.0, 137.8, 400.0}) {
+    Sampling sampling;
+    sampling.sample_time = 1e-3;
+    sampling.delay_samples = 1.25;
+    const SampledMode mode(2 * std::numbers::pi * hz, sampling, 0);
+    const H2Problem p = h2_problem(mode, goal, {.edge_hz = 40, .noise = 2, .noise_hump = 2});
+    cases["control_" + std::to_string(hz)] = {.A = p.A,
+                                              .B = p.B_u,
+                                              .Q = p.C_z.transpose() * p.C_z,
+                                              .R = p.D_zu.transpose() * p.D_zu,
+                                              .S = p.C_z.transpose() * p.D_zu};
+    cases["filter_" + std::to_string(hz)] = {.A = p.A.transpose(),
+                                             .B = p.C_e.transpose(),
+                                             .Q = p.B_w * p.B_w.transpose(),
+                                             .R = p.D_ew * p.D_ew.transpose(),
+                                             .S = p.B_w * p.D_ew.transpose()};
+  }
+  std::mt19937 engine(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto draw = [&](Index rows, Index columns) {
+    return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return uniform(engine); }));
+  };
+  for (int i = 0; i < 10; ++i) {
+    const Index n = 2 + i, m = 1 + i % 3;
+    const MatrixXd cost = draw(n + m + 1, n + m), W = cost.transpose() * cost;
+    cases["random_" + std::to_string(i)] = {.A = draw(n, n),
+                                            .B = draw(n, m),
+                                            .Q = W.topLeftCorner(n, n),
+                                            .R = W.bottomRightCorner(m, m),
+                                            .S = W.topRightCorner(n, m)};
+  }
+  return cases;
+}
+
 /// Octave starts once, for all cases.
 const Outcome& outcome() {
   static const Outcome found = [] {
     std::map<std::string, Given> cases;
     for (const OpenCase& c : open_cases()) cases["open_" + c.name] = given(c);
     for (const LoopCase& c : loop_cases()) cases["loop_" + c.name] = given(c);
+    for (const auto& [name, p] : riccati_cases()) {
+      cases["riccati_" + name] = {{"A", p.A}, {"B", p.B}, {"Q", p.Q}, {"R", p.R}, {"S", p.S}};
+    }
     return ask(cases);
   }();
   return found;
@@ -253,6 +298,16 @@ TEST_F(Octave, ClosesSampledLoops) {
     response("closed_response", [&](double w) { return transfer(loop, w); });
     response("noise_response", [&](double w) { return noise_transfer(loop, w); });
     response("return_ratio", [&](double w) { return return_ratio(plant, law, w); });
+  }
+}
+
+TEST_F(Octave, SolvesRiccatiEquations) {
+  for (const auto& [name, problem] : riccati_cases()) {
+    const Answer& theirs = outcome().answers.at("riccati_" + name);
+    const RiccatiSolution ours = solve_riccati(problem);
+    const MatrixXcd K = ours.K.cast<Complex>(), X = ours.X.cast<Complex>();
+    expect_agreement(name, "K", (K - theirs.at("K")).norm() / K.norm());
+    expect_agreement(name, "X", (X - theirs.at("X")).norm() / X.norm());
   }
 }
 

@@ -10,10 +10,10 @@ TEST_F(Usage, HelpNamesEveryVerbAndExitCodes) {
   const Said said = run({"--help"});
   EXPECT_EQ(said.exit_code, 0);
   for (const char* word :
-       {"modes",       "equilibrium", "buckling", "linearise", "sigma",    "design",
-        "budget",      "robustness",  "merge",    "run",       "identify", "report",
-        "batch",       "ctl",         "replay",   "export",    "watch",    "0 done",
-        "2 bad usage", "3 refused",   "4 a run"}) {
+       {"modes",    "equilibrium", "buckling",   "linearise", "sigma",  "design",
+        "feedback", "budget",      "robustness", "merge",     "run",    "identify",
+        "report",   "batch",       "ctl",        "replay",    "export", "watch",
+        "0 done",   "2 bad usage", "3 refused",  "4 a run"}) {
     EXPECT_NE(said.output.find(word), std::string::npos) << word;
   }
 }
@@ -33,8 +33,8 @@ TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
   expect_refused(
       {"linearize", "scene.yaml"}, 2,
       "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
-      "equilibrium, buckling, linearise, sigma, design, budget, robustness, merge, run, batch, "
-      "ctl, watch, replay, identify, report, export");
+      "equilibrium, buckling, linearise, sigma, design, feedback, budget, robustness, merge, run, "
+      "batch, ctl, watch, replay, identify, report, export");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {

@@ -17,29 +17,15 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// K Phi = M Phi diag(squares), Phi^T M Phi = I, with M = L L^T and Phi = L^-T V.
-struct VirtualModes {
-  ExtendedVector squares;  ///< omega^2, 1/s^2
-  ExtendedMatrix Phi;
-};
-
-VirtualModes virtual_modes(const LegMatrices& legs) {
-  require_stiffness(legs.K);
-  const ExtendedMatrix L = mass_factor(legs.M);
-  const ExtendedMatrix half = forward_solve(L, extended(legs.K));
-  const SymmetricEigen modes = symmetric_eigen(forward_solve(L, half.transpose()));
-  return {.squares = modes.values, .Phi = backward_solve(L, modes.V)};
-}
-
 void require_targets(const std::vector<ModeTarget>& targets, Index r) {
   const size_t count = targets.size();
   if (count != 1 && static_cast<Index>(count) != r) {
-    throw std::invalid_argument("extended_gains: expected one target or " + std::to_string(r) +
+    throw std::invalid_argument("gain design: expected one target or " + std::to_string(r) +
                                 ", got " + std::to_string(count));
   }
   for (const ModeTarget& target : targets) {
     if (target.omega_d > 0 && target.zeta > 0) continue;
-    throw std::invalid_argument("extended_gains: expected targets above zero, got omega_d = " +
+    throw std::invalid_argument("gain design: expected targets above zero, got omega_d = " +
                                 std::to_string(target.omega_d) +
                                 ", zeta = " + std::to_string(target.zeta));
   }
@@ -72,8 +58,7 @@ GainDesign with_one_target(const LegMatrices& legs, const ModeTarget& target) {
 }
 
 GainDesign with_a_target_each(const LegMatrices& legs, const std::vector<ModeTarget>& targets) {
-  const VirtualModes modes = virtual_modes(legs);
-  require_determined_modes(modes, targets);
+  const VirtualModes modes = virtual_modes(legs, targets);
   ExtendedVector of_X(modes.squares.size()), of_K_I(modes.squares.size());
   for (Index i = 0; i < of_X.size(); ++i) {
     const auto& [omega_d, zeta] = targets[static_cast<size_t>(i)];
@@ -91,6 +76,17 @@ ExtendedMatrix without_one(const ExtendedMatrix& X) {
 }
 
 }  // namespace
+
+VirtualModes virtual_modes(const LegMatrices& legs, const std::vector<ModeTarget>& targets) {
+  require_targets(targets, legs.M.rows());
+  require_stiffness(legs.K);
+  const ExtendedMatrix L = mass_factor(legs.M);
+  const ExtendedMatrix half = forward_solve(L, extended(legs.K));
+  const SymmetricEigen modes = symmetric_eigen(forward_solve(L, half.transpose()));
+  VirtualModes found{.squares = modes.values, .Phi = backward_solve(L, modes.V)};
+  if (targets.size() > 1) require_determined_modes(found, targets);
+  return found;
+}
 
 ForceFeedback GainDesign::gains() const {
   return {.K_P = rounded(without_one(X)), .K_I = rounded(K_I)};
@@ -124,7 +120,8 @@ ForceFeedback design_gains(const LegMatrices& legs, double omega_d, double zeta,
 }
 
 VectorXd virtual_frequencies(const LegMatrices& legs) {
-  return virtual_modes(legs).squares.cast<double>().cwiseSqrt();
+  // Any target: the frequencies are those of the legs.
+  return virtual_modes(legs, {{1, 1}}).squares.cast<double>().cwiseSqrt();
 }
 
 }  // namespace stillframe

@@ -15,6 +15,16 @@ struct ModeTarget {
   double omega_d = 0, zeta = 0;  ///< rad/s, 1
 };
 
+/// The modes of the virtual legs, slowest first, in twice the working precision:
+///   K Phi = M Phi diag(squares),  Phi^T M Phi = I.
+struct VirtualModes {
+  ExtendedVector squares;  ///< r, omega^2, 1/s^2
+  ExtendedMatrix Phi;      ///< r x r
+};
+
+/// Errors: as extended_gains.
+VirtualModes virtual_modes(const LegMatrices& legs, const std::vector<ModeTarget>& targets);
+
 /// A gain design as it is computed, in twice the working precision: X = I + K_P and K_I, r x r,
 /// 1 and 1/s.
 ///
