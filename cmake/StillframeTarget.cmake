@@ -34,8 +34,9 @@ if(STILLFRAME_SANITIZE)
 endif()
 
 # What a file has for itself, its anonymous namespace, is its batch's here: two names must not meet in it.
+# Twice as many in a batch cost a third less in all and half again as much when one of them changes.
 function(stillframe_batches target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${STILLFRAME_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${STILLFRAME_UNITY} UNITY_BUILD_BATCH_SIZE 14)
 endfunction()
 
 # stillframe_library(NAME SOURCES... [PUBLIC libs...] [PRIVATE libs...]) makes stillframe_NAME, known as

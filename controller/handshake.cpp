@@ -13,7 +13,6 @@ using stillframe_msgs::run_state_t;
 
 namespace {
 
-constexpr int wait_ms = 50;  // between looks at the clock and the stop signal
 // A plant gives both sides a tenth of a second to settle; a loop that waits for longer than this
 // would be a loop that cannot be ended.
 constexpr std::int64_t farthest_start_ns = 10 * ns_per_s;
@@ -90,7 +89,7 @@ Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::i
   std::int64_t last_asked_ns = monotonic_ns();
   bool ready = false;
   while (!stop_requested()) {
-    const Heard heard = link.take(wait_ms);
+    const Heard heard = link.take(look_every_ms);
     const run_info_t& info = link.run_info();
     if (heard.run_info && (!run_id || info.run_id == *run_id)) {
       last_asked_ns = monotonic_ns();

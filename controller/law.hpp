@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "controller/floor_filter.hpp"
 #include "controller/gains.hpp"
@@ -83,6 +85,7 @@ class Law {
   DiscreteLaw matrices_;
   FloorFilter floor_;
   double share_ = 1;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> blocks_;  ///< of A, first row and rows
   Eigen::VectorXd x_, x_next_, e_, e_now_, e_last_, r_;
 };
 

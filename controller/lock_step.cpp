@@ -13,8 +13,6 @@ using stillframe_msgs::timing_t;
 
 namespace {
 
-constexpr int wait_ms = 50;  // between looks at the clock and the stop signal
-
 class LockStep {
  public:
   LockStep(ControllerLink& link, Answer& answer, timing_t& counters) noexcept
@@ -63,7 +61,7 @@ Outcome run_lock_step(ControllerLink& link, Answer& answer, double timeout_s,
   LockStep run(link, answer, counters);
   const auto limit_ns = static_cast<std::int64_t>(timeout_s * ns_per_s);
   for (;;) {
-    const Heard heard = link.take(wait_ms);
+    const Heard heard = link.take(look_every_ms);
     if (heard.measurement) run.answer_measurement();
     if (heard.run_state) {
       if (const auto end = run.told_end()) return *end;

@@ -16,13 +16,13 @@ using stillframe_msgs::run_state_t;
 
 namespace {
 
-constexpr int wait_ms = 10;        // between looks at the loop
+constexpr int look_ms = 10;        // between looks at the loop
 constexpr int most_messages = 64;  // between two looks at it
-constexpr std::int64_t ms = 1'000'000, status_every_ns = 100 * ms, lost_after_ns = 1000 * ms;
-constexpr std::int64_t asleep_ns = 50 * ms;  // no other could begin in that time
-constexpr double silent_samples = 3;         // in a row, of a plant that is there
+constexpr std::int64_t status_every_ns = 100'000'000, lost_after_ns = 1'000'000'000;
+constexpr std::int64_t asleep_ns = 50'000'000;  // no other could begin in that time
+constexpr double silent_samples = 3;            // in a row, of a plant that is there
 // A controller that comes to a run which has gone on for longer than this was not there before.
-constexpr std::int64_t joined_after_ns = 500 * ms;
+constexpr std::int64_t joined_after_ns = 500'000'000;
 
 LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
                        std::int32_t n_floor) {
@@ -118,7 +118,7 @@ void Session::end(Outcome outcome) {
 
 void Session::listen() {
   int left = most_messages;
-  for (Heard heard = link_.take(wait_ms); heard.message && left > 0;
+  for (Heard heard = link_.take(look_ms); heard.message && left > 0;
        heard = link_.take(0), --left) {
     if (heard.run_info) link_.publish_state(link_.run_info().run_id, run_state_t::READY, "");
     if (heard.run_state) {

@@ -10,6 +10,7 @@
 #include "core/control/design/control_loop.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "judge/directions.hpp"
 #include "judge/response_prediction.hpp"
 #include "plant_sim/force_courses.hpp"
 
@@ -77,14 +78,6 @@ SampledLoop loop_between(const LoopDesign& design, const std::vector<SceneSignal
 
 namespace {
 
-/// Of one input, what is left across those of `basis`, which are orthonormal; nothing of one that
-/// they span.
-Eigen::Vector3d across(Eigen::Vector3d direction, const std::vector<Eigen::Vector3d>& basis) {
-  for (const Eigen::Vector3d& other : basis) direction -= other.dot(direction) * other;
-  // Directions of a scene are written in a few digits.
-  return direction.norm() > 1e-6 ? direction.normalized() : Eigen::Vector3d::Zero();
-}
-
 /// Prescribed translations across the inputs of their nodes.
 std::vector<SceneSignal> unmeasured_translations(const Scene& scene) {
   std::vector<SceneSignal> result;
@@ -94,8 +87,7 @@ std::vector<SceneSignal> unmeasured_translations(const Scene& scene) {
     for (const auto* list : lists) {
       for (const SceneSignal& other : *list) {
         if (other.node != signal.node || other.quantity != Quantity::acceleration) continue;
-        const Eigen::Vector3d rest = across(other.direction, known);
-        if (!rest.isZero(0)) known.push_back(rest);
+        add_to(known, other.direction);
       }
     }
     signal.direction = across(signal.direction, known);

@@ -7,6 +7,7 @@
 
 #include "core/mechanics/model/model.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "judge/directions.hpp"
 #include "judge/response_prediction.hpp"
 
 namespace stillframe::tools {
@@ -14,18 +15,6 @@ namespace stillframe::tools {
 using Eigen::Index;
 
 namespace {
-
-/// What is left of a direction across others, which are orthonormal; nothing of one within them.
-Eigen::Vector3d across(Eigen::Vector3d direction, const std::vector<Eigen::Vector3d>& others) {
-  for (const Eigen::Vector3d& other : others) direction -= other.dot(direction) * other;
-  // Directions of a scene are written in a few digits.
-  return direction.norm() > 1e-6 ? direction.normalized() : Eigen::Vector3d::Zero();
-}
-
-void add_to(std::vector<Eigen::Vector3d>& basis, const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d rest = across(direction, basis);
-  if (!rest.isZero(0)) basis.push_back(rest);
-}
 
 /// Translations of floor nodes that no input tells of, as inputs.
 std::vector<SceneSignal> unmeasured(const Scene& scene, const report::ResponseSignals& signals,

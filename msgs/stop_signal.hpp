@@ -13,4 +13,7 @@ void ignore_write_signals();
 /// True once a stop signal has come. Hot: noexcept, no allocation.
 bool stop_requested() noexcept;
 
+/// For how long what waits may go without looking at it and at the clock.
+inline constexpr int look_every_ms = 50;
+
 }  // namespace stillframe

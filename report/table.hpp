@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,9 @@ namespace stillframe::report {
 
 /// printf to a string.
 [[gnu::format(printf, 1, 2)]] std::string cell(const char* format, ...);
+
+/// A number of things, as %lld takes it.
+inline long long count(std::int64_t n) { return n; }
 
 /// Rows of cells under a header; the first n_text_columns stand to the left, the others to the
 /// right.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/numerics/decibels.hpp"
 #include "report/table.hpp"
 #include "tools/matrix_table.hpp"
 
@@ -12,8 +13,6 @@ namespace stillframe::tools {
 using report::cell;
 
 namespace {
-
-double decibels(double ratio) { return 20 * std::log10(ratio); }
 
 std::string listed(const std::vector<double>& values) {
   std::string text;

@@ -192,7 +192,7 @@ FeedbackStudy feedback_study(const LoopDesign& design, const FeedbackWish& wish,
   const SceneController& block = *design.scene.controller;
   const double rate_hz = design.gains.sample_rate_hz, target_hz = block.lowest_target_hz();
   FeedbackStudy study{.disk = wish.disk,
-                      .to_hz = wish.to_hz > 0 ? wish.to_hz : rate_hz / 20,
+                      .to_hz = wish.to_hz > 0 ? wish.to_hz : std::min(rate_hz / 20, 20 * target_hz),
                       .frequencies_hz = round_frequencies_hz(target_hz, rate_hz),
                       .target = {},
                       .passive = {},

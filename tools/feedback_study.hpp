@@ -46,7 +46,7 @@ struct FeedbackStudy {
 
 struct FeedbackWish {
   double disk = 0.5;
-  double to_hz = 0;  ///< 0: a twentieth of the rate
+  double to_hz = 0;  ///< 0: a twentieth of the rate, at most 20 targets
   bool curve = false;
 };
 

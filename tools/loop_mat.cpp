@@ -15,7 +15,7 @@ using report::MatFile;
 namespace {
 
 /// Names and units that stand side by side.
-struct Signals {
+struct NamesAndUnits {
   MatFile::Texts names, units;
 
   void add(const std::vector<std::string>& more, const std::string& unit,
@@ -26,7 +26,7 @@ struct Signals {
 };
 
 void add_system(MatFile& file, const std::string& name, const LinearSystem& system,
-                double sample_time, const Signals& inputs, const Signals& outputs) {
+                double sample_time, const NamesAndUnits& inputs, const NamesAndUnits& outputs) {
   file.add_struct(name, {{"A", system.A},
                          {"B", system.B},
                          {"C", system.C},
@@ -59,8 +59,8 @@ LinearSystem with_noise(const SampledLoop& loop) {
 }
 
 /// The first n of a model's inputs or outputs.
-Signals first_of(const std::vector<SignalInfo>& signals, Index n) {
-  Signals result;
+NamesAndUnits first_of(const std::vector<SignalInfo>& signals, Index n) {
+  NamesAndUnits result;
   for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
     result.add({signals[i].name}, signals[i].unit);
   }
@@ -72,9 +72,9 @@ Signals first_of(const std::vector<SignalInfo>& signals, Index n) {
 void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path) {
   const MatFile::Texts& legs = design.gains.legs;
   const LinearModel& model = design.loop.plant;
-  const Signals floor = first_of(model.inputs, design.loop.n_w);
-  const Signals motion = first_of(model.outputs, design.loop.n_y);
-  Signals forces, errors, floor_forces = floor, floor_noise = floor, motion_stresses = motion;
+  const NamesAndUnits floor = first_of(model.inputs, design.loop.n_w);
+  const NamesAndUnits motion = first_of(model.outputs, design.loop.n_y);
+  NamesAndUnits forces, errors, floor_forces = floor, floor_noise = floor, motion_stresses = motion;
   const DiscreteLaw law = controller::law_from_gains(design.gains);
   forces.add(legs, "N", "force:");
   const bool filtered = law.applied_memory > 0;
@@ -106,7 +106,7 @@ void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path)
   if (law.feed_forward.D.cols() > 0) {
     add_system(file, "feed_forward", law.feed_forward, design.gains.sample_time(), floor, forces);
   }
-  Signals answers = motion, heard;
+  NamesAndUnits answers = motion, heard;
   answers.add(legs, "N", sigma_prefix);
   answers.add(legs, "N", applied_prefix);
   answers.add(floor.names, "m/s^2", floor_prefix);

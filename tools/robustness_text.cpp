@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "core/numerics/decibels.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -26,8 +27,6 @@ namespace {
 constexpr double table_frequencies_hz[] = {1, 2, 5, 10, 20, 50, 100};
 constexpr double shares[] = {0.05, 0.50, 0.95, 0.99};
 constexpr size_t n_worst_shown = 3;
-
-double decibels(double value) { return 20 * std::log10(value); }
 
 std::string count_lines(const Record& record) {
   const Tally& tally = record.tally;

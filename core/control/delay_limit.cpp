@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/control/close_loop.hpp"
 #include "core/control/delay_centre.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -16,8 +16,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Then the rest is looked at: most limits of random loops take one a sample, some 170 in all.
 constexpr int most_centres = 300;

@@ -11,6 +11,7 @@
 #include "core/control/delay_limit.hpp"
 #include "core/control/disk_margin.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -18,8 +19,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The value at which `stable` first fails on the way from `from` (stable) through `values`, halved
 /// down to 1e-6 of the step and of the distance from `from`, which for a loop that is nearly

@@ -113,7 +113,7 @@ struct Basis {
   }
 };
 
-/// r = r_0 + M x, and the x of least max |r_i| in steps.
+/// r = r_0 + M x, and the x of least max |r_i| in lawson_steps.
 class Lawson {
  public:
   Lawson(const MatrixXcd& M, const VectorXcd& r_0) : r_0_(r_0) {
@@ -125,14 +125,14 @@ class Lawson {
     R_ = qr.matrixQR().topRows(M.cols()).triangularView<Eigen::Upper>();
   }
 
-  /// Until the least maximum is known to be at most one or more than `excluded`, or `steps` are
-  /// over.
-  void run(int steps, double excluded) {
+  /// Until the least maximum is known to be at most one or more than `excluded`, or `lawson_steps`
+  /// are over.
+  void run(int lawson_steps, double excluded) {
     const Index N = r_0_.size();
     VectorXd weights = VectorXd::Ones(N);
     VectorXd wanted(2 * N);
     wanted << -r_0_.real(), -r_0_.imag();
-    for (int i = 0; i < steps && upper > 1 && lower <= excluded; ++i) {
+    for (int i = 0; i < lawson_steps && upper > 1 && lower <= excluded; ++i) {
       weights = (weights / weights.maxCoeff()).cwiseMax(least_weight);
       weights /= weights.sum();
       const VectorXd both = weights.replicate(2, 1);
@@ -259,7 +259,7 @@ class ModeProblem {
   VectorXd change_;
 };
 
-constexpr int steps = 160;
+constexpr int lawson_steps = 160;
 constexpr double lowest_db = 0, highest_db = 60, near_db = 0.4;
 
 /// The lowest level at which the least maximum is one.
@@ -271,7 +271,7 @@ struct LevelSearch {
   LevelSearch(const ModeProblem& problem, const MatrixXcd& terms, double late, double reserve) {
     const auto reaches = [&](double level_db) {
       Lawson lawson = problem.with(terms, level_db, late, reserve);
-      lawson.run(steps, reserve);
+      lawson.run(lawson_steps, reserve);
       if (lawson.lower > reserve) excluded_db = std::max(excluded_db, level_db);
       if (!(lawson.upper <= 1)) return false;
       x = lawson.x();
@@ -311,7 +311,7 @@ std::optional<ModeLaw> reduced_law(const SampledMode& mode, const ModeGoal& goal
   for (Index r = 4; r <= std::min<Index>(reduction.rank(), 24); r += 2) {
     LinearSystem smaller = reduction.to(r);
     Lawson lawson = problem.with(states_of(smaller, at.z), level_db, late, reserve);
-    lawson.run(steps, reserve);
+    lawson.run(lawson_steps, reserve);
     if (!(lawson.upper <= 1)) continue;
     const VectorXd x = lawson.x();
     smaller.C = x.head(r).transpose();

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/errors/input_error.hpp"
+#include "core/numerics/decibels.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/simplex_search.hpp"
 #include "core/numerics/two_pi.hpp"
 
@@ -59,8 +60,6 @@ double most_radius(const SampledMode& mode, const LinearSystem& F) {
   for (const double gain : gains) worst = std::max(worst, mode.radius(F, gain));
   return worst;
 }
-
-double decibels(double ratio) { return 20 * std::log10(ratio); }
 
 /// By how many dB T is above the goal's bounds outside its band.
 double excess_db(const ModeGoal& goal, const VectorXd& hz, const VectorXcd& T) {
@@ -131,7 +130,6 @@ std::optional<ModeLaw> h2_mode_law(const SampledMode& mode, const ModeGoal& goal
   // The margin on the grid is above the margin by what lies between its frequencies.
   constexpr double reserve = 1.003;
   const auto cost = [&](const VectorXd& knobs) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     const H2Weights weights = weights_of(knobs);
     if (!(weights.edge_hz < 0.4 / mode.sampling().sample_time)) return infinity;
     H2Law law;

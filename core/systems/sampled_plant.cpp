@@ -104,11 +104,11 @@ Instrumented with_instruments(const LoopPlant& plant, const Sampling& sampling) 
 }
 
 /// One part of a sample, w and c held: the state at its end and the integral of y over it.
-struct Part {
+struct HeldPart {
   MatrixXd Phi, Gamma_w, Gamma_c, Y_x, Y_w, Y_c;
 };
 
-Part part_of(const Instrumented& plant, double duration) {
+HeldPart part_of(const Instrumented& plant, double duration) {
   const Index n = plant.A.rows(), p = plant.B_w.cols(), m = plant.B_c.cols();
   const Index n_y = plant.C_y.rows(), total = n + p + m + n_y;
   MatrixXd augmented = MatrixXd::Zero(total, total);
@@ -131,7 +131,7 @@ SampledPlant sample_and_hold(const LoopPlant& plant, const Sampling& sampling) {
   const double T = sampling.sample_time;
   const Index m = plant.B_u.cols();
   const Instrumented system = with_instruments(plant, sampling);
-  const Part whole = part_of(system, T);
+  const HeldPart whole = part_of(system, T);
   SampledPlant out{.Phi = whole.Phi,
                    .Gamma_w = whole.Gamma_w,
                    .Gamma_0 = MatrixXd::Zero(system.A.rows(), m),
@@ -149,7 +149,7 @@ SampledPlant sample_and_hold(const LoopPlant& plant, const Sampling& sampling) {
                    .report_age = sampling.instruments.report_age_samples,
                    .sample_time = T};
   // Legs of one delay share the exponentials of the two parts of the sample.
-  std::map<double, std::pair<Part, Part>> parts;
+  std::map<double, std::pair<HeldPart, HeldPart>> parts;
   for (Index i = 0; i < m; ++i) {
     const double delay =
         sampling.delay_samples + (sampling.leg_delays.size() > 0 ? sampling.leg_delays(i) : 0.0);

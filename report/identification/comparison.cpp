@@ -16,12 +16,13 @@ using Eigen::MatrixXd;
 namespace {
 
 /// The level of the bands that are compared with, and of all of them together.
-constexpr double level = 0.95;
+constexpr double confidence_level = 0.95;
 
-/// How much wider the band of one of n values is if all n together are to hold with `level`.
+/// How much wider the band of one of n values is if all n together are to hold with
+/// `confidence_level`.
 double joint_width(Index n, double dof) {
-  const double each = 1 - (1 - level) / static_cast<double>(n);
-  return student_quantile(each, 2 * dof) / student_quantile(level, 2 * dof);
+  const double each = 1 - (1 - confidence_level) / static_cast<double>(n);
+  return student_quantile(each, 2 * dof) / student_quantile(confidence_level, 2 * dof);
 }
 
 bool is_narrow(double value, double lower, double upper, double widest_db) {

@@ -9,10 +9,9 @@ namespace stillframe::live {
 namespace {
 
 using report::cell;
+using report::count;
 
 constexpr double quiet_s = 1;
-
-long long count(std::int64_t n) { return static_cast<long long>(n); }
 
 class Notes {
  public:

@@ -12,8 +12,7 @@ namespace stillframe::live {
 namespace {
 
 using report::cell;
-
-long long count(std::int64_t n) { return static_cast<long long>(n); }
+using report::count;
 
 std::string significant(double value) { return cell("%.4g", value); }
 

@@ -33,7 +33,7 @@ std::string number(double value) {
 }
 
 /// A damaged log may name any number of runs that are none.
-constexpr std::size_t most_runs = 1000;
+constexpr std::size_t most_runs_found = 1000;
 
 bool is_sound(const run_info_t& info) {
   return info.format_version == our_format_version && std::isfinite(info.sample_rate_hz) &&
@@ -148,7 +148,7 @@ class Search {
       if (is_chosen(message.run_id)) period_.add(message);
       return chosen_.has_value();
     }
-    if (measured_.size() < most_runs) measured_.insert(message.run_id);
+    if (measured_.size() < most_runs_found) measured_.insert(message.run_id);
     return false;
   }
 
@@ -174,7 +174,7 @@ class Search {
   bool take_info(const LogEvent& event) {
     run_info_t info;
     if (!decode(event.payload, info) || !is_of_plant(info)) return false;
-    if (runs_.size() < most_runs || runs_.contains(info.run_id)) {
+    if (runs_.size() < most_runs_found || runs_.contains(info.run_id)) {
       runs_[info.run_id].add(event.payload);
       // A log that was begun after the run: its measurements came first.
       if (measured_.contains(info.run_id)) return is_chosen(info.run_id);

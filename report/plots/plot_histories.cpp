@@ -12,7 +12,6 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr std::size_t most_panels = 6;
 constexpr double mm_per_m = 1e3;
 /// Of the names of the axes, between the title of all of them and the labels of the tics.
 constexpr double axis_name_place = 0.047;

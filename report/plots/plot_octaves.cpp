@@ -16,7 +16,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr std::size_t most_panels = 6;
 constexpr double um_per_m = 1e6;
 
 struct Range {
@@ -101,24 +100,24 @@ int names_apart(const Range& range, std::size_t n_panels) {
 }
 
 /// The three signals of a panel, in the order of the legend.
-struct Signal {
+struct BandSignal {
   const char* name;
   VectorXd AxisBands::*velocity;
   const char* colour;
   int point_type;
 };
-constexpr Signal signals[] = {{"floor", &AxisBands::floor, floor_colour, 5},
-                              {"frame, passive", &AxisBands::passive, passive_colour, 7},
-                              {"frame, active", &AxisBands::active, active_colour, 9}};
+constexpr BandSignal band_signals[] = {{"floor", &AxisBands::floor, floor_colour, 5},
+                                       {"frame, passive", &AxisBands::passive, passive_colour, 7},
+                                       {"frame, active", &AxisBands::active, active_colour, 9}};
 
-std::string style_of(const Signal& signal) {
+std::string style_of(const BandSignal& signal) {
   return " with linespoints linewidth 3 pointtype " + std::to_string(signal.point_type) +
          " pointsize 1.1 linecolor rgb " + signal.colour;
 }
 
 constexpr const char* criteria_style = " with lines linewidth 1.2 linecolor rgb '#A0A0A0'";
 
-bool any_has(const std::vector<AxisBands>& axes, const Signal& signal) {
+bool any_has(const std::vector<AxisBands>& axes, const BandSignal& signal) {
   return std::any_of(axes.begin(), axes.end(),
                      [&](const AxisBands& axis) { return (axis.*signal.velocity).size() > 0; });
 }
@@ -130,7 +129,7 @@ std::string octave_panel(const AxisBands& axis, const std::string& suffix,
   script += place.leftmost ? "set format y '%g'\n" : "set format y ''\n";
   script += place.lowest ? "set xlabel 'frequency (Hz)'\n" : "unset xlabel\n";
   std::vector<std::string> parts = {std::string("$criteria using 1:2") + criteria_style};
-  for (const Signal& signal : signals) {
+  for (const BandSignal& signal : band_signals) {
     const VectorXd& velocity = axis.*signal.velocity;
     if (velocity.size() == 0) continue;
     const std::string block = "bands_" + std::to_string(signal.point_type) + "_" + suffix;
@@ -147,7 +146,7 @@ void plot_third_octaves(const OctavePlot& plot, const std::filesystem::path& pat
   Surroundings around{
       .title = plot.title, .left_label = "rms velocity in one-third octaves (µm/s)", .legend = {}};
   Range range;
-  for (const Signal& signal : signals) {
+  for (const BandSignal& signal : band_signals) {
     if (!any_has(plot.axes, signal)) continue;
     around.legend.push_back("keyentry" + style_of(signal) + " title " + plot_text(signal.name));
     for (const AxisBands& axis : plot.axes) range.include(axis.*signal.velocity, um_per_m);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@ inline constexpr const char* floor_colour = "'#6E6E6E'";
 
 /// Borders, tics, grid and legend that all pictures share; the place of the legend is left to them.
 std::string frame_style();
+
+/// Of a picture, a panel an axis.
+inline constexpr std::size_t most_panels = 6;
 
 /// The edges of a panel as fractions of the picture.
 std::string margins(double left, double right, double bottom, double top);

@@ -13,16 +13,16 @@ namespace {
 /// The exact centres of the bands of 4 and 8 Hz are 3.981 and 7.943 Hz.
 constexpr double nominal = 0.99;
 
-enum class Judgement { met, exceeded, unknown };
+enum class ClassCheck { met, exceeded, unknown };
 
-Judgement judge(const Eigen::VectorXd& band_velocity, const std::vector<OctaveBand>& bands,
-                const VibrationCriterion& criterion) {
-  Judgement judgement = Judgement::met;
+ClassCheck judge(const Eigen::VectorXd& band_velocity, const std::vector<OctaveBand>& bands,
+                 const VibrationCriterion& criterion) {
+  ClassCheck judgement = ClassCheck::met;
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const double velocity = band_velocity(static_cast<Eigen::Index>(i));
     if (!criterion.applies(bands[i].centre_hz)) continue;
-    if (velocity > criterion.limit(bands[i].centre_hz)) return Judgement::exceeded;
-    if (std::isnan(velocity)) judgement = Judgement::unknown;
+    if (velocity > criterion.limit(bands[i].centre_hz)) return ClassCheck::exceeded;
+    if (std::isnan(velocity)) judgement = ClassCheck::unknown;
   }
   return judgement;
 }
@@ -60,9 +60,9 @@ std::string vibration_class(const Eigen::VectorXd& band_velocity) {
   const std::vector<OctaveBand> bands = bands_of(band_velocity);
   std::string met = "above VC-A";
   for (const VibrationCriterion& criterion : vibration_criteria()) {
-    const Judgement judgement = judge(band_velocity, bands, criterion);
-    if (judgement == Judgement::exceeded) continue;
-    if (judgement == Judgement::unknown) return "not known";
+    const ClassCheck judgement = judge(band_velocity, bands, criterion);
+    if (judgement == ClassCheck::exceeded) continue;
+    if (judgement == ClassCheck::unknown) return "not known";
     met = criterion.name;
   }
   return met;
@@ -71,7 +71,7 @@ std::string vibration_class(const Eigen::VectorXd& band_velocity) {
 bool exceeds(const Eigen::VectorXd& band_velocity, const std::string& criterion) {
   const std::vector<OctaveBand> bands = bands_of(band_velocity);
   for (const VibrationCriterion& one : vibration_criteria()) {
-    if (one.name == criterion) return judge(band_velocity, bands, one) == Judgement::exceeded;
+    if (one.name == criterion) return judge(band_velocity, bands, one) == ClassCheck::exceeded;
   }
   throw std::out_of_range("exceeds: " + criterion + " is no vibration criterion");
 }

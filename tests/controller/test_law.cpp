@@ -141,6 +141,36 @@ TEST(Law, StepsAreTheMatrices) {
   }
 }
 
+// What A has only zeros beside is multiplied by itself: of any structure, also one entry far off
+// the diagonal on either side, that is A x.
+TEST(Law, TakesEveryStructureOfAForWhatItIs) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> normal(-1, 1);
+  const auto draw = [&](Eigen::Index rows, Eigen::Index columns) {
+    return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); }));
+  };
+  for (int i = 0; i < 200; ++i) {
+    const auto n = static_cast<Eigen::Index>(random() % 40);
+    DiscreteLaw law{.A = MatrixXd::Zero(n, n), .B = draw(n, 3), .C = draw(3, n), .D = draw(3, 3)};
+    for (Eigen::Index at = 0; at < n;) {
+      const auto size = std::min<Eigen::Index>(n - at, 1 + random() % 12);
+      law.A.block(at, at, size, size) = 0.2 * draw(size, size);
+      at += size;
+    }
+    for (auto k = random() % 3; n > 0 && k > 0; --k) law.A(random() % n, random() % n) = 0.5;
+    Law tried(law);
+    VectorXd x = VectorXd::Zero(n), force(3);
+    for (int k = 0; k < 5; ++k) {
+      const VectorXd sigma = draw(3, 1), applied = draw(3, 1), e = sigma - applied;
+      tried.step(sigma, applied, force);
+      const VectorXd expected = law.C * x + law.D * e;
+      // Sums of 40 products of one size, in another order.
+      ASSERT_LT((force - expected).norm(), 1e-12 * (1 + expected.norm())) << i << ", " << k;
+      x = law.A * x + law.B * e;
+    }
+  }
+}
+
 TEST(Law, AGapIsARampOfTheForce) {
   const DiscreteLaw matrices = law_from_gains(coupled_gains(1000, 0.05));
   Law with_gap(matrices), without(matrices);

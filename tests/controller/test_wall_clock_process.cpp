@@ -202,15 +202,20 @@ void WallClockEnds::ends_with_a_ramp() {
   bool told = false;
   double largest = 0;
   std::size_t n_commands = 0, n_active = 0, n_told = 0;  // that were heard until then
-  std::int64_t heard = 0, latest_ns = 0;
-  // Until no command has come for 0.3 s.
-  for (std::int64_t k = 0; !told || k < heard + 300; ++k) {
+  std::int64_t heard = 0, heard_ns = 0, latest_ns = 0;
+  // Until no command has come for 0.3 s, by the samples and by the clock: a plant that catches up
+  // sends hundreds in a moment.
+  constexpr std::int64_t quiet_ns = 300'000'000;
+  for (std::int64_t k = 0; !told || k < heard + 300 || monotonic_ns() < heard_ns + quiet_ns; ++k) {
     ASSERT_TRUE(told || k < 30'000) << "never active";
     publish_at(plant, k, start + k * 1'000'000);
     if (told) latest_ns = std::max(latest_ns, monotonic_ns() - (start + k * 1'000'000));
     while (plant.take(0)) {
     }
-    if (plant.commands.size() > n_commands) heard = k;
+    if (plant.commands.size() > n_commands) {
+      heard = k;
+      heard_ns = monotonic_ns();
+    }
     n_commands = plant.commands.size();
     plant.move(n_commands == 0 ? std::vector<double>(4, 0.0) : plant.commands.back().force,
                floor_mps2 * std::sin(two_pi * floor_hz / rate_hz * static_cast<double>(k)));
@@ -224,6 +229,7 @@ void WallClockEnds::ends_with_a_ramp() {
     }
     told = true;
     heard = k;
+    heard_ns = monotonic_ns();
     n_told = n_commands;
     if (GetParam().signal != 0) {
       controller.signal(GetParam().signal);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <complex>
@@ -301,13 +302,28 @@ TEST_F(Octave, ClosesSampledLoops) {
   }
 }
 
+/// By what X misses its equation, over the size of its terms.
+double residual_of(const RiccatiProblem& p, const MatrixXd& X) {
+  const MatrixXd AXB = p.A.transpose() * X * p.B + p.S, AXA = p.A.transpose() * X * p.A;
+  const MatrixXd last = AXB * (p.R + p.B.transpose() * X * p.B).ldlt().solve(AXB.transpose());
+  return (AXA - last + p.Q - X).norm() / (AXA.norm() + last.norm() + p.Q.norm() + X.norm());
+}
+
+// Filters of virtual modes are nearly singular (noise of 1e-6 of what it is beside), and dare does
+// not scale them: there it misses the equation itself, and X by some hundred times of that. What is
+// asked is agreement as far as it meets it.
 TEST_F(Octave, SolvesRiccatiEquations) {
   for (const auto& [name, problem] : riccati_cases()) {
     const Answer& theirs = outcome().answers.at("riccati_" + name);
     const RiccatiSolution ours = solve_riccati(problem);
-    const MatrixXcd K = ours.K.cast<Complex>(), X = ours.X.cast<Complex>();
-    expect_agreement(name, "K", (K - theirs.at("K")).norm() / K.norm());
-    expect_agreement(name, "X", (X - theirs.at("X")).norm() / X.norm());
+    const MatrixXd K = theirs.at("K").real(), X = theirs.at("X").real();
+    const double of_theirs = residual_of(problem, X), of_ours = residual_of(problem, ours.X);
+    std::cout << "  " << name << ": residual " << of_ours << ", theirs " << of_theirs
+              << ", difference of X " << (ours.X - X).norm() / X.norm() << ", K "
+              << (ours.K - K).norm() / K.norm() << '\n';
+    EXPECT_LE(of_ours, 1e-12) << name;
+    EXPECT_LE((ours.X - X).norm(), (agreement + 1e3 * of_theirs) * X.norm()) << name;
+    if (name.starts_with("random")) expect_agreement(name, "K", (K - ours.K).norm() / K.norm());
   }
 }
 

@@ -44,9 +44,9 @@ Index column_of(const Scene& scene, const std::string& name) {
   return -1;
 }
 
-class Case {
+class StudyRun {
  public:
-  Case(const StudyCase& study, std::optional<double> duration_s)
+  StudyRun(const StudyCase& study, std::optional<double> duration_s)
       : design_(make_loop_design(study.scene, study.controller)), spec_(floor_spec(study)) {
     controller::require_stable(design_.gains);
     multisine_ = multisine_in(spec_);
@@ -172,7 +172,7 @@ class Case {
 StudyResult run_case(const StudyCase& study, std::optional<double> duration_s) noexcept {
   StudyResult result;
   try {
-    return Case(study, duration_s).run();
+    return StudyRun(study, duration_s).run();
   } catch (const std::exception& error) {
     result.failure = error.what();
   }

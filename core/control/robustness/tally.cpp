@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/numerics/decibels.hpp"
+
 namespace stillframe::robustness {
 
 void Histogram::add(double value) {
@@ -104,8 +106,6 @@ constexpr double db_width = 0.05;
 constexpr int db_last = 4000;  // 200 dB either way
 /// 0.23 %, from 1e-9 to 1.
 const Histogram damping_ratios{.width = 0.001, .first = -9000, .last = 0, .counts = {}};
-
-double decibels(double value) { return 20 * std::log10(value); }
 
 }  // namespace
 
