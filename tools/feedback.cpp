@@ -207,7 +207,8 @@ void add_feedback(cli::Command& app, int& exit_code) {
       .type_name("FILE");
   verb.option("--disk", options->wish.disk, "Disk margin to keep, of each mode [0.5]")
       .check(cli::number_between(0.05, 1.9));
-  verb.option("--to-hz", options->wish.to_hz, "Isolate as the target up to here [rate / 20, at most 20 targets]")
+  verb.option("--to-hz", options->wish.to_hz,
+              "Isolate as the target up to here [rate / 20, at most 20 targets]")
       .check(cli::positive_number());
   verb.option("--h2", options->h2, "Write the H2 law, for `law: FILE` of a controller block")
       .type_name("FILE.yaml");
