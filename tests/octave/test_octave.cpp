@@ -17,6 +17,7 @@
 #include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/riccati.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "core/numerics/stein.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "tests/octave/cases.hpp"
 #include "tests/octave/difference.hpp"
@@ -309,21 +310,21 @@ double residual_of(const RiccatiProblem& p, const MatrixXd& X) {
   return (AXA - last + p.Q - X).norm() / (AXA.norm() + last.norm() + p.Q.norm() + X.norm());
 }
 
-// Filters of virtual modes are nearly singular (noise of 1e-6 of what it is beside), and dare does
-// not scale them: there it misses the equation itself, and X by some hundred times of that. What is
-// asked is agreement as far as it meets it.
+// dare does not scale the filters and controls of virtual modes, whose states are of very different
+// sizes: its X misses its own equation by up to 3e-7 of it, ours by 3e-14. What its law costs, as a
+// sum, is then the judge: of second order in what the law is off.
 TEST_F(Octave, SolvesRiccatiEquations) {
-  for (const auto& [name, problem] : riccati_cases()) {
+  for (const auto& [name, p] : riccati_cases()) {
     const Answer& theirs = outcome().answers.at("riccati_" + name);
-    const RiccatiSolution ours = solve_riccati(problem);
-    const MatrixXd K = theirs.at("K").real(), X = theirs.at("X").real();
-    const double of_theirs = residual_of(problem, X), of_ours = residual_of(problem, ours.X);
-    std::cout << "  " << name << ": residual " << of_ours << ", theirs " << of_theirs
-              << ", difference of X " << (ours.X - X).norm() / X.norm() << ", K "
-              << (ours.K - K).norm() / K.norm() << '\n';
-    EXPECT_LE(of_ours, 1e-12) << name;
-    EXPECT_LE((ours.X - X).norm(), (agreement + 1e3 * of_theirs) * X.norm()) << name;
-    if (name.starts_with("random")) expect_agreement(name, "K", (K - ours.K).norm() / K.norm());
+    const RiccatiSolution ours = solve_riccati(p);
+    const MatrixXd K = theirs.at("K").real(), X = theirs.at("X").real(), SK = p.S * K;
+    EXPECT_LE(residual_of(p, ours.X), 1e-12) << name;
+    EXPECT_LE(residual_of(p, ours.X), 100 * residual_of(p, X)) << name;
+    const MatrixXd cost = p.Q - SK - SK.transpose() + K.transpose() * p.R * K;
+    const MatrixXd summed = solve_stein(p.A - p.B * K, cost);
+    const double off = (K - ours.K).norm() / K.norm();
+    expect_agreement(name, "cost of its law", (summed - ours.X).norm() / ours.X.norm() - off * off);
+    if (name.starts_with("random")) expect_agreement(name, "K", off);
   }
 }
 
