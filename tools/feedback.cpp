@@ -180,16 +180,18 @@ int run(const FeedbackOptions& options) {
     std::cout << page(design, study);
   }
   if (options.plot) draw(design, study, *options.plot);
-  const auto write = [&](const std::optional<std::filesystem::path>& path, const char* method) {
-    if (!path) return;
-    for (const FeedbackRow& row : study.rows) {
-      if (row.method != method) continue;
-      if (!row.why_none.empty()) throw Refusal(std::string(method) + ": " + row.why_none);
-      write_whole_file(*path, row.law);
-    }
+  const auto place_of = [&](const FeedbackRow& row) {
+    return row.method == "h2"        ? options.h2
+           : row.method == "minimax" ? options.minimax
+                                     : std::nullopt;
   };
-  write(options.h2, "h2");
-  write(options.minimax, "minimax");
+  // Both or none.
+  for (const FeedbackRow& row : study.rows) {
+    if (place_of(row) && !row.why_none.empty()) throw Refusal(row.method + ": " + row.why_none);
+  }
+  for (const FeedbackRow& row : study.rows) {
+    if (const auto place = place_of(row)) write_whole_file(*place, row.law);
+  }
   return exit_done;
 }
 

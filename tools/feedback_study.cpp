@@ -212,8 +212,10 @@ FeedbackStudy feedback_study(const LoopDesign& design, const FeedbackWish& wish,
   };
   now("pi");
   add_pi(design.settings.law.lead_samples);
-  const auto lead = lead_for(design.settings, wish.disk, std::min(4 * target_hz, study.to_hz));
-  if (lead && !(study.rows.front().disk >= wish.disk)) add_pi(*lead);
+  if (!(study.rows.front().disk >= wish.disk)) {
+    const auto lead = lead_for(design.settings, wish.disk, std::min(4 * target_hz, study.to_hz));
+    if (lead) add_pi(*lead);
+  }
   const double memory = law_of(design.settings).applied_memory;
   FrameFeedback feedback;
   for (const auto& [method, name] :

@@ -203,33 +203,6 @@ SampledLoop GainedLoop::at(double share) const {
   return loop;
 }
 
-LawPorts law_ports(const SampledPlant& plant, bool subtract_applied, double applied_memory) {
-  const Index m = plant.Gamma_u.cols();
-  DiscreteLaw law{.A = MatrixXd::Zero(0, 0),
-                  .B = MatrixXd::Zero(0, m),
-                  .C = MatrixXd::Zero(m, 0),
-                  .D = MatrixXd::Identity(m, m),
-                  .subtract_applied = subtract_applied,
-                  .applied_memory = applied_memory};
-  // Noise that a law of ones passes on is a command.
-  const SampledLoop commanded = connected(plant, law).loop;
-  law.D.setZero();
-  Connected silent = connected(plant, law);
-  silent.loop.B_v = commanded.B_v;
-  silent.loop.D_v = commanded.D_v;
-  const BalancedStates states(silent.loop, silent.n_plant);
-  const MatrixXd C_e = states.rows(silent.C_e);
-  const SampledLoop loop = states.of(std::move(silent.loop));
-  return {.A = loop.A,
-          .B_w = loop.B,
-          .B_u = loop.B_v,
-          .C_y = loop.C,
-          .D_yw = loop.D,
-          .D_yu = loop.D_v,
-          .C_e = C_e,
-          .n_exogenous = loop.n_exogenous};
-}
-
 MatrixXcd return_ratio(const SampledPlant& plant, const DiscreteLaw& law, double omega) {
   const Complex z = std::polar(1.0, omega * plant.sample_time);
   const Index m = plant.Gamma_u.cols(), n = plant.Phi.rows() - plant.n_exogenous;

@@ -29,17 +29,6 @@ struct GainedLoop {
 /// Errors: as close_loop.
 GainedLoop gain_loop(const SampledPlant& plant, const DiscreteLaw& law);
 
-/// What a sampled plant is to its law, commands on their way included, in balanced states:
-///   xi[k+1] = A xi + B_w w + B_u u,   y[k+1] = C_y xi + D_yw w + D_yu u,   e[k] = C_e xi,
-/// u (m, N) the law's command and e (m, N) what the law hears but for its noise.
-struct LawPorts {
-  Eigen::MatrixXd A, B_w, B_u, C_y, D_yw, D_yu, C_e;
-  Eigen::Index n_exogenous = 0;  ///< leading states that w alone drives
-};
-
-/// subtract_applied and applied_memory: of the law that is to be, as DiscreteLaw has them.
-LawPorts law_ports(const SampledPlant& plant, bool subtract_applied, double applied_memory);
-
 /// Return ratio L(e^{j omega T_s}) at the actuators: with the loop cut between the command, which
 /// is also reported, and the force that acts, and f put in there, the law commands c = -L f; m x m.
 /// The closed loop is that of f = c. omega in rad/s.

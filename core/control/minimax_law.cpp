@@ -113,7 +113,7 @@ struct Basis {
   }
 };
 
-/// r = r_0 + M x, and the x of least max |r_i| in lawson_steps.
+/// r = r_0 + M x, and the x of least max |r_i|, step by step.
 class Lawson {
  public:
   Lawson(const MatrixXcd& M, const VectorXcd& r_0) : r_0_(r_0) {
@@ -125,14 +125,14 @@ class Lawson {
     R_ = qr.matrixQR().topRows(M.cols()).triangularView<Eigen::Upper>();
   }
 
-  /// Until the least maximum is known to be at most one or more than `excluded`, or `lawson_steps`
+  /// Until the least maximum is known to be at most one or more than `excluded`, or so many steps
   /// are over.
-  void run(int lawson_steps, double excluded) {
+  void run(int most, double excluded) {
     const Index N = r_0_.size();
     VectorXd weights = VectorXd::Ones(N);
     VectorXd wanted(2 * N);
     wanted << -r_0_.real(), -r_0_.imag();
-    for (int i = 0; i < lawson_steps && upper > 1 && lower <= excluded; ++i) {
+    for (int i = 0; i < most && upper > 1 && lower <= excluded; ++i) {
       weights = (weights / weights.maxCoeff()).cwiseMax(least_weight);
       weights /= weights.sum();
       const VectorXd both = weights.replicate(2, 1);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/control/disk_margin.hpp"
+#include "core/control/open_plant.hpp"
 #include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
@@ -31,6 +32,41 @@ LoopPlant mode_plant(double omega) {
   plant.D_yw = MatrixXd::Zero(1, 1);
   plant.D_yu = MatrixXd::Constant(1, 1, -1);
   return plant;
+}
+
+/// open_plant without the floor's last acceleration, which its law does not hear, and with the
+/// strain force in place of sigma and the applied force, which is filtered as sigma is.
+LawPorts law_ports(const SampledPlant& plant, double applied_memory) {
+  const LinearSystem open = open_plant(plant);
+  const Index floor = plant.Phi.rows(), n = open.A.rows() - 1, behind = n - floor;
+  const bool filtered = applied_memory > 0;
+  const Index total = n + (filtered ? 1 : 0);
+  const auto without_floor = [&](const MatrixXd& row) {
+    MatrixXd kept = MatrixXd::Zero(1, total);
+    kept << row.leftCols(floor), row.rightCols(behind), MatrixXd::Zero(1, total - n);
+    return kept;
+  };
+  LawPorts ports{.A = MatrixXd::Zero(total, total),
+                 .B_w = MatrixXd::Zero(total, 1),
+                 .B_u = MatrixXd::Zero(total, 1),
+                 .C_y = without_floor(open.C.row(0)),
+                 .D_yw = open.D.topLeftCorner(1, 1),
+                 .D_yu = open.D.topRightCorner(1, 1),
+                 .C_e = without_floor(open.C.row(1))};
+  for (Index i = 0; i < n; ++i) {
+    const Index from = i < floor ? i : i + 1;
+    ports.A.row(i) = without_floor(open.A.row(from));
+    ports.B_w(i, 0) = open.B(from, 0);
+    ports.B_u(i, 0) = open.B(from, 1);
+  }
+  MatrixXd taken_out = without_floor(open.C.row(2));
+  if (filtered) {
+    taken_out *= 1 - applied_memory;
+    taken_out(0, n) = applied_memory;
+    ports.A.row(n) = taken_out;
+  }
+  ports.C_e -= taken_out;
+  return ports;
 }
 
 Sampling nominal(Sampling sampling) {
@@ -59,7 +95,7 @@ SampledMode::SampledMode(double omega, const Sampling& sampling, double applied_
       sampling_(nominal(sampling)),
       plant_(mode_plant(omega)),
       sampled_(sample_and_hold(plant_, sampling_)),
-      ports_(law_ports(sampled_, true, applied_memory)) {}
+      ports_(law_ports(sampled_, applied_memory)) {}
 
 DiscreteLaw SampledMode::law_of(const LinearSystem& F) const {
   return {.A = F.A,

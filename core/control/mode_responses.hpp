@@ -18,6 +18,13 @@ struct ModeGoal {
   double above_db = -3;          ///< most of T above to_hz
 };
 
+/// What a sampled mode is to its law, commands on their way included:
+///   xi[k+1] = A xi + B_w w + B_u u,   y[k+1] = C_y xi + D_yw w + D_yu u,   e[k] = C_e xi,
+/// w, y and u of one number, e the strain force that the law hears (m/s^2).
+struct LawPorts {
+  Eigen::MatrixXd A, B_w, B_u, C_y, D_yw, D_yu, C_e;
+};
+
 /// An undamped mode of unit mass on a leg of its own, as sampled: relative motion eta,
 /// eta'' = -omega^2 eta - u - w, its acceleration y = -omega^2 eta - u, sigma = omega^2 eta + u,
 /// all in m/s^2, with floor w.

@@ -39,19 +39,36 @@ double decibels_at(const ModeResponses& at, const LinearSystem& F, double hz) {
   return 20 * std::log10(std::abs(at.T(at.of(F))(k)));
 }
 
-TEST(ModeLaws, ResponsesAreThoseOfTheClosedLoop) {
-  const SampledMode mode = mode_of(49.0032, 1000);
+/// T and S of a law by the responses of its mode and by the closed loop of it.
+void expect_responses(const SampledMode& mode, const LinearSystem& F) {
   const ModeResponses at(mode, goal_of(1000));
-  const LinearSystem F = pi_filter(49.0032);
   const SampledLoop loop = close_loop(mode.sampled(), mode.law_of(F));
   const auto T = at.T(at.of(F)), S = at.S(at.of(F));
   for (Index k = 0; k < at.hz.size(); k += 10) {
     const double omega = two_pi * at.hz(k);
     // Next to z = 1 the position of the floor is told from its acceleration.
-    EXPECT_LT(std::abs(T(k) - transfer(loop, omega)(0, 0)), 1e-7);
+    EXPECT_LT(std::abs(T(k) - transfer(loop, omega)(0, 0)), 1e-7) << at.hz(k);
     const auto L = return_ratio(mode.sampled(), mode.law_of(F), omega)(0, 0);
-    EXPECT_LT(std::abs(S(k) * (1.0 + L) - 1.0), 1e-7);
+    EXPECT_LT(std::abs(S(k) * (1.0 + L) - 1.0), 1e-7) << at.hz(k);
   }
+}
+
+TEST(ModeLaws, ResponsesKnowFiltersLagsAndOldReports) {
+  Sampling sampling;
+  sampling.sample_time = 1e-3;
+  sampling.delay_samples = 1.3;
+  sampling.instruments.sensor_filter_hz = 300;
+  sampling.instruments.actuator_lag_hz = 400;
+  sampling.instruments.report_age_samples = 2;
+  const double memory = std::exp(-two_pi * 300 * 1e-3);
+  expect_responses({two_pi * 49.0032, sampling, memory}, pi_filter(49.0032));
+}
+
+TEST(ModeLaws, ResponsesAreThoseOfTheClosedLoop) {
+  const SampledMode mode = mode_of(49.0032, 1000);
+  const ModeResponses at(mode, goal_of(1000));
+  const LinearSystem F = pi_filter(49.0032);
+  expect_responses(mode, F);
   // docs/design.md; the nearest frequency of the grid is within 3 %.
   EXPECT_NEAR(mode.disk_margin(F), 0.504, 1e-3);
   EXPECT_NEAR(decibels_at(at, F, 20), -3.0, 0.4);
