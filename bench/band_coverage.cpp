@@ -51,7 +51,7 @@ class Study {
  public:
   explicit Study(const Options& options)
       : options_(options),
-        design_(tools::make_loop_design(config / "scenes/metrology_frame.yaml", std::nullopt)),
+        design_(judge::make_loop_design(config / "scenes/metrology_frame.yaml", std::nullopt)),
         spec_(floor::read_floor_block(YamlReader::from_file(config / "floors/multisine.yaml"),
                                       design_.gains.sample_rate_hz,
                                       floor_input_names(design_.scene))),
@@ -136,7 +136,7 @@ class Study {
   }
 
   Options options_;
-  tools::LoopDesign design_;
+  judge::LoopDesign design_;
   floor::FloorSpec spec_;
   MultisinePlan plan_;
   std::vector<Eigen::MatrixXcd> exact_;

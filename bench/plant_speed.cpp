@@ -25,7 +25,7 @@ struct LoopRun {
   double us = 0;
 };
 
-LoopRun run_loop(const tools::LoopDesign& design, const Scene& scene, Index samples) {
+LoopRun run_loop(const judge::LoopDesign& design, const Scene& scene, Index samples) {
   tools::ClosedLoop loop(scene, design.gains, floor_of(scene, config / "floors/multisine.yaml"), 1,
                          true);
   const auto n_y = static_cast<Index>(scene.outputs.size());
@@ -56,7 +56,7 @@ Scene with_method(Scene scene, PlantMethod method, double tolerance) {
 }
 
 json closed_loop(Index samples, int repeats) {
-  const auto design = tools::make_loop_design(config / "scenes/metrology_frame.yaml", std::nullopt);
+  const auto design = judge::make_loop_design(config / "scenes/metrology_frame.yaml", std::nullopt);
   const Scene& scene = design.scene;
   const LoopRun nodal = run_loop(design, with_method(scene, PlantMethod::nodal, 1e-12), samples);
   const LoopRun minimal =

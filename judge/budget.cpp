@@ -14,7 +14,7 @@
 #include "report/spectra/running_power.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -391,4 +391,4 @@ Budget error_budget(const LoopDesign& design, const floor::FloorSpec& floor,
   return Maker(design, floor, plan).make();
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

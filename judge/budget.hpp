@@ -10,7 +10,7 @@
 #include "judge/multisine_motion.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// How a frame is held.
 enum class BudgetMethod { passive, feedback, feed_forward };
@@ -67,4 +67,4 @@ struct BudgetPlan {
 Budget error_budget(const LoopDesign& design, const floor::FloorSpec& floor,
                     const BudgetPlan& plan);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -7,7 +7,7 @@
 #include "judge/loop_between.hpp"
 #include "judge/response_prediction.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -108,4 +108,4 @@ LinearSystem BudgetLoops::of_floor_sensors() const {
   return {.A = loop.A, .B = loop.B, .C = loop.C, .D = loop.D};
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -8,7 +8,7 @@
 #include "judge/budget.hpp"
 #include "plant_sim/floor_motion.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// The exact sampled loops of a design from each of its sources to accelerations by name. Set-up.
 class BudgetLoops {
@@ -37,4 +37,4 @@ class BudgetLoops {
   Eigen::MatrixXd heard_;  ///< inputs x channels
 };
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -6,7 +6,7 @@
 #include "report/analysis/log_analyser.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -112,4 +112,4 @@ std::vector<BudgetCheck> checks_of(const Budget& budget, const std::vector<Budge
   return checks;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -8,7 +8,7 @@
 
 #include "judge/budget.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What a log holds of one axis of a budget, all samples of it.
 struct MeasuredAxis {
@@ -45,4 +45,4 @@ struct BudgetCheck {
 
 std::vector<BudgetCheck> checks_of(const Budget& budget, const std::vector<BudgetRun>& runs);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What is left of a direction across others, which are orthonormal; nothing of one that they span.
 inline Eigen::Vector3d across(Eigen::Vector3d direction,
@@ -19,4 +19,4 @@ inline void add_to(std::vector<Eigen::Vector3d>& basis, const Eigen::Vector3d& d
   if (!rest.isZero(0)) basis.push_back(rest);
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

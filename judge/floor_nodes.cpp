@@ -2,7 +2,7 @@
 
 #include <variant>
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 namespace {
 
@@ -43,4 +43,4 @@ FloorNodes floor_nodes(const floor::FloorSpec& spec) {
   return moved.axes ? FloorNodes::unknown : FloorNodes::rest;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

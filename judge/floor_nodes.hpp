@@ -4,7 +4,7 @@
 
 #include "plant_sim/floor/floor_block.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What the nodes of a floor do in directions that no input of their scene measures.
 enum class FloorNodes : std::uint8_t {
@@ -16,4 +16,4 @@ enum class FloorNodes : std::uint8_t {
 /// By the floor block of a run. A floor that moves nothing is one that would move as a body.
 FloorNodes floor_nodes(const floor::FloorSpec& spec);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -16,7 +16,7 @@
 #include "stillframe_msgs/loop_records_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 namespace {
 
@@ -220,4 +220,4 @@ std::optional<Hold> hold_of(const std::filesystem::path& log, const run_info_t& 
   return search.finish();
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -8,7 +8,7 @@
 #include "report/analysis/loop_response.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// When a loop by the clock held its frame with its whole command, which was passive before.
 struct Hold {
@@ -30,4 +30,4 @@ struct Hold {
 std::optional<Hold> hold_of(const std::filesystem::path& log,
                             const stillframe_msgs::run_info_t& info);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -8,7 +8,7 @@
 #include "core/yaml/ranges.hpp"
 #include "report/export/mat_reader.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -151,4 +151,4 @@ LawFile read_law_file(const std::string& name, const std::string& bytes) {
                    "\", allowed are .mat, .yaml and .yml");
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -6,7 +6,7 @@
 
 #include "core/control/own_law.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What a file of `law: FILE` brings: a sampled law, or gains.
 struct LawFile {
@@ -22,4 +22,4 @@ struct LawFile {
 /// two, of numbers that are not finite or not of their range, and as read_mat.
 LawFile read_law_file(const std::string& name, const std::string& bytes);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -14,7 +14,7 @@
 #include "judge/response_prediction.hpp"
 #include "plant_sim/force_courses.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -182,4 +182,4 @@ report::ForceModel force_model(const LoopDesign& design, const std::vector<std::
   return model;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -9,7 +9,7 @@
 #include "judge/loop_design.hpp"
 #include "report/analysis/loop_response.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// The sampled plant of a design from accelerations and forces to outputs and monitors of its scene
 /// by name. Errors: InputError for a name that the scene has not.
@@ -55,4 +55,4 @@ bool has_forces(const Scene& scene);
 report::ForceModel force_model(const LoopDesign& design, const std::vector<std::string>& outputs,
                                bool active, const std::optional<report::Takeover>& takeover = {});
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -1,6 +1,6 @@
 #include "judge/loop_comparison.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 std::optional<report::ReductionCheck> reduction_check(const RunAnalyses& runs, double above_hz) {
   if (!runs.passive || !runs.active || !runs.passive->matrix || !runs.active->matrix) return {};
@@ -14,4 +14,4 @@ std::optional<report::ReductionCheck> reduction_check(const RunAnalyses& runs, d
                                  closed.errors->sampled_values, above_hz);
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -13,7 +13,7 @@
 #include "judge/law_file.hpp"
 #include "judge/scene_design.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::MatrixXd;
 
@@ -234,4 +234,4 @@ LoopDesign make_loop_design(const std::filesystem::path& scene_file,
   return designed(read_scene(scene_file, controller_file), design_scene);
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -11,7 +11,7 @@
 #include "core/mechanics/scene/scene.hpp"
 #include "core/systems/frequency_range.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// Everything that follows from a scene and its controller block before anything runs.
 struct LoopDesign {
@@ -45,4 +45,4 @@ void sample(LoopDesign& design);
 /// The axis of frequency of a loop: that of its plant, of what its gains aim at and of its rate.
 FrequencyRange axis_of(const LoopDesign& design, const std::vector<double>& targets_hz);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

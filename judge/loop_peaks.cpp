@@ -5,7 +5,7 @@
 #include "core/control/continuous_loop.hpp"
 #include "core/mechanics/frequency_response.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 LoopGains gains_of(const LoopDesign& design) {
   const LoopPlant& plant = design.settings.plant;
@@ -48,4 +48,4 @@ std::vector<double> picture_frequencies(const LoopDesign& design, const Frequenc
   return {fine.begin(), fine.end()};
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -6,7 +6,7 @@
 #include "core/systems/resonances.hpp"
 #include "judge/loop_design.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// The largest singular values from floor to frame whose resonances pictures and tables show.
 /// Without a controller there is an open one alone, of the system that is not sampled.
@@ -37,4 +37,4 @@ Eigen::VectorXd with_resonances_of(const LoopGains& gains, const Eigen::VectorXd
 /// What a picture of a loop's singular values is drawn at.
 std::vector<double> picture_frequencies(const LoopDesign& design, const FrequencyRange& range);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

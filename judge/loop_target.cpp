@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -42,4 +42,4 @@ FrequencyRange axis_of(const LoopDesign& design) {
   return axis_of(design, targets_hz);
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

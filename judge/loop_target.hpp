@@ -4,7 +4,7 @@
 
 #include "judge/loop_design.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What one target the gains of a loop aim at: X = I + K_P and K_I = 2 zeta omega_d X with
 /// X = K M^-1 / omega_d^2, if there is such a target to 1e-6. Gains of several targets, of virtual
@@ -18,4 +18,4 @@ std::optional<LoopTarget> target_of(const LoopDesign& design);
 /// one that its gains aim at.
 FrequencyRange axis_of(const LoopDesign& design);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

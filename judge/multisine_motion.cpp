@@ -9,7 +9,7 @@
 #include "report/table.hpp"
 #include "report/verdict/motion_level.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using report::cell;
 using report::Check;
@@ -180,4 +180,4 @@ std::optional<Check> multisine_motion(const SceneAcceptance& accept, const RunAn
   return check;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -6,7 +6,7 @@
 #include "judge/run_analysis.hpp"
 #include "report/verdict/verdict.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// On a multisine every floor input moves on its own, so no axis is compared: how much every output
 /// of the frame makes of all inputs of one size, root of the sum of |T|^2 over inputs and lines
@@ -34,4 +34,4 @@ std::vector<ComparedFrame> compared_frames(const Scene& scene, const MultisinePl
 void add_multisine_levels(const SceneAcceptance& accept, const RunAnalyses& runs,
                           report::Verdict& verdict);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -12,7 +12,7 @@
 #include "report/identification/confidence.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -253,4 +253,4 @@ std::vector<page::Histogram> histograms_of(const RunAnalyses& runs) {
   return histograms;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -6,7 +6,7 @@
 #include "report/page/page_data.hpp"
 #include "report/verdict/verdict.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 // The figures of the report, each from what the logs and their own model say.
 
@@ -21,4 +21,4 @@ page::SpectraFigures spectra_of(const RunAnalyses& runs);
 /// Wall-clock runs only.
 std::vector<page::Histogram> histograms_of(const RunAnalyses& runs);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -4,7 +4,7 @@
 #include "judge/page_tables_of.hpp"
 #include "judge/shapes.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 page::PageData page_of(const RunAnalyses& runs, const report::Verdict& verdict) {
   page::PageData page;
@@ -34,4 +34,4 @@ page::PageData page_of(const RunAnalyses& runs, const report::Verdict& verdict) 
   return page;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

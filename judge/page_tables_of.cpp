@@ -9,7 +9,7 @@
 #include "report/table.hpp"
 #include "report/verdict/motion_level.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using page::number_text;
 using page::Severity;
@@ -385,4 +385,4 @@ std::vector<page::MatrixTable> gain_tables(const controller::Gains& gains) {
        .values = gains.K_I}};
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

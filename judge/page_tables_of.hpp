@@ -5,7 +5,7 @@
 #include "report/page/page_data.hpp"
 #include "report/verdict/verdict.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 // The words and tables of the report.
 
@@ -21,4 +21,4 @@ void add_tables(const report::Verdict& verdict, page::PageData& page);
 void add_log_tables(const RunAnalyses& runs, page::PageData& page);
 std::vector<page::MatrixTable> gain_tables(const controller::Gains& gains);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -6,7 +6,7 @@
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using report::cell;
 using report::Check;
@@ -225,4 +225,4 @@ std::vector<Check> prediction_checks(const RunAnalyses& runs, const report::Verd
   return checks;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -7,7 +7,7 @@
 #include "judge/run_analysis.hpp"
 #include "report/verdict/verdict.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// That forces besides the floor may have made a difference, where it is not known what they do;
 /// empty: it is.
@@ -20,4 +20,4 @@ std::vector<report::Check> prediction_checks(const RunAnalyses& runs,
                                              const report::Verdict& verdict,
                                              std::optional<double> prediction_db);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

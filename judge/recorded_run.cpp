@@ -16,7 +16,7 @@
 #include "plant_sim/floor/floor_block.hpp"
 #include "report/verdict/motion_level.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 namespace {
 
@@ -249,4 +249,4 @@ report::AnalysisPlan analysis_plan(const RecordedRun& run,
   return plan;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

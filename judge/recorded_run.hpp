@@ -13,7 +13,7 @@
 #include "report/analysis/log_analyser.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What the run_info of a log says of the run, taken apart. A part that another version of the
 /// program wrote may not be readable; then the numbers that need no model are still there.
@@ -52,4 +52,4 @@ RecordedRun recorded_run(const stillframe_msgs::run_info_t& info, const std::fil
 /// as long as the loop held the frame.
 report::AnalysisPlan analysis_plan(const RecordedRun& run, const stillframe_msgs::run_info_t& info);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -10,7 +10,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/state_space.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -188,4 +188,4 @@ PredictedResponse ResponsePrediction::at(const std::vector<double>& frequencies_
   return response;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

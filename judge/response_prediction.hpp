@@ -7,7 +7,7 @@
 #include "judge/loop_design.hpp"
 #include "report/analysis/axis_signals.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// T between signals of a log as the model has it, at one frequency each, n_y x n_w.
 struct PredictedResponse {
@@ -60,4 +60,4 @@ class ResponsePrediction {
   Eigen::MatrixXd E_;  ///< loop inputs x signals: w = E m
 };
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

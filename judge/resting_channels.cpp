@@ -11,7 +11,7 @@
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 using Eigen::VectorXd;
@@ -226,4 +226,4 @@ std::vector<RestingChannel> resting_forces(const RunAnalysis& run) {
   return result;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -5,7 +5,7 @@
 #include "judge/run_analysis.hpp"
 #include "report/verdict/verdict.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What a log has at rest, to the bit and throughout or for a stretch, where it should move.
 ///   Accelerations of the frame and of floor monitors that the model makes move of what did: of the
@@ -19,4 +19,4 @@ std::vector<report::RestingChannel> resting_channels(const RunAnalysis& run);
 /// Legs whose applied force rests though their commands do not.
 std::vector<report::RestingChannel> resting_forces(const RunAnalysis& run);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

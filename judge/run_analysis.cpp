@@ -5,7 +5,7 @@
 #include "core/errors/input_error.hpp"
 #include "report/log/run_search.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 namespace {
 
@@ -157,4 +157,4 @@ void RunAnalyses::add(RunAnalysis run) {
   place = std::move(run);
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

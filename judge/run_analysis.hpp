@@ -10,7 +10,7 @@
 #include "report/analysis/log_analyser.hpp"
 #include "report/identification/comparison.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// Measured singular values against both predictions.
 struct PredictionErrors {
@@ -90,4 +90,4 @@ struct LogToAnalyse {
 /// not closed shows nothing of it. Errors: as analyse_run and RunAnalyses::add.
 RunAnalyses analyse_runs(std::vector<LogToAnalyse> logs);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -6,7 +6,7 @@
 #include "core/mechanics/node_displacements.hpp"
 #include "core/mechanics/operating_point.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 namespace {
 
@@ -95,4 +95,4 @@ std::optional<page::ModeShapes> mode_shapes(const Scene& scene, const Model& mod
   return shapes;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -5,7 +5,7 @@
 #include "core/mechanics/model/model.hpp"
 #include "report/page/mode_shapes.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// The structure of a scene at its operating point and its slowest modes, for pictures: the
 /// displacement of each node is Y_p v, v the mode shape of the dofs and Y_p that of the positions
@@ -16,4 +16,4 @@ namespace stillframe::tools {
 std::optional<page::ModeShapes> mode_shapes(const Scene& scene, const Model& model,
                                             Eigen::Index most_modes = 6);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -10,7 +10,7 @@
 #include "judge/directions.hpp"
 #include "judge/response_prediction.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using Eigen::Index;
 
@@ -95,4 +95,4 @@ UnmeasuredFloor unmeasured_floor(const LoopDesign& design, const JudgedResponse&
   return result;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -4,7 +4,7 @@
 
 #include "judge/run_analysis.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// What the floor may do to a frame that no signal of a response tells of: motion of its nodes in
 /// directions that are not among the inputs.
@@ -21,4 +21,4 @@ struct UnmeasuredFloor {
 UnmeasuredFloor unmeasured_floor(const LoopDesign& design, const JudgedResponse& response,
                                  bool active, bool inputs_are_floors, FloorNodes nodes);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

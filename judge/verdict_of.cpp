@@ -15,7 +15,7 @@
 #include "report/verdict/acceptance.hpp"
 #include "report/verdict/motion_level.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 namespace {
 
@@ -303,4 +303,4 @@ report::Verdict verdict_of(const RunAnalyses& runs) {
   return verdict;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -5,7 +5,7 @@
 #include "report/analysis/signal_analyser.hpp"
 #include "report/verdict/verdict.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 /// Puts levels and spectra of one direction into a verdict, what is asked of it and what its
 /// signals come to in these ranges. floor: nullptr, none goes with it; passive, active: nullptr,
@@ -19,4 +19,4 @@ void add_levels(const SceneAcceptance& accept, const std::string& axis,
 /// What analysed logs come to, judged by what the scene in the log of the active loop asks for.
 report::Verdict verdict_of(const RunAnalyses& runs);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

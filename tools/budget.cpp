@@ -28,24 +28,24 @@ struct BudgetOptions {
 };
 
 /// The signals that are asked for, or else what the scene compares on such a floor.
-std::vector<ComparedFrame> axes_of(const BudgetOptions& options, const Scene& scene,
-                                   const floor::FloorSpec& spec) {
-  std::vector<ComparedFrame> axes;
+std::vector<judge::ComparedFrame> axes_of(const BudgetOptions& options, const Scene& scene,
+                                          const floor::FloorSpec& spec) {
+  std::vector<judge::ComparedFrame> axes;
   for (const std::string& name : options.signals) axes.push_back({name, "", name});
   if (!axes.empty()) return axes;
-  const auto multisine = multisine_in(spec);
-  axes = compared_frames(scene, multisine ? &*multisine : nullptr);
+  const auto multisine = judge::multisine_in(spec);
+  axes = judge::compared_frames(scene, multisine ? &*multisine : nullptr);
   if (!axes.empty()) return axes;
   for (const SceneSignal& output : scene.outputs) axes.push_back({output.name, "", output.name});
   return axes;
 }
 
-std::vector<BudgetRun> runs_of(const BudgetOptions& options, const LoopDesign& design,
-                               const std::string& floor_text,
-                               const std::vector<ComparedFrame>& axes) {
-  std::vector<BudgetRun> runs;
+std::vector<judge::BudgetRun> runs_of(const BudgetOptions& options, const judge::LoopDesign& design,
+                                      const std::string& floor_text,
+                                      const std::vector<judge::ComparedFrame>& axes) {
+  std::vector<judge::BudgetRun> runs;
   for (const auto& log : options.logs) {
-    runs.push_back(budget_run(log, design, floor_text, axes));
+    runs.push_back(judge::budget_run(log, design, floor_text, axes));
     if (runs.back().n_samples != runs.front().n_samples) {
       throw InputError(log.string() + ": found " + std::to_string(runs.back().n_samples) +
                        " samples, allowed are as many as " + runs.front().log.string() + " has, " +
@@ -55,19 +55,19 @@ std::vector<BudgetRun> runs_of(const BudgetOptions& options, const LoopDesign& d
   return runs;
 }
 
-report::BudgetPlot plot_of(const std::string& title, const Budget& budget,
-                           const std::vector<BudgetRun>& runs) {
+report::BudgetPlot plot_of(const std::string& title, const judge::Budget& budget,
+                           const std::vector<judge::BudgetRun>& runs) {
   report::BudgetPlot plot{.title = title, .sources = budget.sources, .panels = {}};
   for (std::size_t i = 0; i < budget.axes.size(); ++i) {
-    for (const MethodBudget& one : budget.methods) {
-      const SignalBudget& signal = one.axes[i];
+    for (const judge::MethodBudget& one : budget.methods) {
+      const judge::SignalBudget& signal = one.axes[i];
       report::BudgetPanel panel{.axis = budget.axes[i].name,
-                                .method = name_of(one.method),
+                                .method = judge::name_of(one.method),
                                 .total = signal.total.velocity,
                                 .measured = {},
                                 .sources = {}};
-      for (const BudgetPart& part : signal.sources) panel.sources.push_back(part.velocity);
-      for (const BudgetRun& run : runs) {
+      for (const judge::BudgetPart& part : signal.sources) panel.sources.push_back(part.velocity);
+      for (const judge::BudgetRun& run : runs) {
         if (run.method == one.method) panel.measured = run.axes[i].velocity;
       }
       plot.panels.push_back(std::move(panel));
@@ -84,23 +84,24 @@ int run(const BudgetOptions& options) {
   for (const auto& log : options.logs) read.push_back({"the log", log});
   require_own_places(read, {{"--plot", options.plot}});
   Patience patience("linearising");
-  const LoopDesign design = make_loop_design(options.scene, options.controller);
+  const judge::LoopDesign design = judge::make_loop_design(options.scene, options.controller);
   const auto block = read_floor(design.scene, options.floor);
   if (!block) {
     throw InputError(design.scene.file + ": the key 'floor' is missing, and no --floor is given");
   }
   const floor::FloorSpec spec = floor::read_floor_block(block->reader, design.gains.sample_rate_hz,
                                                         floor_input_names(design.scene));
-  BudgetPlan plan{.axes = axes_of(options, design.scene, spec),
-                  .progress = [&](double share) { patience.now("error budget", 100 * share); }};
+  judge::BudgetPlan plan{
+      .axes = axes_of(options, design.scene, spec),
+      .progress = [&](double share) { patience.now("error budget", 100 * share); }};
   patience.now("reading logs");
-  const std::vector<BudgetRun> runs = runs_of(options, design, block->text, plan.axes);
+  const std::vector<judge::BudgetRun> runs = runs_of(options, design, block->text, plan.axes);
   patience.now("error budget");
   plan.n_samples = runs.empty()
                        ? run_length(design.scene, spec, floor::make_floor_source(spec)->n_samples(),
                                     options.duration_s)
                        : runs.front().n_samples;
-  const Budget budget = error_budget(design, spec, plan);
+  const judge::Budget budget = judge::error_budget(design, spec, plan);
   if (options.plot) report::plot_budget(plot_of(design.scene.title, budget, runs), *options.plot);
   const double within = options.within_percent / 100;
   if (options.json) {
@@ -108,7 +109,7 @@ int run(const BudgetOptions& options) {
   } else {
     std::cout << budget_text(design.scene.title, budget, runs, within);
   }
-  for (const BudgetCheck& check : checks_of(budget, runs)) {
+  for (const judge::BudgetCheck& check : judge::checks_of(budget, runs)) {
     if (!check.met(within)) return exit_failed;
   }
   return exit_done;

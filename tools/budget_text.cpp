@@ -13,8 +13,8 @@ using report::cell;
 
 namespace {
 
-const char* words_of(BudgetMethod method) {
-  return method == BudgetMethod::feed_forward ? "feed-forward" : name_of(method);
+const char* words_of(judge::BudgetMethod method) {
+  return method == judge::BudgetMethod::feed_forward ? "feed-forward" : judge::name_of(method);
 }
 
 std::string mm_s2(double rms) { return rms > 0 ? cell("%.4g", 1e3 * rms) : "0"; }
@@ -36,7 +36,7 @@ std::string largest_band(const VectorXd& velocity) {
 }
 
 /// Below what half of the mean square is.
-std::string middle_hz(const Budget& budget, const BudgetPart& total) {
+std::string middle_hz(const judge::Budget& budget, const judge::BudgetPart& total) {
   const double half = total.power.sum() / 2;
   double below = 0;
   for (Index i = 0; i < total.power.size(); ++i) {
@@ -46,9 +46,9 @@ std::string middle_hz(const Budget& budget, const BudgetPart& total) {
   return "-";
 }
 
-report::Table table_of(const Budget& budget) {
+report::Table table_of(const judge::Budget& budget) {
   std::vector<std::string> header{"axis", "source", "floor"};
-  for (const MethodBudget& one : budget.methods) {
+  for (const judge::MethodBudget& one : budget.methods) {
     header.push_back(words_of(one.method));
     header.push_back("share %");
   }
@@ -57,37 +57,37 @@ report::Table table_of(const Budget& budget) {
     const std::string& axis = budget.axes[i].name;
     for (std::size_t s = 0; s < budget.sources.size(); ++s) {
       std::vector<std::string> row{axis, budget.sources[s], ""};
-      for (const MethodBudget& one : budget.methods) {
-        const SignalBudget& signal = one.axes[i];
+      for (const judge::MethodBudget& one : budget.methods) {
+        const judge::SignalBudget& signal = one.axes[i];
         row.push_back(mm_s2(signal.sources[s].rms));
         row.push_back(percent(signal.sources[s].share, signal.total.share));
       }
       table.add(std::move(row));
     }
-    const SignalBudget& floor = budget.floors[i];
+    const judge::SignalBudget& floor = budget.floors[i];
     const bool there = floor.total.power.size() > 0;
     const auto add = [&](const std::string& name, const auto& of) {
       std::vector<std::string> row{axis, name, there ? of(floor) : "-"};
-      for (const MethodBudget& one : budget.methods) {
+      for (const judge::MethodBudget& one : budget.methods) {
         row.push_back(of(one.axes[i]));
         row.push_back("");
       }
       table.add(std::move(row));
     };
-    add("all", [](const SignalBudget& signal) { return mm_s2(signal.total.rms); });
+    add("all", [](const judge::SignalBudget& signal) { return mm_s2(signal.total.rms); });
     add("half below Hz",
-        [&](const SignalBudget& signal) { return middle_hz(budget, signal.total); });
+        [&](const judge::SignalBudget& signal) { return middle_hz(budget, signal.total); });
     add("band um/s, Hz",
-        [](const SignalBudget& signal) { return largest_band(signal.total.velocity); });
-    add("class", [](const SignalBudget& signal) { return signal.vibration_class; });
+        [](const judge::SignalBudget& signal) { return largest_band(signal.total.velocity); });
+    add("class", [](const judge::SignalBudget& signal) { return signal.vibration_class; });
   }
   return table;
 }
 
-report::Table table_of(const std::vector<BudgetCheck>& checks, double within) {
+report::Table table_of(const std::vector<judge::BudgetCheck>& checks, double within) {
   report::Table table({"axis", "method", "predicted mm/s^2", "+-", "measured", "difference %", ""},
                       2);
-  for (const BudgetCheck& check : checks) {
+  for (const judge::BudgetCheck& check : checks) {
     table.add({check.axis, words_of(check.method), mm_s2(check.predicted), mm_s2(check.scatter),
                mm_s2(check.measured), cell("%.2f", 100 * check.difference()),
                check.met(within) ? "" : "beyond"});
@@ -106,7 +106,7 @@ VectorXd cumulative_rms(const VectorXd& power) {
   return rms;
 }
 
-Json json_of(const BudgetPart& part) {
+Json json_of(const judge::BudgetPart& part) {
   return {{"rms_m_s2", part.rms},
           {"share_m2_s4", part.share},
           {"cumulative_rms_m_s2", to_json(cumulative_rms(part.power))},
@@ -114,7 +114,7 @@ Json json_of(const BudgetPart& part) {
           {"third_octaves_m_s", to_json(part.velocity)}};
 }
 
-Json json_of(const SignalBudget& signal, const std::vector<std::string>& sources) {
+Json json_of(const judge::SignalBudget& signal, const std::vector<std::string>& sources) {
   Json json = json_of(signal.total);
   json["scatter_m_s2"] = signal.scatter;
   json["class"] = signal.vibration_class;
@@ -126,8 +126,8 @@ Json json_of(const SignalBudget& signal, const std::vector<std::string>& sources
 
 }  // namespace
 
-std::string budget_text(const std::string& title, const Budget& budget,
-                        const std::vector<BudgetRun>& runs, double within) {
+std::string budget_text(const std::string& title, const judge::Budget& budget,
+                        const std::vector<judge::BudgetRun>& runs, double within) {
   const double seconds = static_cast<double>(budget.n_samples - 1) / budget.sample_rate_hz;
   std::string text =
       title + cell(": error budget of %g s at %g Hz, from rest\n", seconds, budget.sample_rate_hz) +
@@ -137,7 +137,7 @@ std::string budget_text(const std::string& title, const Budget& budget,
   if (!budget.left_out.empty()) {
     text += "Not linear, and left out of the budget: " + budget.left_out + "\n";
   }
-  const std::vector<BudgetCheck> checks = checks_of(budget, runs);
+  const std::vector<judge::BudgetCheck> checks = judge::checks_of(budget, runs);
   if (!checks.empty()) {
     text += cell("Held against runs, within %g %% and two of +-, the scatter of one run:\n",
                  100 * within) +
@@ -146,8 +146,8 @@ std::string budget_text(const std::string& title, const Budget& budget,
   return text;
 }
 
-Json budget_json(const std::string& title, const Budget& budget, const std::vector<BudgetRun>& runs,
-                 double within) {
+Json budget_json(const std::string& title, const judge::Budget& budget,
+                 const std::vector<judge::BudgetRun>& runs, double within) {
   Json json{{"scene", title},
             {"sample_rate_hz", budget.sample_rate_hz},
             {"n_samples", budget.n_samples},
@@ -165,13 +165,13 @@ Json budget_json(const std::string& title, const Budget& budget, const std::vect
     axis["frame"] = budget.axes[i].frame;
     const bool there = budget.floors[i].total.power.size() > 0;
     axis["floor"] = there ? json_of(budget.floors[i], {}) : Json(nullptr);
-    for (const MethodBudget& one : budget.methods) {
-      axis["methods"][name_of(one.method)] = json_of(one.axes[i], budget.sources);
+    for (const judge::MethodBudget& one : budget.methods) {
+      axis["methods"][judge::name_of(one.method)] = json_of(one.axes[i], budget.sources);
     }
   }
-  for (const BudgetRun& run : runs) {
-    Json of_run{{"log", run.log.string()}, {"method", name_of(run.method)}};
-    const std::vector<BudgetCheck> checks = checks_of(budget, {run});
+  for (const judge::BudgetRun& run : runs) {
+    Json of_run{{"log", run.log.string()}, {"method", judge::name_of(run.method)}};
+    const std::vector<judge::BudgetCheck> checks = judge::checks_of(budget, {run});
     for (std::size_t i = 0; i < checks.size(); ++i) {
       of_run["axes"][checks[i].axis] = {{"predicted_m_s2", checks[i].predicted},
                                         {"scatter_m_s2", checks[i].scatter},

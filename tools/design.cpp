@@ -26,7 +26,7 @@ struct DesignOptions {
   bool json = false;
 };
 
-void plot_trade(const LoopDesign& design, const std::filesystem::path& path) {
+void plot_trade(const judge::LoopDesign& design, const std::filesystem::path& path) {
   Patience patience("trade");
   const DesignTrade trade =
       design_trade(design, [&](double done) { patience.now("trade", 100 * done); });
@@ -50,8 +50,8 @@ int run(const DesignOptions& options) {
        {"the controller block", options.controller},
        {"the design scene", options.design_scene}},
       {{"--out", options.out}, {"--mat", options.mat}, {"--plot-trade", options.plot_trade}});
-  const LoopDesign design =
-      make_loop_design(options.scene, options.controller, options.design_scene);
+  const judge::LoopDesign design =
+      judge::make_loop_design(options.scene, options.controller, options.design_scene);
   if (const auto& law = design.scene.controller->law) {
     const std::optional<std::filesystem::path> file = law->file;
     require_own_places({{"the law", file}}, {{"--out", options.out}, {"--mat", options.mat}});

@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 
 /// Displacements from forces on the frame, as the loop runs and with it open.
 struct ForceResponses {
-  explicit ForceResponses(const LoopDesign& design)
+  explicit ForceResponses(const judge::LoopDesign& design)
       : plant(sample_and_hold(compliance_plant(design.scene, design.model),
                               design.settings.sampling)),
         open(open_loop(plant)),
@@ -31,7 +31,7 @@ struct ForceResponses {
 
 /// Whether output i stands where input i acts: of a frame that slowly follows its floor, it is the
 /// one that follows that input most. Other outputs may be as many and mean nothing in pairs.
-bool outputs_pair_up(const LoopDesign& design, double lowest_hz) {
+bool outputs_pair_up(const judge::LoopDesign& design, double lowest_hz) {
   const Eigen::MatrixXd T = design.loop.open({0, two_pi * lowest_hz}).cwiseAbs();
   if (T.rows() != T.cols()) return false;
   for (Index i = 0; i < T.rows(); ++i) {
@@ -41,7 +41,7 @@ bool outputs_pair_up(const LoopDesign& design, double lowest_hz) {
   return true;
 }
 
-FrequencyLine line_at(const LoopDesign& design, const ForceResponses& forces, bool paired,
+FrequencyLine line_at(const judge::LoopDesign& design, const ForceResponses& forces, bool paired,
                       double hz) {
   const Complex s(0, two_pi * hz);
   FrequencyLine line;
@@ -65,7 +65,7 @@ std::vector<double> moduli_of(const ModeTarget& target) {
 }
 
 /// The poles of the design model without leak, each against the nearest that a target asks for.
-PoleSpread effect_of(const LoopDesign& design, GainOrder order) {
+PoleSpread effect_of(const judge::LoopDesign& design, GainOrder order) {
   const DesignModel& model = design.loop.design;
   const auto targets = mode_targets(*design.scene.controller, model.legs.M.rows());
   const Eigen::VectorXcd poles = closed_loop_poles(
@@ -94,7 +94,8 @@ double misaligned_radius(LoopSettings settings) {
 }
 
 /// Whether a loop is stable and meets the rule of `recommend`.
-std::optional<Recommendation> judged(const LoopDesign& design, const LoopSettings& settings) {
+std::optional<Recommendation> judged(const judge::LoopDesign& design,
+                                     const LoopSettings& settings) {
   if (!(spectral_radius(settings) < largest_stable_radius)) return std::nullopt;
   const double price =
       price_of_sampling(design.loop, design.scene.controller->lowest_target_hz(), settings);
@@ -148,11 +149,11 @@ double price_of_sampling(const ControlLoop& loop, double target, const LoopSetti
   return price;
 }
 
-std::optional<Recommendation> recommend(const LoopDesign& design) {
+std::optional<Recommendation> recommend(const judge::LoopDesign& design) {
   return recommend(design, design.settings);
 }
 
-std::optional<Recommendation> recommend(const LoopDesign& design, const LoopSettings& own) {
+std::optional<Recommendation> recommend(const judge::LoopDesign& design, const LoopSettings& own) {
   const double target = design.scene.controller->lowest_target_hz();
   constexpr double highest = 1e5, none = 0;
   const auto tuned = [&](double rate, double times) {
@@ -182,7 +183,7 @@ std::optional<Recommendation> recommend(const LoopDesign& design, const LoopSett
   return std::nullopt;
 }
 
-DesignAnalysis analyse(const LoopDesign& design) {
+DesignAnalysis analyse(const judge::LoopDesign& design) {
   DesignAnalysis out;
   const bool own = design.runs_own_law();
   if (!own) out.poles = closed_loop_poles(design.settings.plant, design.loop.gains);
@@ -191,13 +192,13 @@ DesignAnalysis analyse(const LoopDesign& design) {
     out.deck = effect_of(design, GainOrder::deck);
   }
   const ForceResponses forces(design);
-  const FrequencyRange range = axis_of(design, design.scene.controller->target_hz);
+  const FrequencyRange range = judge::axis_of(design, design.scene.controller->target_hz);
   const std::vector<double> round = round_frequencies(range);
   const bool paired = outputs_pair_up(design, round.front());
   for (const double hz : round) out.lines.push_back(line_at(design, forces, paired, hz));
-  LoopGains gains = gains_of(design);
+  judge::LoopGains gains = judge::gains_of(design);
   const Eigen::Map<const Eigen::VectorXd> rows(round.data(), static_cast<Index>(round.size()));
-  for (const PeakRow& row : peak_rows(rows, gains, design.gains.sample_rate_hz)) {
+  for (const judge::PeakRow& row : judge::peak_rows(rows, gains, design.gains.sample_rate_hz)) {
     out.peaks.push_back({row, line_at(design, forces, paired, row.peak.hz)});
   }
   out.radius = design.radius;

@@ -26,7 +26,7 @@ struct FrequencyLine {
 
 /// The line at a peak that the others miss.
 struct PeakLine {
-  PeakRow row;
+  judge::PeakRow row;
   FrequencyLine line;
 };
 
@@ -71,7 +71,7 @@ inline constexpr double least_disk_margin = 0.5;
 inline constexpr double most_price_db = 3;
 
 /// Analyses a design; an unstable one has no margins. Errors: as margins and the core's.
-DesignAnalysis analyse(const LoopDesign& design);
+DesignAnalysis analyse(const judge::LoopDesign& design);
 
 /// Lead that makes up, at low frequencies, for delay, half a sample of hold, actuator lag and
 /// roll-off (rad/s, 0: none), in samples.
@@ -86,8 +86,8 @@ double price_of_sampling(const ControlLoop& loop, double target_hz, const LoopSe
 /// settings_warnings has nothing to say: with the scene's lead and roll-off if that does, or with a
 /// roll-off at 20, 40 or 80 times the lowest target and the lead that matches it. Delay stays so
 /// many samples. What could not be computed recommends nothing.
-std::optional<Recommendation> recommend(const LoopDesign& design);
+std::optional<Recommendation> recommend(const judge::LoopDesign& design);
 /// The same with other settings than the scene's.
-std::optional<Recommendation> recommend(const LoopDesign& design, const LoopSettings& own);
+std::optional<Recommendation> recommend(const judge::LoopDesign& design, const LoopSettings& own);
 
 }  // namespace stillframe::tools

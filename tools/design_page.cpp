@@ -32,7 +32,7 @@ std::string instruments_line(const Instruments& has) {
   return text + "\n";
 }
 
-std::string feed_forward_line(const LoopDesign& design) {
+std::string feed_forward_line(const judge::LoopDesign& design) {
   const auto& block = design.scene.controller->feed_forward;
   if (!block) return "";
   if (design.gains.feed_forward.filter.empty()) {
@@ -61,7 +61,7 @@ std::string heard(const NamedLaw& law) {
   return text;
 }
 
-std::string own_law_lines(const LoopDesign& design) {
+std::string own_law_lines(const judge::LoopDesign& design) {
   const SceneController& block = *design.scene.controller;
   const NamedLaw& law = design.gains.law->matrices;
   return cell(
@@ -72,7 +72,7 @@ std::string own_law_lines(const LoopDesign& design) {
       listed(block.damping_ratio).c_str(), block.sample_rate_hz, block.delay_samples);
 }
 
-std::string heading(const LoopDesign& design) {
+std::string heading(const judge::LoopDesign& design) {
   const SceneController& block = *design.scene.controller;
   std::string text = design.scene.title + "\n";
   if (design.runs_own_law()) {
@@ -101,7 +101,7 @@ std::string warnings_text(const DesignAnalysis& analysis) {
   return text.empty() ? "" : "\nWarnings\n" + text;
 }
 
-std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis) {
+std::string poles_text(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
   const bool exact = design.scene.controller->order == GainOrder::exact;
   std::string text;
   if (const auto& used = exact ? analysis.exact : analysis.deck) {
@@ -129,7 +129,7 @@ std::string poles_text(const LoopDesign& design, const DesignAnalysis& analysis)
 /// A line of the table and, where it is there for a peak, of what.
 struct TableLine {
   const FrequencyLine* line = nullptr;
-  const PeakRow* peak = nullptr;
+  const judge::PeakRow* peak = nullptr;
 };
 
 /// Round frequencies and the peaks between them, ascending.
@@ -159,26 +159,26 @@ std::string transfer_text(const DesignAnalysis& analysis) {
   for (const auto& [line_there, peak] : lines) {
     const FrequencyLine& line = *line_there;
     // At its own pole an undamped response has no value.
-    const auto gain = [&, peak = peak](double value, PeakRow::Of of) {
+    const auto gain = [&, peak = peak](double value, judge::PeakRow::Of of) {
       const bool unbounded = peak && peak->of == of && std::isinf(peak->peak.value);
       return unbounded ? "inf" : cell("%.1f", decibels(value));
     };
     const double force = decibels(line.compliance / line.passive_compliance);
     const bool passive_unbounded =
-        peak && peak->of == PeakRow::Of::open && std::isinf(peak->peak.value);
+        peak && peak->of == judge::PeakRow::Of::open && std::isinf(peak->peak.value);
     std::vector<std::string> row{cell(peak ? "%.4g" : "%g", line.hz),
-                                 gain(line.open(0), PeakRow::Of::open),
-                                 gain(line.closed(0), PeakRow::Of::closed),
+                                 gain(line.open(0), judge::PeakRow::Of::open),
+                                 gain(line.closed(0), judge::PeakRow::Of::closed),
                                  passive_unbounded ? "-" : cell("%.1f", force),
                                  cell("%.4g", 1e6 * line.noise),
-                                 gain(line.continuous(0), PeakRow::Of::continuous)};
+                                 gain(line.continuous(0), judge::PeakRow::Of::continuous)};
     if (line.decoupling) {
       row.push_back(cell("%.2f", line.decoupling->spread_db));
       // Nothing reaches another output, and there may be no other.
       const double crosstalk = line.decoupling->crosstalk_db;
       row.push_back(std::isinf(crosstalk) ? "-" : cell("%.1f", crosstalk));
     }
-    if (!analysis.peaks.empty()) row.push_back(peak ? name_of(peak->of) : "");
+    if (!analysis.peaks.empty()) row.push_back(peak ? judge::name_of(peak->of) : "");
     table.add(row);
   }
   text += table.print();
@@ -199,7 +199,7 @@ std::string milliseconds(double seconds, double sample_time) {
                              : cell("%.3g", 1e3 * seconds);
 }
 
-std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysis) {
+std::string margins_text(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
   if (!analysis.margins) return "";
   const Margins& margins = *analysis.margins;
   std::string text =
@@ -227,7 +227,7 @@ std::string margins_text(const LoopDesign& design, const DesignAnalysis& analysi
   return text;
 }
 
-std::string limits_text(const LoopDesign& design, const DesignAnalysis& analysis) {
+std::string limits_text(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
   std::string text = cell(
       "Sampled closed loop: spectral radius %.9f; with the applied force "
       "reported one sample late %.9f\n",
@@ -278,7 +278,7 @@ Json recommendation_json(const DesignAnalysis& analysis) {
           {"warnings", best.standing}};
 }
 
-Json feed_forward_json(const LoopDesign& design) {
+Json feed_forward_json(const judge::LoopDesign& design) {
   const auto& block = design.scene.controller->feed_forward;
   if (!block || design.gains.feed_forward.filter.empty()) return {};
   return {{"floor", design.gains.feed_forward.floor},
@@ -297,7 +297,7 @@ Json spread_json(const std::optional<PoleSpread>& effect) {
           {"largest_real", effect->largest_real}};
 }
 
-Json law_json(const LoopDesign& design) {
+Json law_json(const judge::LoopDesign& design) {
   if (!design.scene.controller->law) return {};
   Json out;
   out["file"] = design.scene.controller->law->file;
@@ -311,7 +311,7 @@ Json law_json(const LoopDesign& design) {
 
 }  // namespace
 
-std::string design_page(const LoopDesign& design, const DesignAnalysis& analysis) {
+std::string design_page(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
   const std::string by_the_clock =
       design.scene.controller->force_limit_n
           ? ""
@@ -325,7 +325,7 @@ std::string design_page(const LoopDesign& design, const DesignAnalysis& analysis
          margins_text(design, analysis) + "\n" + limits_text(design, analysis) + by_the_clock;
 }
 
-Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
+Json design_json(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
   const SceneController& block = *design.scene.controller;
   Json frequencies = Json::array(), open = Json::array(), closed = Json::array(),
        continuous = Json::array(), noise = Json::array(), compliance = Json::array(),
@@ -347,7 +347,7 @@ Json design_json(const LoopDesign& design, const DesignAnalysis& analysis) {
   Json peaks = Json::array();
   for (const auto& [row, line] : analysis.peaks) {
     peaks.push_back(
-        {{"of", name_of(row.of)}, {"hz", row.peak.hz}, {"singular_value", row.peak.value}});
+        {{"of", judge::name_of(row.of)}, {"hz", row.peak.hz}, {"singular_value", row.peak.value}});
   }
   Json out{{"scene", design.scene.title},
            {"scene_hash", design.scene.hash},

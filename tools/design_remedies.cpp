@@ -24,7 +24,7 @@ void add_to(std::string& text, const std::string& setting) {
 }
 
 /// Other leaks, and other targets with as much more of a leak.
-std::vector<Trial> slow_trials(const LoopDesign& design) {
+std::vector<Trial> slow_trials(const judge::LoopDesign& design) {
   const LoopSettings& own = design.settings;
   const SceneController& block = *design.scene.controller;
   const auto leak = [&](Trial& trial, double times) {
@@ -53,7 +53,7 @@ std::vector<Trial> slow_trials(const LoopDesign& design) {
 }
 
 /// Each of these with the scene's roll-off and lead, and with others; what changes least first.
-std::vector<Trial> trials_of(const LoopDesign& design) {
+std::vector<Trial> trials_of(const judge::LoopDesign& design) {
   const double target = design.scene.controller->lowest_target_hz();
   const double rate = 1 / design.settings.sampling.sample_time;
   std::vector<Trial> trials;
@@ -82,7 +82,7 @@ std::vector<Trial> trials_of(const LoopDesign& design) {
 
 }  // namespace
 
-std::string what_widens(const LoopDesign& design, double disk) {
+std::string what_widens(const judge::LoopDesign& design, double disk) {
   const double noted = 1.1 * disk;
   std::string best;
   double widest = noted;
@@ -101,7 +101,7 @@ std::string what_widens(const LoopDesign& design, double disk) {
   return "of what was tried, " + best;
 }
 
-std::string why_none_recommended(const LoopDesign& design) {
+std::string why_none_recommended(const judge::LoopDesign& design) {
   constexpr double highest = 1e5;
   const double target = design.scene.controller->lowest_target_hz();
   double price = std::numeric_limits<double>::infinity(), disk = 0, disk_hz = 0;

@@ -17,7 +17,7 @@ constexpr Index n_rates = 17;
 
 }  // namespace
 
-ControlLoop retargeted(const LoopDesign& design, double factor) {
+ControlLoop retargeted(const judge::LoopDesign& design, double factor) {
   SceneController block = *design.scene.controller;
   for (double& target : block.target_hz) target *= factor;
   ControlLoop loop = design.loop;
@@ -28,7 +28,8 @@ ControlLoop retargeted(const LoopDesign& design, double factor) {
   return loop;
 }
 
-DesignTrade design_trade(const LoopDesign& design, const std::function<void(double)>& progress) {
+DesignTrade design_trade(const judge::LoopDesign& design,
+                         const std::function<void(double)>& progress) {
   const double slowest = design.scene.controller->lowest_target_hz();
   DesignTrade trade{.rates_hz = logarithmic_frequencies(40 * slowest, 4000 * slowest, n_rates),
                     .curves = {}};

@@ -22,13 +22,14 @@ struct DesignTrade {
 };
 
 /// The loop with gains for all targets times a factor.
-ControlLoop retargeted(const LoopDesign& design, double factor);
+ControlLoop retargeted(const judge::LoopDesign& design, double factor);
 
 /// Designs the scene anew for 0.4, 1, 2 and 4 times its lowest target (the others keep their ratio
 /// to it) and 0, 1 and 2 samples of delay, at 40 to 4000 times
 /// the lowest target, each with the scene's roll-off, or one at 40 targets (but 0.4 rates at most)
 /// if it has none, and the lead that matches. progress is told how much is done, 0 to 1. Errors: as
 /// design_gains.
-DesignTrade design_trade(const LoopDesign& design, const std::function<void(double)>& progress);
+DesignTrade design_trade(const judge::LoopDesign& design,
+                         const std::function<void(double)>& progress);
 
 }  // namespace stillframe::tools

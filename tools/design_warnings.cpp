@@ -27,7 +27,7 @@ std::string spread(const PoleSpread& poles) {
   return cell("%.2f-%.2f of their targets", poles.lowest, poles.highest);
 }
 
-void warn_of_stability(const LoopDesign& design, const DesignAnalysis& analysis,
+void warn_of_stability(const judge::LoopDesign& design, const DesignAnalysis& analysis,
                        std::vector<std::string>& out) {
   if (analysis.radius < largest_stable_radius) return;
   const std::string slow = controller::too_slow_to_tell(design.gains, analysis.radius);
@@ -54,7 +54,7 @@ void warn_of_stability(const LoopDesign& design, const DesignAnalysis& analysis,
   if (!unreached.empty()) out.push_back(unreached);
 }
 
-void warn_of_order(const LoopDesign& design, const DesignAnalysis& analysis,
+void warn_of_order(const judge::LoopDesign& design, const DesignAnalysis& analysis,
                    std::vector<std::string>& out) {
   // The deck's matrices are the transposed ones.
   if (!analysis.deck) return;
@@ -82,7 +82,7 @@ void warn_of_order(const LoopDesign& design, const DesignAnalysis& analysis,
 /// leaves of that of the legs with an integrator that leaks by `leak` (rad/s). With K_I / omega_l
 ///   u = C(0) sigma, sigma = Y q + u: u = -(I omega_l + K_I)^-1 K_I Y q,
 /// and u = -Y q on what the legs can do without a leak.
-Eigen::MatrixXd stiffness_at_standstill(const LoopDesign& design, double leak) {
+Eigen::MatrixXd stiffness_at_standstill(const judge::LoopDesign& design, double leak) {
   const LinearModel& plant = design.loop.plant;
   const Eigen::Index m = design.loop.n_legs;
   const Eigen::MatrixXd Y = plant.Y_p.bottomRows(m), B = plant.B.rightCols(m);
@@ -97,7 +97,7 @@ Eigen::MatrixXd stiffness_at_standstill(const LoopDesign& design, double leak) {
 
 /// How much farther a constant force moves the frame with the law than without, in the direction
 /// where that is most; infinity where nothing holds it.
-double softening(const LoopDesign& design) {
+double softening(const judge::LoopDesign& design) {
   const SceneController& block = *design.scene.controller;
   if (block.leak_hz > 0 && block.high_pass_hz > 0) return 1;  // C(0) = 0
   const Eigen::MatrixXd K = design.loop.plant.stiffness();
@@ -112,7 +112,7 @@ double softening(const LoopDesign& design) {
 /// The leak (rad/s) from which on it alone holds the frame at standstill, to a thousandth; 0 if the
 /// least leak of any use does, infinity if none does. Parts that lean on others but on no leg count
 /// with what holds them: the law takes nothing of that away.
-double least_leak(const LoopDesign& design) {
+double least_leak(const judge::LoopDesign& design) {
   const double omega_d = two_pi * design.scene.controller->lowest_target_hz();
   const auto holds = [&](double leak) {
     return stiffness_at_standstill(design, leak).llt().info() == Eigen::Success;
@@ -138,7 +138,7 @@ struct Window {
 
 /// `from`: the leak that holds it at standstill. None if no leak does; to: infinity if any that is
 /// larger does.
-std::optional<Window> leaks_that_hold(const LoopDesign& design, double from) {
+std::optional<Window> leaks_that_hold(const judge::LoopDesign& design, double from) {
   ForceFeedback feedback = continuous_law(design.settings);
   feedback.high_pass = 0;
   const double omega_d = two_pi * design.scene.controller->lowest_target_hz();
@@ -174,7 +174,7 @@ std::optional<Window> leaks_that_hold(const LoopDesign& design, double from) {
 }
 
 /// The plant's stiffness without the legs' feedback, and what is left of it at standstill.
-void warn_of_standstill(const LoopDesign& design, std::vector<std::string>& out) {
+void warn_of_standstill(const judge::LoopDesign& design, std::vector<std::string>& out) {
   const SceneController& block = *design.scene.controller;
   const double softer = softening(design);
   if (block.leak_hz == 0 && block.high_pass_hz == 0 && std::isinf(softer)) {
@@ -239,7 +239,7 @@ std::string hardly_damped(const Eigen::VectorXcd& poles, double ratio) {
   return text;
 }
 
-void warn_of_motions(const LoopDesign& design, const DesignAnalysis& analysis,
+void warn_of_motions(const judge::LoopDesign& design, const DesignAnalysis& analysis,
                      std::vector<std::string>& out) {
   const Index n = design.loop.plant.M.rows(), m = design.loop.n_legs;
   const auto& targets = design.scene.controller->damping_ratio;
@@ -277,7 +277,7 @@ double slowest_on_legs(const ControlLoop& loop) {
   return std::sqrt(squares(i)) / two_pi;
 }
 
-void warn_of_targets(const LoopDesign& design, std::vector<std::string>& out) {
+void warn_of_targets(const judge::LoopDesign& design, std::vector<std::string>& out) {
   const auto& targets = design.scene.controller->target_hz;
   constexpr const char* stiffened = ": the loop stiffens it instead of isolating better";
   if (targets.size() == 1) {
@@ -298,7 +298,7 @@ void warn_of_targets(const LoopDesign& design, std::vector<std::string>& out) {
 /// Legs along which no input moves the floor. The mass stands still against a floor that shakes
 /// fast, and an input along a leg elongates it by as much as the foot moves then, whatever the dofs
 /// are: the static part of what is read less what the masses take up.
-void warn_of_inputs(const LoopDesign& design, std::vector<std::string>& out) {
+void warn_of_inputs(const judge::LoopDesign& design, std::vector<std::string>& out) {
   const LinearModel& plant = design.loop.plant;
   const Index m = design.loop.n_legs, n_w = design.loop.n_w;
   const Eigen::MatrixXd follow = plant.M.ldlt().solve(plant.M_r.leftCols(n_w));
@@ -318,7 +318,7 @@ void warn_of_inputs(const LoopDesign& design, std::vector<std::string>& out) {
 }
 
 /// What a law of one's own does where the loop is cut: while a force is limited.
-void warn_of_own_states(const LoopDesign& design, std::vector<std::string>& out) {
+void warn_of_own_states(const judge::LoopDesign& design, std::vector<std::string>& out) {
   const double radius = spectral_radius(law_of(design.settings).A);
   if (radius < largest_stable_radius) return;
   out.push_back(
@@ -401,7 +401,8 @@ std::vector<std::string> standing_warnings(const LoopSettings& settings, double 
   return out;
 }
 
-std::vector<std::string> design_warnings(const LoopDesign& design, const DesignAnalysis& analysis) {
+std::vector<std::string> design_warnings(const judge::LoopDesign& design,
+                                         const DesignAnalysis& analysis) {
   std::vector<std::string> out;
   warn_of_stability(design, analysis, out);
   if (design.runs_own_law()) {

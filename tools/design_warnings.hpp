@@ -25,6 +25,7 @@ std::vector<std::string> standing_warnings(const LoopSettings& settings, double 
                                            const DesignAnalysis& analysis);
 
 /// What a person should know before switching this loop on, in words, the gravest first.
-std::vector<std::string> design_warnings(const LoopDesign& design, const DesignAnalysis& analysis);
+std::vector<std::string> design_warnings(const judge::LoopDesign& design,
+                                         const DesignAnalysis& analysis);
 
 }  // namespace stillframe::tools

@@ -33,7 +33,7 @@ std::string decibels(double ratio) {
   return cell("%.1f", std::abs(db) < 0.05 ? 0.0 : db);
 }
 
-std::string page(const LoopDesign& design, const FeedbackStudy& study) {
+std::string page(const judge::LoopDesign& design, const FeedbackStudy& study) {
   std::string text =
       design.scene.title + "\n" +
       cell(
@@ -84,7 +84,7 @@ std::string page(const LoopDesign& design, const FeedbackStudy& study) {
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json json_of(const LoopDesign& design, const FeedbackStudy& study) {
+Json json_of(const judge::LoopDesign& design, const FeedbackStudy& study) {
   Json document{{"scene", design.scene.file},
                 {"scene_hash", design.scene.hash},
                 {"sample_rate_hz", design.gains.sample_rate_hz},
@@ -122,7 +122,8 @@ Json json_of(const LoopDesign& design, const FeedbackStudy& study) {
   return document;
 }
 
-void draw(const LoopDesign& design, const FeedbackStudy& study, const std::filesystem::path& path) {
+void draw(const judge::LoopDesign& design, const FeedbackStudy& study,
+          const std::filesystem::path& path) {
   report::MarginPlot plot{
       .title = design.scene.title +
                cell(": mode of %.4g Hz at %g Hz", study.stiffest_hz, design.gains.sample_rate_hz),
@@ -151,7 +152,7 @@ int run(const FeedbackOptions& options) {
   require_own_places(
       {{"the scene", options.scene}, {"the controller block", options.controller}},
       {{"--plot", options.plot}, {"--h2", options.h2}, {"--minimax", options.minimax}});
-  const LoopDesign design = make_loop_design(options.scene, options.controller);
+  const judge::LoopDesign design = judge::make_loop_design(options.scene, options.controller);
   const SceneController& block = *design.scene.controller;
   if (block.law) {
     throw InputError(block.place + ": law: is a feedback already; take it out to have others made");

@@ -93,7 +93,7 @@ std::optional<double> lead_for(LoopSettings settings, double disk, double at_hz)
   return best;
 }
 
-FeedbackRow pi_row(const LoopDesign& design, double lead, double lowest_hz,
+FeedbackRow pi_row(const judge::LoopDesign& design, double lead, double lowest_hz,
                    const VectorXd& frequencies_hz) {
   FeedbackRow row{.method = "pi", .lead_samples = lead, .why_none = {}, .largest = {}, .law = {}};
   LoopSettings settings = design.settings;
@@ -103,7 +103,7 @@ FeedbackRow pi_row(const LoopDesign& design, double lead, double lowest_hz,
   return row;
 }
 
-std::string law_text(const FeedbackRow& row, const LoopDesign& design, const NamedLaw& law) {
+std::string law_text(const FeedbackRow& row, const judge::LoopDesign& design, const NamedLaw& law) {
   std::string title = design.scene.title;
   std::replace(title.begin(), title.end(), '\n', ' ');
   return "# By stillframe feedback, method " + row.method + ", for: " + title +
@@ -111,7 +111,7 @@ std::string law_text(const FeedbackRow& row, const LoopDesign& design, const Nam
          controller::law_block(law, "");
 }
 
-FeedbackRow designed_row(const LoopDesign& design, const FrameFeedback& feedback,
+FeedbackRow designed_row(const judge::LoopDesign& design, const FrameFeedback& feedback,
                          double applied_memory, double lowest_hz, const VectorXd& frequencies_hz,
                          std::string method) {
   FeedbackRow row{
@@ -141,7 +141,7 @@ FeedbackRow designed_row(const LoopDesign& design, const FrameFeedback& feedback
   block.roll_off_hz.reset();
   block.feed_forward.reset();
   // As it will be read from its file.
-  const LoopDesign own = make_loop_design(std::move(scene));
+  const judge::LoopDesign own = judge::make_loop_design(std::move(scene));
   judge_loop(own.settings, own.closed, lowest_hz, frequencies_hz, row);
   row.n_states = F.A.rows();
   if (!row.why_none.empty()) row.law.clear();
@@ -149,7 +149,7 @@ FeedbackRow designed_row(const LoopDesign& design, const FrameFeedback& feedback
 }
 
 /// The PI of a mode by its lead, and both designs by the margin that they are asked for.
-std::vector<MarginPoint> margin_curve(const LoopDesign& design, const SampledMode& mode,
+std::vector<MarginPoint> margin_curve(const judge::LoopDesign& design, const SampledMode& mode,
                                       ModeGoal goal,
                                       const std::function<void(const std::string&)>& now) {
   std::vector<MarginPoint> curve;
@@ -187,7 +187,7 @@ std::vector<MarginPoint> margin_curve(const LoopDesign& design, const SampledMod
 
 }  // namespace
 
-FeedbackStudy feedback_study(const LoopDesign& design, const FeedbackWish& wish,
+FeedbackStudy feedback_study(const judge::LoopDesign& design, const FeedbackWish& wish,
                              const std::function<void(const std::string&)>& now) {
   const SceneController& block = *design.scene.controller;
   const double rate_hz = design.gains.sample_rate_hz, target_hz = block.lowest_target_hz();

@@ -53,7 +53,7 @@ struct FeedbackWish {
 /// Compares the PI of a scene as it is written, the PI with the lead that keeps the wished disk
 /// margin, and the feedbacks that are designed on the sampled loop. `now` hears what is done next.
 /// Errors: as frame_feedback and make_loop_design.
-FeedbackStudy feedback_study(const LoopDesign& design, const FeedbackWish& wish,
+FeedbackStudy feedback_study(const judge::LoopDesign& design, const FeedbackWish& wish,
                              const std::function<void(const std::string&)>& now);
 
 }  // namespace stillframe::tools

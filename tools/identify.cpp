@@ -32,10 +32,10 @@ struct IdentifyOptions {
 struct Shown {
   const char* key;  ///< in the JSON
   const char* title;
-  const JudgedResponse* response;
+  const judge::JudgedResponse* response;
 };
 
-std::vector<Shown> shown(const RunAnalysis& run) {
+std::vector<Shown> shown(const judge::RunAnalysis& run) {
   std::vector<Shown> list;
   if (run.matrix) list.push_back({"matrix", "Floor inputs to outputs", &*run.matrix});
   if (run.axes) list.push_back({"axes", "Floor to frame, axis by axis", &*run.axes});
@@ -54,7 +54,7 @@ Json json_of(const std::vector<MatrixXcd>& matrices) {
   return list;
 }
 
-report::Bands bands_of(const JudgedResponse& judged, double level) {
+report::Bands bands_of(const judge::JudgedResponse& judged, double level) {
   return level == 0.95 ? judged.bands
                        : report::singular_value_bands(*judged.measured.response, level);
 }
@@ -70,7 +70,7 @@ Json json_of(const report::PredictionError& error) {
           {"agrees", error.n_compared > 0 ? Json(error.agrees()) : Json(nullptr)}};
 }
 
-Json json_of(const JudgedResponse& judged, double level) {
+Json json_of(const judge::JudgedResponse& judged, double level) {
   const report::IdentifiedResponse& measured = judged.measured;
   Json json{{"inputs", measured.signals.inputs},
             {"outputs", measured.signals.outputs},
@@ -197,7 +197,7 @@ int run(const IdentifyOptions& options) {
   Patience patience("reading");
   report::ComparisonRule rule;
   if (options.tolerance_db) rule.tolerance_db = *options.tolerance_db;
-  const RunAnalysis analysis = analyse_run(
+  const judge::RunAnalysis analysis = judge::analyse_run(
       options.log, {.run_id = options.run_id,
                     .plant = options.plant,
                     .segment_s = options.segment_s,

@@ -69,7 +69,7 @@ NamesAndUnits first_of(const std::vector<SignalInfo>& signals, Index n) {
 
 }  // namespace
 
-void write_loop_mat(const LoopDesign& design, const std::filesystem::path& path) {
+void write_loop_mat(const judge::LoopDesign& design, const std::filesystem::path& path) {
   const MatFile::Texts& legs = design.gains.legs;
   const LinearModel& model = design.loop.plant;
   const NamesAndUnits floor = first_of(model.inputs, design.loop.n_w);

@@ -64,7 +64,7 @@ int run(const ReportOptions& options) {
   require_own_places(read, {{options.out ? "--out" : "the report without --out", place},
                             {"--verdict", options.verdict}});
   Patience patience("reading");
-  std::vector<LogToAnalyse> to_read;
+  std::vector<judge::LogToAnalyse> to_read;
   for (const auto& log : logs) {
     const std::string name = "reading " + log.filename().string();
     to_read.push_back(
@@ -75,10 +75,10 @@ int run(const ReportOptions& options) {
           .comparison = options.comparison,
           .progress = [&patience, name](double share) { patience.now(name, 100 * share); }}});
   }
-  const RunAnalyses runs = analyse_runs(std::move(to_read));
+  const judge::RunAnalyses runs = judge::analyse_runs(std::move(to_read));
   patience.now("writing the report");
-  const report::Verdict verdict = verdict_of(runs);
-  page::write_page(page_of(runs, verdict), place);
+  const report::Verdict verdict = judge::verdict_of(runs);
+  page::write_page(judge::page_of(runs, verdict), place);
   if (options.verdict) report::write_json(verdict, *options.verdict);
   std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
   if (!options.json) std::cout << "Report: " << place.string() << "\n";

@@ -61,7 +61,7 @@ SceneUncertainty uncertainty_of(const RobustnessOptions& options, const Scene& s
                    ": the key 'uncertainty' is missing; write it, or give --uncertainty FILE");
 }
 
-Evaluator evaluator_of(const LoopDesign& design, const SceneUncertainty& uncertainty) {
+Evaluator evaluator_of(const judge::LoopDesign& design, const SceneUncertainty& uncertainty) {
   const SceneController& controller = *design.scene.controller;
   auto parameters = robustness::parameters_of(design.scene, uncertainty);
   if (parameters.empty()) {
@@ -79,7 +79,7 @@ Evaluator evaluator_of(const LoopDesign& design, const SceneUncertainty& uncerta
 }
 
 /// What was asked, nothing sampled yet.
-Record empty_record(const RobustnessOptions& options, const LoopDesign& design,
+Record empty_record(const RobustnessOptions& options, const judge::LoopDesign& design,
                     const SceneUncertainty& uncertainty, const Evaluator& evaluator) {
   Record record;
   record.scene = design.scene.title;
@@ -223,8 +223,8 @@ int run(RobustnessOptions options) {
   std::optional<Evaluator> evaluator;
   {
     Patience patience("linearising");
-    const LoopDesign design =
-        make_loop_design(options.scene, options.controller, options.design_scene);
+    const judge::LoopDesign design =
+        judge::make_loop_design(options.scene, options.controller, options.design_scene);
     const SceneUncertainty uncertainty = uncertainty_of(options, design.scene);
     controller::require_stable(design.gains);
     evaluator = evaluator_of(design, uncertainty);

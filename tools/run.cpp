@@ -47,7 +47,7 @@ std::filesystem::path default_folder(const std::filesystem::path& scene) {
 
 /// What is to be run. The processes of a run read copies of these texts, in its folder.
 struct Checked {
-  LoopDesign design;
+  judge::LoopDesign design;
   floor::FloorSpec spec;
   std::string floor_text;
   std::filesystem::path floor_folder;  ///< of what the floor block names
@@ -89,7 +89,7 @@ std::optional<std::string> controller_text(const RunOptions& options, const Scen
 }
 
 /// What the processes of a run by the clock would refuse.
-void require_clocked(const RunOptions& options, const LoopDesign& design,
+void require_clocked(const RunOptions& options, const judge::LoopDesign& design,
                      const controller::Policy& policy) {
   if (design.gains.delay_samples < 1) {
     throw InputError(design.scene.controller->place + ": delay_samples: found " +
@@ -106,7 +106,7 @@ void require_clocked(const RunOptions& options, const LoopDesign& design,
 void warn_of_pushes(const RunOptions& options, const Scene& scene,
                     const controller::Policy& policy) {
   if (options.mode != "wall_clock" || options.loop == "passive") return;
-  if (policy.free_rate_n_per_s || !has_forces(scene)) return;
+  if (policy.free_rate_n_per_s || !judge::has_forces(scene)) return;
   std::cerr << "stillframe: warning: the scene's disturbances push the frame beside its floor, and "
                "no --policy states limits.free_rate_n_per_s: if one makes the loop change a leg's "
                "force faster than the floor and the default leave room for, the loop lets go of "
@@ -115,7 +115,8 @@ void warn_of_pushes(const RunOptions& options, const Scene& scene,
 
 /// Everything that a person may have got wrong is found before anything is started or written.
 Checked check_input(const RunOptions& options) {
-  LoopDesign design = make_loop_design(options.scene, options.controller, options.design_scene);
+  judge::LoopDesign design =
+      judge::make_loop_design(options.scene, options.controller, options.design_scene);
   const double rate_hz = design.gains.sample_rate_hz;
   const controller::Policy policy = options.policy
                                         ? controller::read_policy(*options.policy, rate_hz)
@@ -153,7 +154,7 @@ int fail(RunDirectory& directory, const PhaseResult& result) {
 }
 
 int run_into(RunDirectory& directory, const RunOptions& options, const Checked& checked) {
-  const LoopDesign& design = checked.design;
+  const judge::LoopDesign& design = checked.design;
   RunFiles files = checked.files;
   const auto keep = [&](const std::string& name, const std::string& text) {
     directory.write(name, text);
@@ -179,7 +180,7 @@ int run_into(RunDirectory& directory, const RunOptions& options, const Checked& 
                      .realtime = options.realtime};
   if (checked.controller_text) phase.controller = keep("controller.yaml", *checked.controller_text);
   if (checked.policy_text) phase.policy = keep("policy.yaml", *checked.policy_text);
-  std::vector<LogToAnalyse> logs;
+  std::vector<judge::LogToAnalyse> logs;
   for (const char* loop : {"passive", "active"}) {
     if (options.loop != "both" && options.loop != loop) continue;
     if (!logs.empty()) ++phase.run_id;  // the last number has no next one
@@ -196,7 +197,7 @@ int run_into(RunDirectory& directory, const RunOptions& options, const Checked& 
     if (!options.json) std::cout << loop << ": " << result.controller_line << "\n";
     logs.push_back({directory / (std::string(loop) + ".lcm"), {.run_id = phase.run_id}});
   }
-  const RunAnalyses runs = analyse_runs(std::move(logs));
+  const judge::RunAnalyses runs = judge::analyse_runs(std::move(logs));
 
   report::Verdict verdict;
   try {
@@ -206,7 +207,7 @@ int run_into(RunDirectory& directory, const RunOptions& options, const Checked& 
   }
   report::write_json(verdict, directory / "verdict.json");
   directory.write("verdict.txt", report::to_text(verdict));
-  page::write_page(page_of(runs, verdict), directory / "report.html");
+  page::write_page(judge::page_of(runs, verdict), directory / "report.html");
   directory.finish();
   std::cout << (options.json ? report::to_json(verdict) : report::to_text(verdict));
   if (!options.json) std::cout << "Run directory: " << directory.name().string() << "\n";

@@ -79,7 +79,7 @@ Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequ
   return {frequencies_hz, singular_values_over(system, omega).transpose(), {}, {}};
 }
 
-Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
+Curves with_controller(const judge::LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
   Curves curves{
       frequencies_hz,
       rows_of(frequencies_hz, [&](double omega) { return transfer(design.open, omega); }),
@@ -96,8 +96,8 @@ Curves with_controller(const LoopDesign& design, const Eigen::VectorXd& frequenc
   return curves;
 }
 
-void print_table(const std::string& title, const Curves& curves, const std::vector<PeakRow>& peaks,
-                 double sample_rate_hz) {
+void print_table(const std::string& title, const Curves& curves,
+                 const std::vector<judge::PeakRow>& peaks, double sample_rate_hz) {
   const bool loop = curves.closed.size() > 0;
   std::cout << title << ": singular values, largest first"
             << (loop ? report::cell("; of the loop that runs, sampled at %g Hz", sample_rate_hz)
@@ -114,14 +114,14 @@ void print_table(const std::string& title, const Curves& curves, const std::vect
   for (Index f = 0; f < curves.frequencies_hz.size(); ++f) {
     const double hz = curves.frequencies_hz(f);
     const auto peak = std::find_if(peaks.begin(), peaks.end(),
-                                   [hz](const PeakRow& row) { return row.peak.hz == hz; });
+                                   [hz](const judge::PeakRow& row) { return row.peak.hz == hz; });
     // At its own pole an undamped response has no values.
     const bool undamped = peak != peaks.end() && std::isinf(peak->peak.value);
     std::vector<std::string> row{report::cell("%.4g", hz)};
     for (const auto* values : {&curves.open, &curves.closed}) {
       if (values->size() == 0) continue;
       const bool closed = values == &curves.closed;
-      const bool unbounded = undamped && closed == (peak->of == PeakRow::Of::closed);
+      const bool unbounded = undamped && closed == (peak->of == judge::PeakRow::Of::closed);
       for (Index i = 0; i < values->cols(); ++i) {
         const double value = (*values)(f, i);
         if (unbounded) {
@@ -132,7 +132,7 @@ void print_table(const std::string& title, const Curves& curves, const std::vect
       }
     }
     if (!peaks.empty()) {
-      row.push_back(peak == peaks.end() ? "" : name_of(peak->of) + std::string(" 1"));
+      row.push_back(peak == peaks.end() ? "" : judge::name_of(peak->of) + std::string(" 1"));
     }
     table.add(row);
   }
@@ -140,15 +140,15 @@ void print_table(const std::string& title, const Curves& curves, const std::vect
 }
 
 Eigen::VectorXd with_peaks(const Eigen::VectorXd& frequencies_hz,
-                           const std::vector<PeakRow>& peaks) {
+                           const std::vector<judge::PeakRow>& peaks) {
   std::vector<double> all(frequencies_hz.begin(), frequencies_hz.end());
-  for (const PeakRow& row : peaks) all.push_back(row.peak.hz);
+  for (const judge::PeakRow& row : peaks) all.push_back(row.peak.hz);
   std::sort(all.begin(), all.end());
   return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Index>(all.size()));
 }
 
 void print_json(const std::string& title, const Json& stable, const Curves& curves,
-                const std::vector<PeakRow>& peaks) {
+                const std::vector<judge::PeakRow>& peaks) {
   Json document{{"scene", title},
                 {"stable", stable},
                 {"frequencies_hz", to_json(curves.frequencies_hz)},
@@ -158,9 +158,9 @@ void print_json(const std::string& title, const Json& stable, const Curves& curv
     document["continuous_singular_values"] = to_json(curves.continuous);
   }
   document["peaks"] = Json::array();
-  for (const PeakRow& row : peaks) {
+  for (const judge::PeakRow& row : peaks) {
     document["peaks"].push_back(
-        {{"of", name_of(row.of)}, {"hz", row.peak.hz}, {"singular_value", row.peak.value}});
+        {{"of", judge::name_of(row.of)}, {"hz", row.peak.hz}, {"singular_value", row.peak.value}});
   }
   print(document);
 }
@@ -204,19 +204,20 @@ int run(const SigmaOptions& options) {
                      {{"--plot", options.plot}});
   Patience patience("linearising");
   const Scene scene = read_scene(options.scene, options.controller);
-  std::optional<LoopDesign> design;
+  std::optional<judge::LoopDesign> design;
   std::optional<OpenSystem> open;
   if (scene.controller) {
-    design = make_loop_design(options.scene, options.controller);
+    design = judge::make_loop_design(options.scene, options.controller);
   } else {
     open = open_system(scene);
   }
   const Json stable = design ? warn_unless_stable(design->model, design->loop.plant)
                              : warn_unless_stable(open->model, open->linear);
   const FrequencyRange range =
-      range_of(options, design ? axis_of(*design, scene.controller->target_hz)
+      range_of(options, design ? judge::axis_of(*design, scene.controller->target_hz)
                                : frequency_range(own_frequencies_hz(open->linear), {}, 0));
-  LoopGains gains = design ? gains_of(*design) : LoopGains{LargestGain(open->system), {}, {}};
+  judge::LoopGains gains =
+      design ? judge::gains_of(*design) : judge::LoopGains{LargestGain(open->system), {}, {}};
   const auto grid = [&](int points) {
     return logarithmic_frequencies(range.lowest_hz, range.highest_hz, points);
   };
@@ -233,16 +234,18 @@ int run(const SigmaOptions& options) {
     std::cerr << "stillframe: note: above half the sample rate what is sampled has no curve\n";
   }
   if (options.plot) {
-    const Eigen::VectorXd fine = with_resonances_of(gains, grid(std::max(options.points, 1000)));
+    const Eigen::VectorXd fine =
+        judge::with_resonances_of(gains, grid(std::max(options.points, 1000)));
     plot(scene.title, curves_of(fine), scene, *options.plot);
   }
   const Eigen::VectorXd rows = grid(options.points);
   const double rate = design ? design->gains.sample_rate_hz : 0;
-  std::vector<PeakRow> peaks = peak_rows(rows, gains, rate);
+  std::vector<judge::PeakRow> peaks = judge::peak_rows(rows, gains, rate);
   if (options.json) {
     print_json(scene.title, stable, curves_of(rows), peaks);
   } else {
-    std::erase_if(peaks, [](const PeakRow& row) { return row.of == PeakRow::Of::continuous; });
+    std::erase_if(
+        peaks, [](const judge::PeakRow& row) { return row.of == judge::PeakRow::Of::continuous; });
     print_table(scene.title, curves_of(with_peaks(rows, peaks)), peaks, rate);
   }
   return exit_done;

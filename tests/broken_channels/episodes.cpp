@@ -22,7 +22,7 @@ constexpr double noise = 1e-3;
 Gains shipped_gains(const std::string& controller, const std::string& scene) {
   const auto config = std::filesystem::path(STILLFRAME_SOURCE_DIR) / "config";
   Gains gains =
-      tools::make_loop_design(config / "scenes" / (scene + ".yaml"),
+      judge::make_loop_design(config / "scenes" / (scene + ".yaml"),
                               config / "controllers" / (controller + ".yaml"), std::nullopt)
           .gains;
   // sigma = K q + u with q the elongations: the last states are their rates.

@@ -19,8 +19,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const tools::LoopDesign& design() {
-  static const tools::LoopDesign value = tools::make_loop_design(
+const judge::LoopDesign& design() {
+  static const judge::LoopDesign value = judge::make_loop_design(
       std::filesystem::path(STILLFRAME_SOURCE_DIR) / "config/scenes/frame_under_gravity.yaml", {});
   return value;
 }
@@ -39,7 +39,7 @@ MatrixXd kicked(const LoopPlant& plant, Index j, Index n) {
 
 // The gains file has the state of another frame of reference, and the same frame.
 TEST(UnderWeight, TheLegsReadWhatTheyDoInTheDesign) {
-  const tools::LoopDesign& d = design();
+  const judge::LoopDesign& d = design();
   const LoopPlant whole = loop_plant(d.loop.plant, d.loop.n_w, d.loop.n_y);
   const LoopPlant known = d.gains.loop_plant();
   ASSERT_GT(whole.n_exogenous, 0);

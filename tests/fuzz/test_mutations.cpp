@@ -101,7 +101,7 @@ class Mutations : public testing::TestWithParam<Design> {
     const auto config = std::filesystem::path(STILLFRAME_SOURCE_DIR) / "config";
     const Design& design = GetParam();
     const auto controller = config / "controllers" / (std::string(design.controller) + ".yaml");
-    gains_ = tools::make_loop_design(config / "scenes" / (std::string(design.scene) + ".yaml"),
+    gains_ = judge::make_loop_design(config / "scenes" / (std::string(design.scene) + ".yaml"),
                                      *design.controller ? std::optional(controller) : std::nullopt,
                                      std::nullopt)
                  .gains;

@@ -15,7 +15,7 @@
 
 // What MATLAB's format is written as here (test_mat_file.cpp holds that against matio) is read
 // again; what Octave writes with compression, test_octave_round_trip.cpp reads.
-namespace stillframe::tools {
+namespace stillframe::judge {
 namespace {
 
 using Eigen::MatrixXd;
@@ -183,4 +183,4 @@ TEST(MatReader, ReadsLettersOfAnyAlphabet) {
 }
 
 }  // namespace
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

@@ -61,7 +61,7 @@ void draw_controller(Draws& draws, SceneController& block) {
 }
 
 /// The gains and the prediction of a changed scene.
-RandomSetting predicted(std::shared_ptr<const tools::LoopDesign> frame, Scene scene) {
+RandomSetting predicted(std::shared_ptr<const judge::LoopDesign> frame, Scene scene) {
   const SceneController& block = *scene.controller;
   const ControlLoop loop = make_control_loop(scene, frame->model);
   controller::Gains gains = frame->gains;
@@ -98,8 +98,8 @@ SampledLoop predict(const RandomSetting& setting, const Sampling& sampling) {
 }
 
 RandomSettings fifty_settings() {
-  const auto frame = std::make_shared<const tools::LoopDesign>(
-      tools::make_loop_design(frame_file(), std::nullopt));
+  const auto frame = std::make_shared<const judge::LoopDesign>(
+      judge::make_loop_design(frame_file(), std::nullopt));
   Draws draws(2009);
   RandomSettings drawn;
   int stable_left = 22, near_left = 14, far_left = 14;

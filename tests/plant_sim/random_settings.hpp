@@ -10,7 +10,7 @@ namespace stillframe::test {
 
 /// One loop of the metrology frame, with what is predicted of it.
 struct RandomSetting {
-  std::shared_ptr<const tools::LoopDesign> frame;  ///< as its files have it
+  std::shared_ptr<const judge::LoopDesign> frame;  ///< as its files have it
   Scene scene;                                     ///< the same with these settings
   controller::Gains gains;
   DiscreteLaw law;

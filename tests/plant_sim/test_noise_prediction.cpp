@@ -17,8 +17,8 @@ namespace {
 // N/sqrt(Hz): forces so small that the nonlinearity is below the integrator's tolerance.
 constexpr ForceSensorErrors errors{.noise = 1e-8, .seed = 3};
 
-const tools::LoopDesign& design() {
-  static const tools::LoopDesign value = tools::make_loop_design(test::frame_file(), std::nullopt);
+const judge::LoopDesign& design() {
+  static const judge::LoopDesign value = judge::make_loop_design(test::frame_file(), std::nullopt);
   return value;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// Relative difference between the nonlinear closed loop and the prediction over half a second of
 /// noise.
-double difference(const tools::LoopDesign& design, double amplitude, double tolerance, int delay,
+double difference(const judge::LoopDesign& design, double amplitude, double tolerance, int delay,
                   PlantMethod method = PlantMethod::automatic) {
   Scene scene = design.scene;
   scene.simulation.method = method;
@@ -46,9 +46,9 @@ double difference(const tools::LoopDesign& design, double amplitude, double tole
 
 class Prediction : public testing::TestWithParam<int> {
  protected:
-  static const tools::LoopDesign& design() {
-    static const tools::LoopDesign value =
-        tools::make_loop_design(test::frame_file(), std::nullopt);
+  static const judge::LoopDesign& design() {
+    static const judge::LoopDesign value =
+        judge::make_loop_design(test::frame_file(), std::nullopt);
     return value;
   }
 };

@@ -224,7 +224,7 @@ Answers answers(const Scene& scene, const std::vector<Complex>& at) {
         {transfer_function(linear, s), rounding_of(linear, levers, s, mass_rounding)});
   }
   if (!scene.controller) return out;
-  const tools::LoopDesign design = tools::make_loop_design(scene);
+  const judge::LoopDesign design = judge::make_loop_design(scene);
   out.K_P = design.gains.K_P;
   out.K_I = design.gains.K_I;
   const LegMatrices& legs = design.loop.design.legs;

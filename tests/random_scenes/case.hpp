@@ -52,8 +52,8 @@ class Case {
     }
     return floor_;
   }
-  const tools::LoopDesign& design() {
-    if (!design_) design_ = tools::make_loop_design(scene_);
+  const judge::LoopDesign& design() {
+    if (!design_) design_ = judge::make_loop_design(scene_);
     return *design_;
   }
 
@@ -67,7 +67,7 @@ class Case {
   std::optional<NominalMotion> nominal_;
   std::optional<LinearModel> linear_;
   std::optional<floor::FloorSpec> floor_;
-  std::optional<tools::LoopDesign> design_;
+  std::optional<judge::LoopDesign> design_;
 };
 
 }  // namespace stillframe::random_scenes

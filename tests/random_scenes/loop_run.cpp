@@ -20,7 +20,7 @@ void Signals::shorten(Index n) {
   }
 }
 
-Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
+Signals run_loop(const Scene& scene, const judge::LoopDesign& design,
                  std::unique_ptr<floor::FloorSource> floor, Index n, bool active,
                  long most_evaluations) {
   controller::Gains gains = design.gains;
@@ -44,7 +44,7 @@ Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
   return out;
 }
 
-Signals run_loop(const Scene& scene, const tools::LoopDesign& design, const Eigen::MatrixXd& floor,
+Signals run_loop(const Scene& scene, const judge::LoopDesign& design, const Eigen::MatrixXd& floor,
                  bool active) {
   return run_loop(scene, design,
                   std::make_unique<floor::TabulatedFloor>(floor::FloorChannels::inputs, floor),

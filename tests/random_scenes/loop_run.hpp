@@ -21,11 +21,11 @@ struct Signals {
 /// (active) or with zero commands. Ends early, with fewer rows, in the sample in which the plant
 /// has evaluated its equations so many times. Errors: as ClosedLoop; std::runtime_error where the
 /// motion cannot go on.
-Signals run_loop(const Scene& scene, const tools::LoopDesign& design,
+Signals run_loop(const Scene& scene, const judge::LoopDesign& design,
                  std::unique_ptr<floor::FloorSource> floor, Index n_samples, bool active,
                  long most_evaluations = std::numeric_limits<long>::max());
 /// On a floor that is given, inputs x samples, m/s^2.
-Signals run_loop(const Scene& scene, const tools::LoopDesign& design, const Eigen::MatrixXd& floor,
+Signals run_loop(const Scene& scene, const judge::LoopDesign& design, const Eigen::MatrixXd& floor,
                  bool active);
 
 /// Samples of a run: as long as the scene states, else all that its floor has. Beside other floors

@@ -7,8 +7,8 @@ namespace stillframe::test {
 namespace {
 
 using Json = nlohmann::json;
+using judge::FloorNodes;
 using stillframe_msgs::measurement_t;
-using tools::FloorNodes;
 
 TEST(FloorNodes, GoByWhatTheFloorMoves) {
   const std::string noise = "noise: {vc: C, duration_s: 10", step = "step: {height: 1, rise_s: 1, ";
@@ -33,7 +33,7 @@ TEST(FloorNodes, GoByWhatTheFloorMoves) {
   for (const auto& [text, nodes] : floors) {
     const auto spec = floor::read_floor_block(YamlReader::from_text(text, "floor"), 1000,
                                               std::vector<std::string>{"a", "b"});
-    EXPECT_EQ(tools::floor_nodes(spec), nodes) << text;
+    EXPECT_EQ(judge::floor_nodes(spec), nodes) << text;
   }
 }
 

@@ -59,9 +59,9 @@ class TakingHold : public testing::Test {
     write_log(folder_ / "run.lcm", log);
     return hold(log).takeover;
   }
-  tools::Hold hold(const Log& log) const {
+  judge::Hold hold(const Log& log) const {
     write_log(folder_ / "run.lcm", log);
-    return *tools::hold_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, "wall_clock"));
+    return *judge::hold_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, "wall_clock"));
   }
 
   /// Goes on into the ramp: the sample that it began in.
@@ -240,13 +240,13 @@ TEST_F(TakingHold, OfAnotherPlantDoesNotCount) {
     std::ranges::copy(rig->log(), std::back_inserter(log));
   }
   write_log(folder_ / "run.lcm", log);
-  EXPECT_EQ(tools::hold_of(folder_ / "run.lcm", info)->takeover.from, from);
+  EXPECT_EQ(judge::hold_of(folder_ / "run.lcm", info)->takeover.from, from);
 }
 
 /// How it ended, if it did, in a log of measurements up to the sample before `end`.
 class LettingGo : public TakingHold {
  protected:
-  tools::Hold held_by(LoggedRig& rig, std::int64_t end) const {
+  judge::Hold held_by(LoggedRig& rig, std::int64_t end) const {
     Log log = rig.log();
     measurement_t measurement{};
     measurement.run_id = LoggedRig::run_id;
@@ -287,7 +287,7 @@ TEST_F(LettingGo, IsTheFirstSampleThatTheLoopDoesNotHold) {
     const std::int64_t at = rig.rig().k();
     happens(rig);
     rig.steps(600);  // the toy meets its limit later
-    const tools::Hold found = held_by(rig, rig.rig().k());
+    const judge::Hold found = held_by(rig, rig.rig().k());
     EXPECT_EQ(found.until, why.empty() ? Takeover::never : at) << what;
     EXPECT_EQ(found.why, why) << what;
     EXPECT_EQ(found.fault, fault) << what;
@@ -302,7 +302,7 @@ TEST_F(LettingGo, OfAControllerThatWasKilledIsWhereItsRecordsEnd) {
   rig.steps(1500);
   const std::int64_t end = rig.rig().k();
   EXPECT_EQ(held_by(rig, end + 900).until, Takeover::never);
-  const tools::Hold found = held_by(rig, end + 1200);
+  const judge::Hold found = held_by(rig, end + 1200);
   EXPECT_EQ(found.until, end);
   EXPECT_NE(found.why.find("records"), std::string::npos);
 }
@@ -312,7 +312,7 @@ TEST_F(LettingGo, IsSaidOfALoopThatNeverHeld) {
     LoggedRig rig;
     rig.steps(n);
     happens(rig);
-    const tools::Hold found = held_by(rig, 3000);
+    const judge::Hold found = held_by(rig, 3000);
     EXPECT_FALSE(found.ever);
     EXPECT_EQ(found.fault, found.why.find("fault") != std::string::npos);
     return found.why;
@@ -338,7 +338,7 @@ TEST_F(TakingHold, IsNotKnownWithoutRecords) {
                 [](const LoggedMessage& message) { return message.channel == channels::loop; });
   EXPECT_THROW(takeover(log), InputError);
   const auto of = [&](const std::string& mode) {
-    return tools::hold_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, mode));
+    return judge::hold_of(folder_ / "run.lcm", info_of(gains_, LoggedRig::run_id, mode));
   };
   EXPECT_FALSE(of("lock_step"));
   EXPECT_FALSE(of("single_process"));
@@ -408,7 +408,7 @@ disturbances: [{name: blow, node: mass, along: z, force: {impact: {peak: 1, widt
   listening.n_legs = 1;
   listening.sigma = listening.applied = listening.force = {0};
   const auto forces_of = [&](const std::vector<loop_record_t>& records) {
-    return tools::analyse_run(said_to_be_active(out / "passive.lcm", records)).data;
+    return judge::analyse_run(said_to_be_active(out / "passive.lcm", records)).data;
   };
   const report::LogAnalysis passive = forces_of({listening});
   EXPECT_EQ(passive.forces_unknown, "");

@@ -117,14 +117,14 @@ TEST_F(LogVerbs, WhatCannotBeReadIsSaidInOneLine) {
 
 TEST_F(LogVerbs, TheModelOfALogIsThatOfItsScene) {
   const auto folder = recorded("active", "2");
-  auto analysis = tools::analyse_run(folder / "active.lcm");
+  auto analysis = judge::analyse_run(folder / "active.lcm");
   ASSERT_TRUE(analysis.run.design) << analysis.run.unreadable;
-  const auto design = tools::make_loop_design(config("scenes/metrology_frame.yaml"), {});
-  tools::LoopDesign& recorded_design = *analysis.run.design;
+  const auto design = judge::make_loop_design(config("scenes/metrology_frame.yaml"), {});
+  judge::LoopDesign& recorded_design = *analysis.run.design;
   // The gains went through YAML, which keeps every bit.
   EXPECT_EQ(recorded_design.gains.K_P, design.gains.K_P);
   EXPECT_EQ(recorded_design.closed.A, design.closed.A);
-  const auto target = tools::target_of(recorded_design);
+  const auto target = judge::target_of(recorded_design);
   ASSERT_TRUE(target);
   EXPECT_NEAR(target->frequency_hz, 5, 1e-9);
   EXPECT_NEAR(target->damping_ratio, 0.7, 1e-9);
@@ -133,7 +133,7 @@ TEST_F(LogVerbs, TheModelOfALogIsThatOfItsScene) {
   report::ResponseSignals signals;
   for (const auto& input : design.scene.inputs) signals.inputs.push_back(input.name);
   for (const auto& output : design.scene.outputs) signals.outputs.push_back(output.name);
-  const tools::ResponsePrediction prediction(recorded_design, signals);
+  const judge::ResponsePrediction prediction(recorded_design, signals);
   const double frequency = 17;
   const MatrixXcd exact = transfer(design.closed, 2 * std::numbers::pi * frequency);
   EXPECT_LT((prediction.at({frequency}, true).sampled[0] - exact).norm(), 1e-12 * exact.norm());
@@ -141,10 +141,10 @@ TEST_F(LogVerbs, TheModelOfALogIsThatOfItsScene) {
   // For a floor that translates, from three directions that are no axes: the columns follow.
   report::ResponseSignals axes{{"floor_x", "floor_y", "floor_z"}, {"lens_x", "lens_y", "lens_z"}};
   const MatrixXcd straight =
-      tools::ResponsePrediction(recorded_design, axes).at({frequency}, true).sampled[0];
+      judge::ResponsePrediction(recorded_design, axes).at({frequency}, true).sampled[0];
   // Far below the target the frame follows the floor: the identity, but for what the leak of 0.05
   // Hz and the target's own (f / 5 Hz)^2 take.
-  const MatrixXcd low = tools::ResponsePrediction(recorded_design, axes).at({0.3}, true).sampled[0];
+  const MatrixXcd low = judge::ResponsePrediction(recorded_design, axes).at({0.3}, true).sampled[0];
   EXPECT_LT((low - MatrixXcd::Identity(3, 3)).norm(), 0.2);
   Eigen::Matrix3d D;
   D << 1, 1, 0, 0, 1, 0, 0, 0, -2;
@@ -153,13 +153,13 @@ TEST_F(LogVerbs, TheModelOfALogIsThatOfItsScene) {
     monitor.direction = D.row(monitor.name.back() - 'x').transpose();
   }
   const MatrixXcd skew =
-      tools::ResponsePrediction(recorded_design, axes).at({frequency}, true).sampled[0];
+      judge::ResponsePrediction(recorded_design, axes).at({frequency}, true).sampled[0];
   EXPECT_LT((skew * D - straight).norm(), 1e-12 * straight.norm());
 }
 
 /// However often a motion of the floor is named, and by whatever foot, it is one input.
 TEST_F(LogVerbs, AMotionOfTheFloorThatIsNamedTwiceIsOneInput) {
-  auto design = tools::make_loop_design(config("scenes/metrology_frame.yaml"), {});
+  auto design = judge::make_loop_design(config("scenes/metrology_frame.yaml"), {});
   const SceneSignal floor_x =
       *std::find_if(design.scene.monitors.begin(), design.scene.monitors.end(),
                     [](const SceneSignal& signal) { return signal.name == "floor_x"; });
@@ -174,17 +174,17 @@ TEST_F(LogVerbs, AMotionOfTheFloorThatIsNamedTwiceIsOneInput) {
   std::vector<report::AxisPlan> axes{
       {"x", "floor_x", "lens_x"}, {"y", "floor_y", "lens_y"}, {"z", "floor_z", "lens_z"}};
   const MatrixXcd three =
-      tools::ResponsePrediction(design, tools::signals_by_motion(design.scene, axes).signals)
+      judge::ResponsePrediction(design, judge::signals_by_motion(design.scene, axes).signals)
           .at({17}, true)
           .sampled[0];
   axes.push_back({"again", "floor_x", "lens_y"});
   axes.push_back({"other foot", "other_foot_x", "lens_x"});
   axes.push_back({"slanted", "slanted", "lens_x"});
-  const report::AxisSignals signals = tools::signals_by_motion(design.scene, axes);
+  const report::AxisSignals signals = judge::signals_by_motion(design.scene, axes);
   EXPECT_EQ(signals.signals.inputs, (std::vector<std::string>{"floor_x", "floor_y", "floor_z"}));
   EXPECT_EQ(signals.signals.outputs, (std::vector<std::string>{"lens_x", "lens_y", "lens_z"}));
   EXPECT_EQ(signals.dependent_floors, (std::vector<std::string>{"other_foot_x", "slanted"}));
-  const MatrixXcd T = tools::ResponsePrediction(design, signals.signals).at({17}, true).sampled[0];
+  const MatrixXcd T = judge::ResponsePrediction(design, signals.signals).at({17}, true).sampled[0];
   EXPECT_EQ(T, three);
   // |T_xx| beside a floor along x, whoever tells of it; along (3, 0, 4) / 5 both columns of it.
   const auto of = [&](std::size_t a) {
@@ -198,7 +198,7 @@ TEST_F(LogVerbs, AMotionOfTheFloorThatIsNamedTwiceIsOneInput) {
   EXPECT_LE(std::abs(of(5) - 0.6 * T(0, 0) - 0.8 * T(0, 2)), rounding);
   // What two inputs of one motion do apart, nothing tells.
   const report::ResponseSignals twice{{"floor_x", "floor_y", "floor_x"}, {"lens_x"}};
-  EXPECT_THROW(tools::ResponsePrediction(design, twice), InputError);
+  EXPECT_THROW(judge::ResponsePrediction(design, twice), InputError);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "judge/shapes.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 namespace {
 
 page::ModeShapes shapes_of(const std::string& scene_name) {
@@ -102,4 +102,4 @@ TEST(Shapes, DampedCartHasItsRatio) {
 }
 
 }  // namespace
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

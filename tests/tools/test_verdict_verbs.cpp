@@ -938,7 +938,7 @@ TEST(VerdictAgreement, TextJsonBadgeAndExitCodeSayTheSame) {
     EXPECT_EQ(Json::parse(report::to_json(verdict)).at("outcome"), word);
     EXPECT_NE(report::to_text(verdict).find("Verdict: " + word + ". "), std::string::npos);
     page::PageData data;
-    tools::add_judgement(verdict, data.head);
+    judge::add_judgement(verdict, data.head);
     EXPECT_EQ(badge_of(page::head_html(data)), word);
     EXPECT_EQ(tools::exit_code_of(verdict.judgement.outcome) == 4, word == "failed");
   }
@@ -950,10 +950,10 @@ TEST(PredictionChecks, WhatOneLoopLacksIsSaid) {
   for (const char* loop : {"passive", "active"}) {
     verdict.responses.push_back({.loop = loop, .what = "3 floors to 3 frames", .n_compared = 90});
   }
-  EXPECT_EQ(tools::prediction_checks({}, verdict, {}).size(), 2u);
+  EXPECT_EQ(judge::prediction_checks({}, verdict, {}).size(), 2u);
   verdict.responses[1].n_compared = 0;
   verdict.responses[1].missing = "no value is known";
-  auto checks = tools::prediction_checks({}, verdict, {});
+  auto checks = judge::prediction_checks({}, verdict, {});
   ASSERT_EQ(checks.size(), 2u);
   EXPECT_EQ(checks[0].outcome, report::Outcome::passed);
   EXPECT_EQ(checks[1].outcome, report::Outcome::not_judged);
@@ -961,7 +961,7 @@ TEST(PredictionChecks, WhatOneLoopLacksIsSaid) {
             "The active loop, 3 floors to 3 frames, is not set against its prediction, which the "
             "other one is: no value is known.");
   verdict.responses[0].n_compared = 0;
-  EXPECT_TRUE(tools::prediction_checks({}, verdict, {}).empty());
+  EXPECT_TRUE(judge::prediction_checks({}, verdict, {}).empty());
 }
 
 TEST(PredictionChecks, WhatTheSceneAsksForTakesThePlaceOfTheTolerance) {
@@ -974,7 +974,7 @@ TEST(PredictionChecks, WhatTheSceneAsksForTakesThePlaceOfTheTolerance) {
                                                          .n_reduction_frequencies = 9,
                                                          .n_closed_below_open = 9};
   const auto outcome = [&](std::optional<double> prediction_db) {
-    const auto checks = tools::prediction_checks({}, verdict, prediction_db);
+    const auto checks = judge::prediction_checks({}, verdict, prediction_db);
     EXPECT_EQ(checks.size(), 1u);
     EXPECT_EQ(checks.front().by_scene, prediction_db.has_value());
     return checks.front().outcome;
@@ -989,7 +989,7 @@ TEST(PredictionChecks, WhatTheSceneAsksForTakesThePlaceOfTheTolerance) {
   EXPECT_EQ(outcome(0.5), Outcome::not_judged);
   verdict.forces_unknown.clear();
   verdict.identification->beyond_db = 0;
-  const auto reason = [&] { return tools::prediction_checks({}, verdict, {}).front().reason; };
+  const auto reason = [&] { return judge::prediction_checks({}, verdict, {}).front().reason; };
   verdict.identification->n_closed_compared = 0;
   verdict.identification->n_reduction_unknown = 7;
   verdict.identification->n_reduction_frequencies = 0;
@@ -1008,7 +1008,7 @@ TEST(PredictionChecks, ARunThatIsBroadlyOffItsPredictionFails) {
   report::ResponseSummary& response = verdict.responses.front();
   const auto checks = [&](double beyond_db) {
     response.broadly_beyond_db = beyond_db;
-    return tools::prediction_checks({}, verdict, {});
+    return judge::prediction_checks({}, verdict, {});
   };
   using report::Outcome;
   for (const auto& [beyond_db, outcome] :
@@ -1085,7 +1085,7 @@ TEST(Headline, SaysWhereTheFrameIsWorseByClass) {
                   {"y", level(26, "VC-D"), {}, level(1, "VC-D")},
                   {"z", level(26, "VC-A"), {}, level(1, "above VC-A")}};
   page::Head head;
-  tools::add_judgement(verdict, head);
+  judge::add_judgement(verdict, head);
   ASSERT_EQ(head.headlines.size(), 1u);
   EXPECT_NE(head.headlines[0].find("13 times less"), std::string::npos);
   EXPECT_NE(

@@ -13,18 +13,18 @@ namespace stillframe::tools {
 
 namespace {
 
-report::MeasuredValues measured_of(const std::optional<RunAnalysis>& run) {
+report::MeasuredValues measured_of(const std::optional<judge::RunAnalysis>& run) {
   if (!run || !run->matrix || !run->matrix->measured.response) return {};
   const auto& response = *run->matrix->measured.response;
   return {response.frequencies_hz, response.singular_values};
 }
 
-void plot_singular_values(const LoopDesign& design, const RunAnalyses& runs,
+void plot_singular_values(const judge::LoopDesign& design, const judge::RunAnalyses& runs,
                           const RunDirectory& directory) {
   report::SingularValuePlot picture;
   picture.title = design.scene.title;
-  picture.frequencies_hz =
-      picture_frequencies(design, axis_of(design, design.scene.controller->target_hz));
+  picture.frequencies_hz = judge::picture_frequencies(
+      design, judge::axis_of(design, design.scene.controller->target_hz));
   picture.open_predicted = report::predicted_singular_values(design.open, picture.frequencies_hz);
   picture.closed_predicted =
       report::predicted_singular_values(design.closed, picture.frequencies_hz);
@@ -39,7 +39,8 @@ void plot_singular_values(const LoopDesign& design, const RunAnalyses& runs,
   report::plot_singular_values(picture, directory / "singular_values.png");
 }
 
-void plot_errors(const LoopDesign& design, const RunAnalyses& runs, const RunDirectory& directory) {
+void plot_errors(const judge::LoopDesign& design, const judge::RunAnalyses& runs,
+                 const RunDirectory& directory) {
   const auto& open = runs.passive->matrix->errors;
   const auto& closed = runs.active->matrix->errors;
   report::plot_differences(
@@ -63,10 +64,11 @@ Eigen::MatrixXd rows_of(const page::Envelope& envelope) {
   return rows;
 }
 
-void plot_motion(const LoopDesign& design, const RunAnalyses& runs, const RunDirectory& directory) {
+void plot_motion(const judge::LoopDesign& design, const judge::RunAnalyses& runs,
+                 const RunDirectory& directory) {
   report::HistoryPlot histories{.title = design.scene.title, .axes = {}};
   report::OctavePlot octaves{.title = design.scene.title, .axes = {}};
-  for (const AxisPair& axis : runs.axes()) {
+  for (const judge::AxisPair& axis : runs.axes()) {
     report::AxisHistory history{axis.name, rows_of(axis.floor().envelope), {}, {}};
     report::AxisBands bands{axis.name, axis.floor().third_octaves, {}, {}};
     if (axis.passive != nullptr) {
@@ -87,9 +89,9 @@ void plot_motion(const LoopDesign& design, const RunAnalyses& runs, const RunDir
 
 }  // namespace
 
-report::Verdict judge(const LoopDesign& design, const RunAnalyses& runs,
+report::Verdict judge(const judge::LoopDesign& design, const judge::RunAnalyses& runs,
                       const RunDirectory& directory) {
-  report::Verdict verdict = verdict_of(runs);
+  report::Verdict verdict = judge::verdict_of(runs);
   try {
     if (verdict.identification) {
       plot_errors(design, runs, directory);

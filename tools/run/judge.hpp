@@ -13,7 +13,7 @@ namespace stillframe::tools {
 /// predicted; else histories and one-third-octave velocities of the scene's comparisons. Where they
 /// cannot be drawn, as without gnuplot, standard error says so. Errors: InputError of verdict_of,
 /// OutputError.
-report::Verdict judge(const LoopDesign& design, const RunAnalyses& runs,
+report::Verdict judge(const judge::LoopDesign& design, const judge::RunAnalyses& runs,
                       const RunDirectory& directory);
 
 }  // namespace stillframe::tools

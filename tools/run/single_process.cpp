@@ -81,7 +81,7 @@ class RunLogFile {
 
 }  // namespace
 
-PhaseResult run_in_process(const LoopDesign& design, const floor::FloorSpec& floor,
+PhaseResult run_in_process(const judge::LoopDesign& design, const floor::FloorSpec& floor,
                            const std::string& floor_text, const PhaseOptions& options,
                            const RunDirectory& directory) {
   ClosedLoop loop(design.scene, design.gains, floor::make_floor_source(floor), options.run_id,

@@ -47,11 +47,11 @@ Index column_of(const Scene& scene, const std::string& name) {
 class StudyRun {
  public:
   StudyRun(const StudyCase& study, std::optional<double> duration_s)
-      : design_(make_loop_design(study.scene, study.controller)), spec_(floor_spec(study)) {
+      : design_(judge::make_loop_design(study.scene, study.controller)), spec_(floor_spec(study)) {
     controller::require_stable(design_.gains);
-    multisine_ = multisine_in(spec_);
-    compared_ = compared_frames(design_.scene, multisine_ ? &*multisine_ : nullptr);
-    for (const ComparedFrame& compared : compared_) {
+    multisine_ = judge::multisine_in(spec_);
+    compared_ = judge::compared_frames(design_.scene, multisine_ ? &*multisine_ : nullptr);
+    for (const judge::ComparedFrame& compared : compared_) {
       floor_columns_.push_back(column_of(design_.scene, compared.floor));
       frame_columns_.push_back(column_of(design_.scene, compared.frame));
     }
@@ -71,11 +71,11 @@ class StudyRun {
     report::Verdict& verdict = result.verdict;
     verdict.isolates_above_hz =
         2 * *std::max_element(design_.gains.target_hz.begin(), design_.gains.target_hz.end());
-    verdict.disturbed = has_forces(design_.scene);
+    verdict.disturbed = judge::has_forces(design_.scene);
     const Eigen::MatrixXd by_forces = by_forces_of(verdict);
     verdict.floors_apart = multisine_ && multisine_->n_blocks > 1;
-    verdict.judged = report::judged_range(axis_of(design_));
-    if (multisine_) verdict.judged = with_lines(verdict.judged, *multisine_);
+    verdict.judged = report::judged_range(judge::axis_of(design_));
+    if (multisine_) verdict.judged = judge::with_lines(verdict.judged, *multisine_);
     for (size_t i = 0; i < floor_columns_.size(); ++i) {
       const auto c = static_cast<Index>(i);
       const auto floor = report::analyse_signal(passive.floor.col(c), rate),
@@ -86,8 +86,8 @@ class StudyRun {
         forces = {report::analyse_signal(by_forces.col(c), rate).power,
                   report::analyse_signal(active.frame.col(c) - by_forces.col(c), rate).power};
       }
-      add_levels(accept, compared_[i].name, floor_columns_[i] < 0 ? nullptr : &floor, &below,
-                 &above, forces ? &*forces : nullptr, verdict);
+      judge::add_levels(accept, compared_[i].name, floor_columns_[i] < 0 ? nullptr : &floor, &below,
+                        &above, forces ? &*forces : nullptr, verdict);
     }
     verdict.judgement = report::judge(verdict, accept, {});
     return result;
@@ -108,8 +108,8 @@ class StudyRun {
   Eigen::MatrixXd by_forces_of(const report::Verdict& verdict) const {
     if (!verdict.disturbed || compared_.empty()) return {};
     std::vector<std::string> frames;
-    for (const ComparedFrame& compared : compared_) frames.push_back(compared.frame);
-    return report::ForceResponse(force_model(design_, frames, true)).at(0, n_);
+    for (const judge::ComparedFrame& compared : compared_) frames.push_back(compared.frame);
+    return report::ForceResponse(judge::force_model(design_, frames, true)).at(0, n_);
   }
 
   Signals run_loop(bool active, StudyResult& result) {
@@ -159,10 +159,10 @@ class StudyRun {
     return signals;
   }
 
-  LoopDesign design_;
+  judge::LoopDesign design_;
   floor::FloorSpec spec_;
   std::optional<MultisinePlan> multisine_;
-  std::vector<ComparedFrame> compared_;
+  std::vector<judge::ComparedFrame> compared_;
   std::vector<Index> floor_columns_, frame_columns_;
   std::int64_t n_ = 0;
 };

@@ -145,7 +145,7 @@ class Sensitivity {
 
 std::optional<Finding> check_margins(Case& scene, std::uint64_t seed) {
   if (!scene.has_loop()) return std::nullopt;
-  const tools::LoopDesign& design = scene.design();
+  const judge::LoopDesign& design = scene.design();
   if (!(design.radius < largest_stable_radius)) return std::nullopt;  // it has no margins
   Draws draws(seed);
   const LoopSettings& settings = design.settings;

@@ -41,7 +41,7 @@ Scene by(Scene scene, PlantMethod method, double tolerance) {
 
 std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
   if (!scene.has_loop() || !scene.floor()) return std::nullopt;
-  const tools::LoopDesign& design = scene.design();
+  const judge::LoopDesign& design = scene.design();
   const Scene& own = scene.scene();
   const double tolerance = own.simulation.relative_tolerance;
   // An unstable loop magnifies any difference: its plant is looked at without control.

@@ -144,12 +144,12 @@ void check_level(const report::MotionLevel& level, const Eigen::VectorXd& x, dou
 
 std::optional<Finding> check_report(Case& scene, std::uint64_t) {
   if (!scene.has_loop() || !scene.floor()) return std::nullopt;
-  const tools::LoopDesign& design = scene.design();
+  const judge::LoopDesign& design = scene.design();
   const Folder folder;
   std::optional<tools::RunDirectory> directory(folder.path() / "run");
   const std::string floor_text =
       YamlReader::from_text(scene.text(), "scene").require("floor").dump();
-  tools::RunAnalyses runs;
+  judge::RunAnalyses runs;
   Finding finding;
   std::vector<std::string> loops = {"passive"};
   std::map<std::string, Eigen::MatrixXd> accelerations;
@@ -178,7 +178,7 @@ std::optional<Finding> check_report(Case& scene, std::uint64_t) {
         tools::run_in_process(design, *scene.floor(), floor_text, options, *directory);
     if (result.exit_code != 0) throw std::runtime_error(result.reason);
     const auto log = *directory / (loop + ".lcm");
-    runs.add(tools::analyse_run(log));
+    runs.add(judge::analyse_run(log));
     // The export has what the same run shows directly, to the bit.
     const auto csv = *directory / (loop + ".csv");
     report::export_csv(log, {.run_id = {}, .channels = {}, .progress = [](double) {}}, csv);
@@ -200,7 +200,7 @@ std::optional<Finding> check_report(Case& scene, std::uint64_t) {
     same(2 + n_floor + 2 * m + n_frame, direct.force, "exported command");
     accelerations[loop] = direct.acceleration;
   }
-  const report::Verdict verdict = tools::verdict_of(runs);
+  const report::Verdict verdict = judge::verdict_of(runs);
   const double rate = design.gains.sample_rate_hz;
   for (const report::AxisLevels& axis : verdict.axes) {
     const Scene& own = scene.scene();
@@ -225,7 +225,7 @@ std::optional<Finding> check_report(Case& scene, std::uint64_t) {
                "numbers in the verdict's JSON that are none");
   finding.take(count_not_finite(report::to_text(verdict)), 0.5,
                "numbers in the verdict's text that are none");
-  page::write_page(tools::page_of(runs, verdict), folder.path() / "report.html");
+  page::write_page(judge::page_of(runs, verdict), folder.path() / "report.html");
   return finding;
 }
 
