@@ -175,10 +175,10 @@ Gains read(const YamlReader& reader) {
     gains.feed_forward = read_feed_forward(*block, gains);
   }
   if (const auto block = reader.find("law")) {
-    if (!gains.feed_forward.filter.empty()) {
-      block->fail("allowed is either feed_forward or a law, which brings its own");
-    }
     gains.law = read_brought_law(*block, gains);
+    if (!gains.feed_forward.filter.empty() && !gains.law->floor.empty()) {
+      block->fail("allowed is either feed_forward or a law that hears the floor itself");
+    }
   }
   if (most_loop_states(gains) > largest_loop) {
     reader.fail("found a loop of " + std::to_string(most_loop_states(gains)) +
@@ -204,7 +204,7 @@ Index most_loop_states(const Gains& gains) {
 }
 
 const std::vector<std::string>& Gains::heard_floor() const {
-  return law ? law->floor : feed_forward.floor;
+  return feed_forward.filter.empty() && law ? law->floor : feed_forward.floor;
 }
 
 void Gains::forget_floor() {

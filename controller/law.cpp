@@ -12,9 +12,11 @@ using Eigen::Ref;
 using Eigen::VectorXd;
 
 DiscreteLaw law_from_gains(const Gains& gains) {
-  if (gains.law) return own_law(gains.law->matrices, gains.legs, gains.law->floor);
-  DiscreteLaw law = sample_law(gains.feedback(), gains.law_sampling());
-  law.feed_forward = feed_forward_system(gains.feed_forward.filter);
+  DiscreteLaw law = gains.law ? own_law(gains.law->matrices, gains.legs, gains.law->floor)
+                              : sample_law(gains.feedback(), gains.law_sampling());
+  if (!gains.feed_forward.filter.empty()) {
+    law.feed_forward = feed_forward_system(gains.feed_forward.filter);
+  }
   return law;
 }
 

@@ -8,7 +8,7 @@ function(run)
   endif()
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}/usr)
-foreach(example 01_linear_model 02_gains 03_closed_loop 04_hardware)
+foreach(example 01_linear_model 02_gains 03_closed_loop 04_hardware 05_scene_in_cpp)
   run(${CMAKE_COMMAND} -S ${EXAMPLES}/${example} -B ${prefix}/${example} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
     # With other vector instructions than the package has: what one allocates the other must be able to free.
     -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${prefix}/usr -DCMAKE_CXX_FLAGS=${NATIVE})

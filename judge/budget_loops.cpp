@@ -75,7 +75,7 @@ SampledLoop BudgetLoops::around(const VectorXd& moved, const VectorXd& heard,
   DiscreteLaw law = controller::law_from_gains(design_.gains);
   if (method != BudgetMethod::feed_forward || heard.isZero(0)) {
     law.feed_forward = {};
-  } else if (design_.gains.law) {
+  } else if (design_.gains.feed_forward.filter.empty()) {
     law.feed_forward.B *= heard;
     law.feed_forward.D *= heard;
   } else {

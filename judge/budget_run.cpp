@@ -33,8 +33,7 @@ std::optional<BudgetMethod> method_of(const controller::Gains& of_log,
   if (!same) return std::nullopt;
   if (of_log.heard_floor().empty()) return BudgetMethod::feedback;
   // A law of one's own is part of the hash of the scene.
-  if (!of_log.law &&
-      !alike(of_log.feed_forward.filter.weights, of_design.feed_forward.filter.weights)) {
+  if (!alike(of_log.feed_forward.filter.weights, of_design.feed_forward.filter.weights)) {
     return std::nullopt;
   }
   return BudgetMethod::feed_forward;

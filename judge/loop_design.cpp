@@ -52,7 +52,7 @@ std::vector<std::string> names_of(const std::vector<SceneSignal>& signals) {
   return names;
 }
 
-/// A law of A, B, C, D brings all that these keys would ask for.
+/// A law of A, B, C, D has all filters of its feedback in it.
 void check_alone(const SceneController& block) {
   const auto refuse = [&](bool given, const char* key) {
     if (!given) return;
@@ -64,7 +64,6 @@ void check_alone(const SceneController& block) {
   refuse(block.high_pass_hz > 0, "high_pass_hz");
   refuse(block.lead_samples > 0, "lead_samples");
   refuse(block.roll_off_hz.has_value(), "roll_off_hz");
-  refuse(block.feed_forward.has_value(), "feed_forward");
 }
 
 /// Puts the law of the controller block into gains that have been made without it.
@@ -96,7 +95,13 @@ void take_own_law(const Scene& scene, controller::Gains& gains) {
   check_alone(block);
   controller::BroughtLaw law{.matrices = *file.law};
   const std::vector<std::string> floor = names_of(scene.inputs);
-  if (hears_floor(law.matrices)) law.floor = floor;
+  if (hears_floor(law.matrices)) {
+    if (block.feed_forward) {
+      throw InputError(block.place + ": feed_forward: is given beside the law of " +
+                       block.law->file + ", which hears the floor itself; take it out");
+    }
+    law.floor = floor;
+  }
   try {
     own_law(law.matrices, gains.legs, floor);
   } catch (const InputError& error) {

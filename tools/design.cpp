@@ -138,7 +138,7 @@ void add_design(cli::Command& app, int& exit_code) {
       "  stable_rates_hz             intervals up to 200 kHz\n"
       "  recommended                 sample_rate_hz, lead_samples, roll_off_hz, price_db, disk,\n"
       "                              warnings: those of the page that stay with these settings\n"
-      "  warnings");
+      "  warnings; notes (what is known to do no harm)");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 

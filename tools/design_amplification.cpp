@@ -18,6 +18,8 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 constexpr double noted_ratio = 1.05;
+/// Part of the floor, -26 dB: what is left of it there is nobody's concern.
+constexpr double little = 0.05;
 /// Below this ratio the damping is no work of the law.
 constexpr double light_damping = 0.1;
 
@@ -25,6 +27,11 @@ constexpr double light_damping = 0.1;
 struct Range {
   double from_hz = 0, to_hz = 0, worst = 0;
 };
+
+/// How much is left where it counts, for a note.
+std::string at_most_db(double largest) {
+  return cell(", but no more than %.1f dB of its floor", 20 * std::log10(largest));
+}
 
 /// Takes frequencies in rising order, with the factor where it counts and 0 where it does not.
 class Ranges {
@@ -75,55 +82,57 @@ std::string cause(const Range& range, const Eigen::VectorXcd& poles) {
               least.imag() / two_pi, ratio);
 }
 
-/// Of a law of one's own nobody knows what it would do without sampling.
-std::vector<std::string> amplification_of_own(const LoopSettings& settings,
-                                              const SampledPlant& sampled, double target_hz) {
-  LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, whole_law_of(settings)));
-  const Eigen::VectorXd grid =
-      logarithmic_frequencies(target_hz, 0.5 / settings.sampling.sample_time, 200);
-  Ranges ranges;
-  for (const double hz : with_resonances(grid, controlled.resonances())) {
-    const double factor = controlled(hz) / passive(hz);
-    ranges.add(hz, factor > noted_ratio ? factor : 0);
+/// Where the controlled frame moves more than the passive one: ranges that matter, and those where
+/// little is left of the floor anyway.
+class Amplified {
+ public:
+  void add(double hz, double controlled, double factor, bool designed) {
+    const bool more = factor > noted_ratio, matters = controlled > little;
+    of_design.add(hz, more && matters && designed ? factor : 0);
+    of_sampling.add(hz, more && matters && !designed ? factor : 0);
+    of_little.add(hz, more && !matters ? factor : 0);
+    if (more && !matters) most_left = std::max(most_left, controlled);
   }
-  if (ranges.empty()) return {};
-  return {ranges.text()};
-}
+
+  Ranges of_design, of_sampling, of_little;
+  double most_left = 0;
+};
 
 }  // namespace
 
-std::vector<std::string> amplification_warnings(const LoopSettings& settings, double target_hz) {
+Remarks amplification(const LoopSettings& settings, double target_hz) {
   const LoopPlant& plant = settings.plant;
   const SampledPlant sampled = sample_and_hold(plant, settings.sampling);
-  if (settings.own) return amplification_of_own(settings, sampled, target_hz);
   const ForceFeedback feedback = continuous_law(settings);
-  const Eigen::VectorXcd poles = closed_loop_poles(plant, feedback);
   const Index n_w = plant.B_w.cols();
-  LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, whole_law_of(settings))),
-      law(continuous_loop(plant, feedback), n_w),
+  LargestGain passive(open_loop(sampled)), controlled(close_loop(sampled, whole_law_of(settings)));
+  LargestGain law(continuous_loop(plant, feedback), n_w),
       without({plant.A, plant.B_w, plant.C_y, plant.D_yw}, n_w);
   const Eigen::VectorXd grid =
       logarithmic_frequencies(target_hz, 0.5 / settings.sampling.sample_time, 200);
-  Ranges of_design, of_sampling;
+  Amplified found;
   for (const double hz : with_resonances(grid, controlled.resonances())) {
-    const double factor = controlled(hz) / passive(hz);
-    const bool more = factor > noted_ratio;
-    // Most of it, in dB.
-    const bool designed = more && std::pow(law(hz) / without(hz), 2) > factor;
-    of_design.add(hz, designed ? factor : 0);
-    of_sampling.add(hz, more && !designed ? factor : 0);
+    const double value = controlled(hz), factor = value / passive(hz);
+    // Most of it, in dB. Of a law of one's own nobody knows what it would do without sampling.
+    const bool designed =
+        !settings.own && factor > noted_ratio && std::pow(law(hz) / without(hz), 2) > factor;
+    found.add(hz, value, factor, designed);
   }
-  std::vector<std::string> out;
-  if (!of_design.empty()) {
-    out.push_back(of_design.text() +
-                  ", and most of that without sampling too: " + cause(of_design.worst(), poles));
+  std::string price = ": the price of sampling; a higher rate moves it up";
+  if (!settings.sampling.instruments.ideal()) {
+    price =
+        ": the price of sampling and of the instruments; a higher rate moves up what is of "
+        "sampling";
   }
-  if (!of_sampling.empty()) {
-    out.push_back(of_sampling.text() +
-                  (settings.sampling.instruments.ideal()
-                       ? ": the price of sampling; a higher rate moves it up"
-                       : ": the price of sampling and of the instruments; a higher rate moves up "
-                         "what is of sampling"));
+  if (settings.own) price.clear();
+  Remarks out;
+  if (!found.of_design.empty()) {
+    out.warnings.push_back(found.of_design.text() + ", and most of that without sampling too: " +
+                           cause(found.of_design.worst(), closed_loop_poles(plant, feedback)));
+  }
+  if (!found.of_sampling.empty()) out.warnings.push_back(found.of_sampling.text() + price);
+  if (!found.of_little.empty()) {
+    out.notes.push_back(found.of_little.text() + at_most_db(found.most_left));
   }
   return out;
 }

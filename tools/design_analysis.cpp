@@ -114,7 +114,8 @@ std::optional<Recommendation> judged(const judge::LoopDesign& design,
 
 /// Whether the page of a loop with these settings warns of none of them; if so, what stays is
 /// noted.
-bool goes_unwarned(const LoopSettings& settings, double target_hz, Recommendation& found) {
+bool goes_unwarned(const LoopSettings& settings, double target_hz, bool age_is_stated,
+                   Recommendation& found) {
   DesignAnalysis analysis;
   analysis.margins.emplace();
   analysis.margins->all_disk = found.disk;
@@ -122,7 +123,7 @@ bool goes_unwarned(const LoopSettings& settings, double target_hz, Recommendatio
   if (!settings_warnings(settings, target_hz, analysis).empty()) return false;
   analysis.radius = spectral_radius(settings);
   analysis.misaligned_radius = misaligned_radius(settings);
-  found.standing = standing_warnings(settings, target_hz, analysis);
+  found.standing = standing_remarks(settings, target_hz, age_is_stated, analysis).warnings;
   return true;
 }
 
@@ -155,6 +156,7 @@ std::optional<Recommendation> recommend(const judge::LoopDesign& design) {
 
 std::optional<Recommendation> recommend(const judge::LoopDesign& design, const LoopSettings& own) {
   const double target = design.scene.controller->lowest_target_hz();
+  const bool age_is_stated = states_report_age(design.scene);
   constexpr double highest = 1e5, none = 0;
   const auto tuned = [&](double rate, double times) {
     LoopSettings settings = at_rate(own, rate);
@@ -176,7 +178,7 @@ std::optional<Recommendation> recommend(const judge::LoopDesign& design, const L
         if (times * target > 0.4 * rate) continue;
         const LoopSettings settings = tuned(rate, times);
         auto found = judged(design, settings);
-        if (found && goes_unwarned(settings, target, *found)) return found;
+        if (found && goes_unwarned(settings, target, age_is_stated, *found)) return found;
       }
     }
   }
@@ -206,7 +208,7 @@ DesignAnalysis analyse(const judge::LoopDesign& design) {
   if (out.radius < largest_stable_radius) out.margins = margins(design.settings);
   if (own) {
     out.why_none = "a law of one's own has one rate";
-    out.warnings = design_warnings(design, out);
+    out.remarks = design_remarks(design, out);
     return out;
   }
   if (out.margins && out.margins->all_disk < least_disk_margin) {
@@ -216,7 +218,7 @@ DesignAnalysis analyse(const judge::LoopDesign& design) {
                            highest_rate_hz);
   out.recommended = recommend(design);
   if (!out.recommended) out.why_none = why_none_recommended(design);
-  out.warnings = design_warnings(design, out);
+  out.remarks = design_remarks(design, out);
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include "core/control/margins.hpp"
 #include "judge/loop_design.hpp"
 #include "judge/loop_peaks.hpp"
+#include "tools/remarks.hpp"
 
 namespace stillframe::tools {
 
@@ -62,7 +63,7 @@ struct DesignAnalysis {
   std::vector<std::pair<double, double>> rates;  ///< stable ones, Hz
   std::optional<Recommendation> recommended;
   std::string why_none;  ///< recommended, in words; empty if one is
-  std::vector<std::string> warnings;
+  Remarks remarks;
 };
 
 /// The disk margin of all legs below which one is warned of it.

@@ -76,7 +76,8 @@ std::string heading(const judge::LoopDesign& design) {
   const SceneController& block = *design.scene.controller;
   std::string text = design.scene.title + "\n";
   if (design.runs_own_law()) {
-    return text + own_law_lines(design) + instruments_line(design.scene.instruments);
+    text += own_law_lines(design) + feed_forward_line(design);
+    return text + instruments_line(design.scene.instruments);
   }
   const std::string origin = design.has_own_gains()
                                  ? "K_P and K_I of " + block.law->file
@@ -95,10 +96,13 @@ std::string heading(const judge::LoopDesign& design) {
   return text + instruments_line(design.scene.instruments);
 }
 
-std::string warnings_text(const DesignAnalysis& analysis) {
+std::string remarks_text(const Remarks& remarks) {
   std::string text;
-  for (const std::string& warning : analysis.warnings) text += "  ! " + warning + "\n";
-  return text.empty() ? "" : "\nWarnings\n" + text;
+  if (!remarks.warnings.empty()) text += "\nWarnings\n";
+  for (const std::string& warning : remarks.warnings) text += "  ! " + warning + "\n";
+  if (!remarks.notes.empty()) text += "\nNotes\n";
+  for (const std::string& note : remarks.notes) text += "  - " + note + "\n";
+  return text;
 }
 
 std::string poles_text(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
@@ -321,8 +325,9 @@ std::string design_page(const judge::LoopDesign& design, const DesignAnalysis& a
                                 : matrix_table("K_P (1)", design.gains.K_P) +
                                       matrix_table("K_I (1/s)", design.gains.K_I) + "\n" +
                                       poles_text(design, analysis) + "\n";
-  return heading(design) + warnings_text(analysis) + "\n" + gains + transfer_text(analysis) + "\n" +
-         margins_text(design, analysis) + "\n" + limits_text(design, analysis) + by_the_clock;
+  return heading(design) + remarks_text(analysis.remarks) + "\n" + gains + transfer_text(analysis) +
+         "\n" + margins_text(design, analysis) + "\n" + limits_text(design, analysis) +
+         by_the_clock;
 }
 
 Json design_json(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
@@ -378,7 +383,8 @@ Json design_json(const judge::LoopDesign& design, const DesignAnalysis& analysis
            {"margins", analysis.margins ? margins_json(*analysis.margins) : Json()},
            {"stable_rates_hz", own ? Json() : rates},
            {"recommended", recommendation_json(analysis)},
-           {"warnings", analysis.warnings}};
+           {"warnings", analysis.remarks.warnings},
+           {"notes", analysis.remarks.notes}};
   return out;
 }
 

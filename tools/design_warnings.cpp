@@ -13,6 +13,7 @@
 #include "core/control/continuous_loop.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/two_pi.hpp"
+#include "core/yaml/reader.hpp"
 #include "report/table.hpp"
 #include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"
@@ -344,14 +345,17 @@ void warn_of_margins(const DesignAnalysis& analysis, std::vector<std::string>& o
   }
 }
 
-void warn_of_late_reports(const LoopSettings& settings, const DesignAnalysis& analysis,
-                          std::vector<std::string>& out) {
-  if (analysis.misaligned_radius < largest_stable_radius) return;
-  out.push_back(cell(
-      "if the applied force were reported one sample late, the loop would be "
-      "unstable (radius %.4g)%s",
-      analysis.misaligned_radius,
-      settings.own || settings.feedback.roll_off > 0 ? "" : "; roll_off_hz makes it forgive more"));
+std::string of_late_reports(const LoopSettings& settings, bool age_is_stated,
+                            const DesignAnalysis& analysis) {
+  if (analysis.misaligned_radius < largest_stable_radius) return "";
+  return cell(
+      "if the applied force were reported one sample late%s, the loop would be "
+      "unstable (radius %.4g)%s%s",
+      age_is_stated ? ", which the scene says it is not" : "", analysis.misaligned_radius,
+      settings.own || settings.feedback.roll_off > 0 || age_is_stated
+          ? ""
+          : "; roll_off_hz makes it forgive more",
+      age_is_stated ? "" : "; `instruments: {report_age_samples: 0}` states that it is not");
 }
 
 void warn_of_rates(double rate, double target_hz, const DesignAnalysis& analysis,
@@ -371,6 +375,26 @@ void warn_of_rates(double rate, double target_hz, const DesignAnalysis& analysis
 
 }  // namespace
 
+namespace {
+
+std::string alone_in_plant(const std::string& what) {
+  return what.empty() ? ""
+                      : "the plant simulator alone has these instruments, the analysis leaves them "
+                        "out: " +
+                            what;
+}
+
+/// Noise is in the budget, to which it adds; all else changes what the loop does.
+bool only_add_noise(const ForceSensorErrors& errors) {
+  const auto none = [](const std::vector<double>& each) {
+    return std::ranges::all_of(each, [](double value) { return value == 0; });
+  };
+  return none(errors.offset) && none(errors.drift) && errors.random_walk == 0 &&
+         errors.quantisation == 0 && std::isinf(errors.range);
+}
+
+}  // namespace
+
 std::string left_out_of_analysis(const Instruments& instruments) {
   std::string what;
   const auto add = [&what](bool there, const char* name) {
@@ -378,9 +402,13 @@ std::string left_out_of_analysis(const Instruments& instruments) {
   };
   add(instruments.hysteresis.has_value(), "hysteresis");
   add(std::isfinite(instruments.force_rate_limit), "force_rate_limit_n_per_s");
-  add(instruments.force_sensors.has_value(), "force_sensors");
-  if (what.empty()) return "";
-  return "the plant simulator alone has these instruments, the analysis leaves them out: " + what;
+  add(instruments.force_sensors && !only_add_noise(*instruments.force_sensors), "force_sensors");
+  return alone_in_plant(what);
+}
+
+bool states_report_age(const Scene& scene) {
+  const auto block = YamlReader::from_text(scene.text, scene.file).find("instruments");
+  return block && block->find("report_age_samples");
 }
 
 std::vector<std::string> settings_warnings(const LoopSettings& settings, double target_hz,
@@ -391,36 +419,33 @@ std::vector<std::string> settings_warnings(const LoopSettings& settings, double 
   return out;
 }
 
-std::vector<std::string> standing_warnings(const LoopSettings& settings, double target_hz,
-                                           const DesignAnalysis& analysis) {
-  std::vector<std::string> out;
-  warn_of_late_reports(settings, analysis, out);
-  if (analysis.radius < largest_stable_radius) {
-    for (const std::string& text : amplification_warnings(settings, target_hz)) out.push_back(text);
-  }
+Remarks standing_remarks(const LoopSettings& settings, double target_hz, bool age_is_stated,
+                         const DesignAnalysis& analysis) {
+  Remarks out;
+  const std::string late = of_late_reports(settings, age_is_stated, analysis);
+  if (!late.empty()) (age_is_stated ? out.notes : out.warnings).push_back(late);
+  if (analysis.radius < largest_stable_radius) out.add(amplification(settings, target_hz));
   return out;
 }
 
-std::vector<std::string> design_warnings(const judge::LoopDesign& design,
-                                         const DesignAnalysis& analysis) {
-  std::vector<std::string> out;
-  warn_of_stability(design, analysis, out);
+Remarks design_remarks(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
+  Remarks out;
+  std::vector<std::string>& warnings = out.warnings;
+  warn_of_stability(design, analysis, warnings);
   if (design.runs_own_law()) {
-    warn_of_own_states(design, out);
+    warn_of_own_states(design, warnings);
   } else {
-    warn_of_order(design, analysis, out);
-    warn_of_standstill(design, out);
-    warn_of_motions(design, analysis, out);
-    warn_of_targets(design, out);
+    warn_of_order(design, analysis, warnings);
+    warn_of_standstill(design, warnings);
+    warn_of_motions(design, analysis, warnings);
+    warn_of_targets(design, warnings);
   }
-  warn_of_inputs(design, out);
+  warn_of_inputs(design, warnings);
   const double target_hz = design.scene.controller->lowest_target_hz();
-  for (const auto& warnings : {settings_warnings(design.settings, target_hz, analysis),
-                               standing_warnings(design.settings, target_hz, analysis)}) {
-    out.insert(out.end(), warnings.begin(), warnings.end());
-  }
+  out.add({settings_warnings(design.settings, target_hz, analysis), {}});
+  out.add(standing_remarks(design.settings, target_hz, states_report_age(design.scene), analysis));
   const std::string left_out = left_out_of_analysis(design.scene.instruments);
-  if (!left_out.empty()) out.push_back(left_out);
+  if (!left_out.empty()) warnings.push_back(left_out);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "judge/loop_design.hpp"
+#include "tools/remarks.hpp"
 
 namespace stillframe::tools {
 
@@ -18,14 +19,16 @@ std::string left_out_of_analysis(const Instruments& instruments);
 std::vector<std::string> settings_warnings(const LoopSettings& settings, double target_hz,
                                            const DesignAnalysis& analysis);
 
+/// Whether a scene says how old the reported forces are: a default vouches for nothing.
+bool states_report_age(const Scene& scene);
+
 /// What every loop of this kind has, more or less: a report that must not be late, a band in which
-/// the frame moves more than without control. Of the analysis radius and misaligned_radius are
-/// used.
-std::vector<std::string> standing_warnings(const LoopSettings& settings, double target_hz,
-                                           const DesignAnalysis& analysis);
+/// the frame moves more than without control. age_is_stated: states_report_age. Of the analysis
+/// radius and misaligned_radius are used.
+Remarks standing_remarks(const LoopSettings& settings, double target_hz, bool age_is_stated,
+                         const DesignAnalysis& analysis);
 
 /// What a person should know before switching this loop on, in words, the gravest first.
-std::vector<std::string> design_warnings(const judge::LoopDesign& design,
-                                         const DesignAnalysis& analysis);
+Remarks design_remarks(const judge::LoopDesign& design, const DesignAnalysis& analysis);
 
 }  // namespace stillframe::tools

@@ -70,9 +70,11 @@ Evaluator evaluator_of(const judge::LoopDesign& design, const SceneUncertainty& 
                      ": uncertainty: nothing of this scene is uncertain; give at least one "
                      "of its values above 0");
   }
+  const FeedForward& filter = design.gains.feed_forward.filter;
   return Evaluator({.scene = design.scene,
                     .sampling = design.settings.sampling,
-                    .law = whole_law_of(design.settings),
+                    .law = filter.empty() ? whole_law_of(design.settings) : law_of(design.settings),
+                    .feed_forward = filter,
                     .parameters = std::move(parameters),
                     .frequencies_hz = robustness::outcome_frequencies_hz(
                         controller.lowest_target_hz(), controller.sample_rate_hz)});

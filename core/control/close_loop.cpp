@@ -179,6 +179,19 @@ SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law) {
   return states.of(std::move(closed.loop));
 }
 
+SampledLoop close_loop_with_added_force(SampledPlant plant, DiscreteLaw law) {
+  // Channels of a floor that moves nothing, passed on as they are measured.
+  const Index p = plant.Gamma_w.cols(), m = law.D.rows(), n = plant.Phi.rows();
+  plant.Gamma_w.conservativeResizeLike(MatrixXd::Zero(n, p + m));
+  plant.D_yw.conservativeResizeLike(MatrixXd::Zero(plant.D_yw.rows(), p + m));
+  law.feed_forward = {.A = MatrixXd::Zero(0, 0),
+                      .B = MatrixXd::Zero(0, p + m),
+                      .C = MatrixXd::Zero(m, 0),
+                      .D = MatrixXd::Zero(m, p + m)};
+  law.feed_forward.D.rightCols(m).setIdentity();
+  return close_loop(plant, law);
+}
+
 GainedLoop gain_loop(const SampledPlant& plant, const DiscreteLaw& law) {
   DiscreteLaw silent = law;
   silent.C.setZero();

@@ -13,6 +13,10 @@ namespace stillframe {
 /// Errors: std::invalid_argument on shapes that do not match.
 SampledLoop close_loop(const SampledPlant& plant, const DiscreteLaw& law);
 
+/// The same loop with m inputs more behind w: forces that are added to what the law commands, in
+/// the sample that it answers. Any feed-forward is left out: it is such a force.
+SampledLoop close_loop_with_added_force(SampledPlant plant, DiscreteLaw law);
+
 /// A closed loop whose law may act by a share g of its command: A, B_v, C and D_v are then
 /// (1 - g) released + g closed, B and D are the same.
 struct GainedLoop {

@@ -70,6 +70,14 @@ Eigen::VectorXcd feed_forward_terms(double memory, Index n_taps, Complex z) {
   return terms;
 }
 
+Eigen::MatrixXcd response_of(const FeedForward& filter, Complex z) {
+  const Eigen::VectorXcd terms = feed_forward_terms(filter.memory, filter.n_taps, z);
+  const Index p = filter.n_floor();
+  Eigen::MatrixXcd sum = Eigen::MatrixXcd::Zero(filter.weights.rows(), p);
+  for (Index i = 0; i < terms.size(); ++i) sum += terms(i) * filter.weights.middleCols(i * p, p);
+  return sum;
+}
+
 LinearSystem feed_forward_system(const FeedForward& filter) {
   if (filter.empty()) return {};
   const Index p = filter.n_floor();

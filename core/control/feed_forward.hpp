@@ -27,6 +27,9 @@ struct FeedForward {
 /// What the weights multiply, of w = 1 at z: n_taps + 2 values.
 Eigen::VectorXcd feed_forward_terms(double memory, Eigen::Index n_taps, std::complex<double> z);
 
+/// Theta(z), m x p, u over w. Of no empty filter.
+Eigen::MatrixXcd response_of(const FeedForward& filter, std::complex<double> z);
+
 /// The same filter as a sampled system with inputs w and outputs u, of p (n + 3) states. Empty for
 /// an empty one. Errors: std::invalid_argument on sizes that do not match, or a memory that is not
 /// below one.

@@ -34,19 +34,7 @@ class Responses {
  public:
   Responses(LoopSettings loop, double gain) : p_(loop.plant.B_w.cols()) {
     loop.sampling.instruments.actuator_gain *= gain;
-    SampledPlant plant = sample_and_hold(loop.plant, loop.sampling);
-    DiscreteLaw law = law_of(loop);
-    // A force that is added to the law's: channels of a floor that moves nothing, passed on as they
-    // are measured.
-    const Index m = law.D.rows(), n = plant.Phi.rows();
-    plant.Gamma_w.conservativeResizeLike(MatrixXd::Zero(n, p_ + m));
-    plant.D_yw.conservativeResizeLike(MatrixXd::Zero(plant.D_yw.rows(), p_ + m));
-    law.feed_forward = {.A = MatrixXd::Zero(0, 0),
-                        .B = MatrixXd::Zero(0, p_ + m),
-                        .C = MatrixXd::Zero(m, 0),
-                        .D = MatrixXd::Zero(m, p_ + m)};
-    law.feed_forward.D.rightCols(m).setIdentity();
-    loop_ = close_loop(plant, law);
+    loop_ = close_loop_with_added_force(sample_and_hold(loop.plant, loop.sampling), law_of(loop));
   }
 
   /// (T_fb, H) at omega.

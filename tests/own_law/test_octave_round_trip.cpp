@@ -110,6 +110,23 @@ TEST_F(OwnLawOctave, OursComesBackAsItWas) {
   EXPECT_TRUE(numbers.at("deck_order").is_null());
 }
 
+// Our feedback as somebody else's has the same feed-forward designed beside it. What that aims at
+// has no leak there, so ours has next to none.
+TEST_F(OwnLawOctave, AFeedForwardIsDesignedBesideIt) {
+  block("ours.yaml", "leak_hz: 1.0e-5\nlead_samples: 0.33\nfeed_forward: {}\n");
+  const json ours = design("ours.yaml", {"--mat", folder_ / "loop.mat"});
+  const Said saved = octave(
+      "--eval \"load loop.mat; law = whole_law; kept = ! strncmp('floor:', law.input_names, 6); "
+      "law.B = law.B(:, kept); law.D = law.D(:, kept); law.input_names = law.input_names(kept); "
+      "save('-v7', 'law.mat', 'law');\"");
+  ASSERT_EQ(saved.exit_code, 0) << saved.error;
+  block("beside.yaml", "law: law.mat\nfeed_forward: {}\n");
+  const json beside = design("beside.yaml");
+  EXPECT_EQ(beside.at("feed_forward").at("floor"), ours.at("feed_forward").at("floor"));
+  // A leak of 0.05 Hz makes a difference of 7e-3.
+  expect_same(ours.at("closed_singular_values"), beside.at("closed_singular_values"), 1e-5);
+}
+
 TEST_F(OwnLawOctave, IsRefusedWhereItDoesNotFit) {
   ASSERT_EQ(run({"design", frame_, "--mat", folder_ / "loop.mat"}).exit_code, 0);
   const auto refused = [&](const std::string& change, const std::string& keys, int code,
@@ -130,7 +147,9 @@ TEST_F(OwnLawOctave, IsRefusedWhereItDoesNotFit) {
   refused("law.A(1, 1) = i", "", 2, "A: found a matrix of complex numbers");
   refused("law.A = sparse(law.A)", "", 2, "A: found a sparse matrix");
   refused("", "lead_samples: 1\n", 2, "lead_samples: is given beside the law");
-  refused("", "feed_forward: {}\n", 2, "feed_forward: is given beside the law");
+  refused(
+      "law.input_names{end + 1} = 'floor:floor_1t'; law.B(:, end + 1) = 0; law.D(:, end + 1) = 0",
+      "feed_forward: {}\n", 2, "which hears the floor itself");
 }
 
 }  // namespace

@@ -59,6 +59,55 @@ TEST(OwnLawRuns, AsOursThroughGaps) {
   }
 }
 
+/// Our feedback as somebody else's, and our feed-forward beside it.
+Gains with_ours_beside(const Gains& gains) {
+  Gains deaf = gains;
+  deaf.feed_forward = {};
+  Gains made = as_brought(deaf);
+  made.feed_forward = gains.feed_forward;
+  return made;
+}
+
+TEST(OwnLawRuns, WithAFeedForwardOfOursBesideIt) {
+  const Gains gains = ours();
+  const std::string text = to_yaml(with_ours_beside(gains));
+  const Gains beside = parse_gains(text, "gains.yaml");
+  EXPECT_EQ(to_yaml(beside), text);
+  EXPECT_EQ(beside.heard_floor(), std::vector<std::string>{"floor"});
+  Law law(law_from_gains(gains)), own(law_from_gains(beside));
+  std::mt19937 engine(3);
+  std::normal_distribution<double> normal;
+  VectorXd sigma(4), applied(4), w(1), u(4), u_own(4);
+  for (int k = 0; k < 400; ++k) {
+    for (double& value : sigma) value = normal(engine);
+    for (double& value : applied) value = normal(engine);
+    w(0) = normal(engine);
+    law.hear_floor(1, w, 0.5);
+    own.hear_floor(1, w, 0.5);
+    law.step(sigma, applied, u);
+    own.step(sigma, applied, u_own);
+    // Sums in another order.
+    ASSERT_LT((u - u_own).norm(), 1e-10 * (1 + u.norm())) << k;
+  }
+  Gains deaf = beside;
+  deaf.forget_floor();
+  EXPECT_TRUE(deaf.heard_floor().empty());
+  EXPECT_EQ(law_from_gains(deaf).feed_forward.D.size(), 0);
+}
+
+TEST(OwnLawRuns, HearsTheFloorOnce) {
+  Gains twice = as_brought(ours());
+  twice.feed_forward = ours().feed_forward;
+  try {
+    parse_gains(to_yaml(twice), "gains.yaml");
+    FAIL() << "two feed-forwards were taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("a law that hears the floor itself"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(OwnLawRuns, WithoutAllocation) {
   Law own(law_from_gains(as_brought(ours())));
   VectorXd sigma = VectorXd::Ones(4), applied = sigma, w = VectorXd::Ones(1), u(4);

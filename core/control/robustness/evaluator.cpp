@@ -56,15 +56,33 @@ double least_damping(const Eigen::VectorXcd& poles) {
 
 namespace {
 
-/// The largest singular value of T at each of the angles omega T_s.
-VectorXd largest_gains(FrequencySweep& sweep, const std::vector<double>& angles) {
-  const Index n_y = sweep.n_outputs(), n_w = sweep.n_inputs();
-  std::vector<MatrixXcd> T(angles.size(), MatrixXcd(n_y, n_w));
-  for (size_t i = 0; i < angles.size(); ++i) sweep.evaluate(std::polar(1.0, angles[i]), T[i]);
-  Eigen::MatrixXd values(std::min(n_y, n_w), static_cast<Index>(angles.size()));
-  SingularValues(n_y, n_w).compute(T.data(), values.cols(), values);
-  return values.row(0);
-}
+/// The largest singular value of T. A feed-forward is part of no plant and moves no pole: with its
+/// states in the loop a frequency takes ten times as long as by T_fb + H Theta.
+class Gains {
+ public:
+  Gains(const SampledLoop& loop, const FeedForward& filter)
+      : sweep_(proper_system({loop.A, loop.B, loop.C, loop.D})), filter_(filter) {}
+
+  /// At each of the angles omega T_s.
+  VectorXd at(const std::vector<double>& angles) {
+    const Index n_y = sweep_.n_outputs(), n_w = sweep_.n_inputs() - filter_.weights.rows();
+    std::vector<MatrixXcd> T(angles.size());
+    MatrixXcd all(n_y, sweep_.n_inputs());
+    for (size_t i = 0; i < angles.size(); ++i) {
+      const Complex z = std::polar(1.0, angles[i]);
+      sweep_.evaluate(z, all);
+      T[i] = all.leftCols(n_w);
+      if (!filter_.empty()) T[i] += all.rightCols(filter_.weights.rows()) * response_of(filter_, z);
+    }
+    Eigen::MatrixXd values(std::min(n_y, n_w), static_cast<Index>(angles.size()));
+    SingularValues(n_y, n_w).compute(T.data(), values.cols(), values);
+    return values.row(0);
+  }
+
+ private:
+  FrequencySweep sweep_;
+  const FeedForward& filter_;
+};
 
 /// The index of the frequency (ascending, Hz) that is nearest to another by their ratio.
 Index nearest(const VectorXd& frequencies_hz, double hz) {
@@ -77,11 +95,11 @@ Index nearest(const VectorXd& frequencies_hz, double hz) {
 
 /// The peak of T about a resonance at an angle of a pole z: among poles that are near, it is beside
 /// all of them. By golden sections within the half-width.
-double refined_peak(FrequencySweep& sweep, Complex pole, double at_pole) {
+double refined_peak(Gains& gains, Complex pole, double at_pole) {
   const double middle = std::arg(pole), width = std::abs(std::log(std::abs(pole)));
   double highest = at_pole;
   const auto value = [&](double angle) {
-    const double found = largest_gains(sweep, {angle})(0);
+    const double found = gains.at({angle})(0);
     highest = std::max(highest, found);
     return found;
   };
@@ -102,13 +120,19 @@ std::string heading(const std::string& message) {
 
 }  // namespace
 
-SampledLoop Evaluator::loop_of(const VectorXd& values) const {
+SampledPlant Evaluator::plant_of(const VectorXd& values) const {
   const PerturbedPlant plant =
       perturbed(settings_.scene, settings_.sampling, settings_.parameters, values);
   const auto n_w = static_cast<Index>(plant.scene.inputs.size());
   const auto n_y = static_cast<Index>(plant.scene.outputs.size());
   const LinearModel model = loop_model(plant.scene, make_model(plant.scene));
-  return close_loop(sample_and_hold(loop_plant(model, n_w, n_y), plant.sampling), settings_.law);
+  return sample_and_hold(loop_plant(model, n_w, n_y), plant.sampling);
+}
+
+SampledLoop Evaluator::loop_of(const VectorXd& values) const {
+  return settings_.feed_forward.empty()
+             ? close_loop(plant_of(values), settings_.law)
+             : close_loop_with_added_force(plant_of(values), settings_.law);
 }
 
 Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
@@ -151,8 +175,8 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
     if (z.imag() > 0 && std::arg(z) >= angles.front()) at_poles.push_back(z);
   }
   for (const Complex& z : at_poles) angles.push_back(std::arg(z));
-  FrequencySweep sweep(proper_system({loop.A, loop.B, loop.C, loop.D}));
-  const VectorXd gains = largest_gains(sweep, angles);
+  Gains largest(loop, settings_.feed_forward);
+  const VectorXd gains = largest.at(angles);
   outcome.gain = gains.head(f.size());
   outcome.highest = outcome.gain;
   const auto raise = [&](Complex z, double gain) {
@@ -166,7 +190,7 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
   outcome.peak = gains.maxCoeff(&at);
   if (at >= f.size()) {
     const Complex z = at_poles[static_cast<size_t>(at - f.size())];
-    outcome.peak = refined_peak(sweep, z, outcome.peak);
+    outcome.peak = refined_peak(largest, z, outcome.peak);
     raise(z, outcome.peak);
   }
   return outcome;
@@ -174,7 +198,11 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
 
 Evaluator::Curve Evaluator::curve(const VectorXd& values, const VectorXd& frequencies_hz,
                                   bool with_resonances) const {
-  LargestGain gain(loop_of(values));
+  DiscreteLaw law = settings_.law;
+  if (!settings_.feed_forward.empty()) {
+    law.feed_forward = feed_forward_system(settings_.feed_forward);
+  }
+  LargestGain gain(close_loop(plant_of(values), law));
   Curve found{with_resonances ? stillframe::with_resonances(frequencies_hz, gain.resonances())
                               : frequencies_hz,
               {}};

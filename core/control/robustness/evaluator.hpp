@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/control/discrete_law.hpp"
+#include "core/control/feed_forward.hpp"
 #include "core/control/robustness/parameters.hpp"
 #include "core/systems/sampled_loop.hpp"
 
@@ -44,6 +45,7 @@ class Evaluator {
     Scene scene;  ///< with a controller
     Sampling sampling;
     DiscreteLaw law;
+    FeedForward feed_forward = {};      ///< beside the law; empty: none
     std::vector<Parameter> parameters;  ///< p
     Eigen::VectorXd frequencies_hz;     ///< n_f, below half the sample rate
   };
@@ -70,7 +72,9 @@ class Evaluator {
   Eigen::Index size() const { return static_cast<Eigen::Index>(settings_.parameters.size()); }
 
  private:
+  /// The loop without its feed-forward, for whose force there are further inputs then.
   SampledLoop loop_of(const Eigen::VectorXd& values) const;
+  SampledPlant plant_of(const Eigen::VectorXd& values) const;
   Settings settings_;
 };
 
