@@ -18,7 +18,7 @@ namespace {
 
 // Of the corner below which a floor is not followed: with the leak of a law that holds a frame
 // still, a beginning would be remembered for a minute. The target is at ten.
-constexpr double leaks = 4, targets = 10;
+constexpr double leaks = 4, above_corner = 10;
 // In which a difference of the models has died out that began with what they heard first.
 constexpr double settles_s = 1.5;
 constexpr double forgets_s = 3;  // as the pace forgets how large a floor was
@@ -67,7 +67,7 @@ FloorEvidence::FloorEvidence(const Gains& gains) {
   now_ = slow_ = moves_ = before_ = VectorXd::Zero(p_ + 2 * m_);
   usual_ = no_floor_ = VectorXd::Zero(p_);
   largest_ = squares_ = nothing_ = minus_sigma_ = VectorXd::Zero(m_);
-  quiet_ = asked_by_a_quiet_floor(targets * floor_corner(gains) * gains.sample_time());
+  quiet_ = asked_by_a_quiet_floor(above_corner * floor_corner(gains) * gains.sample_time());
 }
 
 // Of a floor that swings as one by `angle` a sample, once that has settled.

@@ -134,12 +134,23 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .plant = passive_plant(plant)};
 }
 
-/// The feed-forward of a scene's controller block on a loop, aiming at what the continuous law of
-/// that does; empty where none is asked for, or the feedback is not stable: then nothing is held.
-controller::FloorFeedForward make_feed_forward(const Scene& scene, const ControlLoop& loop,
+/// The loop whose motion the feed-forward of its controller block aims at.
+ControlLoop aim_of(const Scene& scene, const Model& model, const ControlLoop& loop) {
+  const SceneFeedForward& block = *scene.controller->feed_forward;
+  if (!block.target_hz && !block.damping_ratio) return loop;
+  Scene aims = scene;
+  if (block.target_hz) aims.controller->target_hz = {*block.target_hz};
+  if (block.damping_ratio) aims.controller->damping_ratio = {*block.damping_ratio};
+  return make_control_loop(aims, model);
+}
+
+/// The feed-forward of a scene's controller block on the plant of `aim`, aiming at what the
+/// continuous law of that does; empty where none is asked for, or the feedback is not stable: then
+/// nothing is held.
+controller::FloorFeedForward make_feed_forward(const Scene& scene, const ControlLoop& aim,
                                                LoopSettings settings) {
   const auto& block = scene.controller->feed_forward;
-  settings.plant = loop_plant(loop.plant, loop.n_w, loop.n_y);
+  settings.plant = loop_plant(aim.plant, aim.n_w, aim.n_y);
   // An error of calibration is what the design does not know.
   settings.sampling.instruments.actuator_gain = 1;
   if (!block || !(spectral_radius(settings) < largest_stable_radius)) return {};
@@ -147,7 +158,7 @@ controller::FloorFeedForward make_feed_forward(const Scene& scene, const Control
   made.floor = names_of(scene.inputs);
   made.filter = design_feed_forward(settings,
                                     [&](double omega) {
-                                      return loop.closed({0, omega});
+                                      return aim.closed({0, omega});
                                     },
                                     {.to_hz = block->to_hz,
                                      .corner_hz = block->corner_hz,
@@ -159,7 +170,7 @@ controller::FloorFeedForward make_feed_forward(const Scene& scene, const Control
 }
 
 /// Replaces the design by that of another model with the controller block of this one. The loop of
-/// that model.
+/// that model, as aim_of.
 ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design) {
   Scene scene = read_scene(file, std::nullopt);
   for (const std::string& leg : design.scene.controller->legs) {
@@ -176,10 +187,11 @@ ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design
     throw InputError(file.string() + ": inputs: a feed-forward of its model needs the inputs of " +
                      design.scene.file + ", by the same names and in the same order");
   }
-  ControlLoop other = make_control_loop(scene, make_model(scene));
+  const Model model = make_model(scene);
+  const ControlLoop other = make_control_loop(scene, model);
   design.loop.design = other.design;
   design.loop.gains = other.gains;
-  return other;
+  return scene.controller->feed_forward ? aim_of(scene, model, other) : other;
 }
 
 }  // namespace
@@ -223,8 +235,9 @@ LoopDesign designed(Scene scene, const std::optional<std::filesystem::path>& des
   if (design.scene.controller->law) take_own_law(design.scene, design.gains);
   sample(design);
   if (!design.scene.controller->feed_forward) return design;
-  design.gains.feed_forward =
-      make_feed_forward(design.scene, other ? *other : design.loop, design.settings);
+  design.gains.feed_forward = make_feed_forward(
+      design.scene, other ? *other : aim_of(design.scene, design.model, design.loop),
+      design.settings);
   sample(design);
   return design;
 }

@@ -118,6 +118,7 @@ Json json_of(const judge::SignalBudget& signal, const std::vector<std::string>& 
   Json json = json_of(signal.total);
   json["scatter_m_s2"] = signal.scatter;
   json["class"] = signal.vibration_class;
+  json["sources"] = Json::object();
   for (std::size_t i = 0; i < signal.sources.size(); ++i) {
     json["sources"][sources[i]] = json_of(signal.sources[i]);
   }
@@ -171,6 +172,7 @@ Json budget_json(const std::string& title, const judge::Budget& budget,
   }
   for (const judge::BudgetRun& run : runs) {
     Json of_run{{"log", run.log.string()}, {"method", judge::name_of(run.method)}};
+    of_run["axes"] = Json::object();
     const std::vector<judge::BudgetCheck> checks = judge::checks_of(budget, {run});
     for (std::size_t i = 0; i < checks.size(); ++i) {
       of_run["axes"][checks[i].axis] = {{"predicted_m_s2", checks[i].predicted},

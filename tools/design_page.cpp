@@ -38,12 +38,14 @@ std::string feed_forward_line(const judge::LoopDesign& design) {
   if (design.gains.feed_forward.filter.empty()) {
     return "Feed-forward: none is designed on a feedback that is not stable\n";
   }
+  std::string of;
+  if (block->target_hz) of += cell(" of target %g Hz", *block->target_hz);
+  if (block->damping_ratio) of += cell(" of damping %g", *block->damping_ratio);
   return cell(
-      "Feed-forward from %td accelerations of the floor: the continuous law's T is aimed at from "
-      "%g "
-      "to %g Hz, %g dB\nfrom %g Hz on; %d taps; \"closed\" below has it, margins are the "
+      "Feed-forward from %td accelerations of the floor: the continuous law's T%s is aimed at from "
+      "%g to %g Hz,\n%g dB from %g Hz on; %d taps; \"closed\" below has it, margins are the "
       "feedback's\n",
-      std::ssize(design.gains.feed_forward.floor), block->corner_hz, block->to_hz,
+      std::ssize(design.gains.feed_forward.floor), of.c_str(), block->corner_hz, block->to_hz,
       block->at_most_db, 1.5 * block->to_hz, block->taps);
 }
 
@@ -288,6 +290,8 @@ Json feed_forward_json(const judge::LoopDesign& design) {
   return {{"floor", design.gains.feed_forward.floor},
           {"to_hz", block->to_hz},
           {"corner_hz", block->corner_hz},
+          {"target_hz", block->target_hz ? Json(*block->target_hz) : Json()},
+          {"damping_ratio", block->damping_ratio ? Json(*block->damping_ratio) : Json()},
           {"at_most_db", block->at_most_db},
           {"actuator_error", block->actuator_error},
           {"noise_over_floor", block->noise_over_floor},

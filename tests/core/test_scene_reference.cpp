@@ -96,7 +96,7 @@ compare:
   z: {floor: y, frame: m}
 controller: {legs: [leg], target_hz: 1, damping_ratio: 1, order: exact, reduction: modes, realisation: naive_pi,
   sample_rate_hz: 100, delay_samples: 0, leak_hz: 0, high_pass_hz: 0, lead_samples: 1, roll_off_hz: 10, force_limit_n: 1,
-  feed_forward: {to_hz: 5, corner_hz: 0.1, at_most_db: -10, actuator_error: 0.02, noise_over_floor: 1e-3, taps: 16},
+  feed_forward: {to_hz: 5, corner_hz: 0.1, target_hz: 2, damping_ratio: 0.7, at_most_db: -10, actuator_error: 0.02, noise_over_floor: 1e-3, taps: 16},
   law: )" STILLFRAME_SOURCE_DIR R"(/config/controllers/force_feedback_5hz.yaml}
 accept: {axes: {z: {class: VC-E, rms_of_floor: 0.5, rms_of_passive: 0.5, band_of_floor: 1,
   band_of_passive: 1, from_hz: 10, to_hz: 50}}, limited_share: 0.01, lost_share: 0,

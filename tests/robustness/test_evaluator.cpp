@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 
 #include "core/control/robustness/draws.hpp"
 #include "core/mechanics/model/model.hpp"
@@ -52,6 +53,43 @@ std::string replaced_everywhere(std::string text, const std::string& from, const
     text.replace(at, from.size(), to);
   }
   return text;
+}
+
+// A feed-forward beside the law takes another way to T than one with its states in the loop, and
+// moves no pole.
+TEST(Evaluator, AFeedForwardBesideTheLawIsThatWithinIt) {
+  FeedForward filter{.memory = 0.99, .n_taps = 5, .weights = Eigen::MatrixXd(6, 42)};
+  std::mt19937 engine(1);
+  std::normal_distribution<double> normal(0, 50);
+  for (double& value : filter.weights.reshaped()) value = normal(engine);
+  const SceneUncertainty uncertainty{.stiffness = 0.1, .actuator_gain = 0.1, .delay_samples = 0.3};
+  const auto evaluator = [&](const DiscreteLaw& law, const FeedForward& beside) {
+    return Evaluator({.scene = frame().scene,
+                      .sampling = frame().sampling,
+                      .law = law,
+                      .feed_forward = beside,
+                      .parameters = parameters_of(frame().scene, uncertainty),
+                      .frequencies_hz = Eigen::Vector4d(1, 5, 20, 100)});
+  };
+  DiscreteLaw whole = frame().law;
+  whole.feed_forward = feed_forward_system(filter);
+  const Evaluator beside = evaluator(frame().law, filter), within = evaluator(whole, {}),
+                  alone = evaluator(frame().law, {});
+  std::uniform_real_distribution<double> draw(-0.5, 0.5);
+  for (int i = 0; i < 5; ++i) {
+    VectorXd values(beside.size());
+    for (double& value : values) value = draw(engine);
+    const Outcome a = beside(values), b = within(values), c = alone(values);
+    ASSERT_EQ(a.verdict, Outcome::Verdict::stable);
+    EXPECT_EQ(a.radius, c.radius);
+    EXPECT_EQ(a.damping, c.damping);
+    EXPECT_GT((a.gain - c.gain).norm(), 0.01 * c.gain.norm());
+    // As in expect_same; a peak is sought anew with other roundings.
+    EXPECT_LT((a.gain - b.gain).norm(), 1e-9 * b.gain.norm());
+    EXPECT_NEAR(a.peak, b.peak, 1e-6 * b.peak);
+    const auto curve = beside.curve(values, beside.frequencies_hz(), false);
+    EXPECT_LT((curve.gain - b.gain).norm(), 1e-9 * b.gain.norm());
+  }
 }
 
 TEST(Evaluator, AsModelled) {

@@ -61,11 +61,18 @@ constexpr double most_db = 40;
 constexpr std::size_t most_law_bytes = std::size_t{16} << 20;
 
 SceneFeedForward read_feed_forward(const YamlReader& block, const SceneController& controller) {
-  block.allow_only(
-      {"to_hz", "corner_hz", "at_most_db", "actuator_error", "noise_over_floor", "taps"});
+  block.allow_only({"to_hz", "corner_hz", "target_hz", "damping_ratio", "at_most_db",
+                    "actuator_error", "noise_over_floor", "taps"});
   const double rate = controller.sample_rate_hz;
-  SceneFeedForward found{.to_hz = part_of_rate * rate,
-                         .corner_hz = part_of_target * controller.lowest_target_hz()};
+  SceneFeedForward found;
+  found.to_hz = part_of_rate * rate;
+  if (const auto value = block.find("target_hz")) {
+    found.target_hz = positive_up_to(*value, highest_hz);
+  }
+  if (const auto value = block.find("damping_ratio")) {
+    found.damping_ratio = positive_up_to(*value, highest_damping_ratio);
+  }
+  found.corner_hz = part_of_target * found.target_hz.value_or(controller.lowest_target_hz());
   if (const auto value = block.find("to_hz")) {
     found.to_hz = positive_up_to(*value, highest_part_of_rate * rate);
   }

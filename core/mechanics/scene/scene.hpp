@@ -133,6 +133,8 @@ enum class Reduction { modes, static_shapes };
 /// What a feed-forward from the floor is to do (core/control/feed_forward_design.hpp).
 struct SceneFeedForward {
   double to_hz = 0, corner_hz = 0;
+  /// Of the motion that it aims at; nothing: those of the feedback.
+  std::optional<double> target_hz, damping_ratio;
   double at_most_db = -10;
   double actuator_error = 0.02, noise_over_floor = 1e-3;
   int taps = 16;
