@@ -19,24 +19,30 @@ using Eigen::Index;
 
 static_assert(lanes == 4 && row_chunk == 2 * lanes);
 
+/// Of n lanes of columns; many at once, as each sum waits for its last addition.
+template <Index n>
+[[gnu::always_inline]] inline void combine_columns(const double* coefficients, const double* row,
+                                                   Index count, Index width, double* out) noexcept {
+  Lanes sum[n];
+  for (Index k = 0; k < n; ++k) load(out + k * lanes, sum[k]);
+  for (Index j = 0; j < count; ++j, row += width) {
+    const Lanes factor = Lanes{} + coefficients[j];
+    for (Index k = 0; k < n; ++k) {
+      Lanes x;
+      load(row + k * lanes, x);
+      sum[k] += factor * x;
+    }
+  }
+  for (Index k = 0; k < n; ++k) std::memcpy(out + k * lanes, &sum[k], sizeof sum[k]);
+}
+
 [[gnu::always_inline]] inline void combine_here(const double* coefficients, const double* rows,
                                                 Index count, Index width, double* out) noexcept {
-  for (Index column = 0; column < width; column += row_chunk) {
-    Lanes sum_0, sum_1;
-    load(out + column, sum_0);
-    load(out + column + lanes, sum_1);
-    const double* row = rows + column;
-    for (Index j = 0; j < count; ++j, row += width) {
-      const Lanes factor = Lanes{} + coefficients[j];
-      Lanes x_0, x_1;
-      load(row, x_0);
-      load(row + lanes, x_1);
-      sum_0 += factor * x_0;
-      sum_1 += factor * x_1;
-    }
-    std::memcpy(out + column, &sum_0, sizeof sum_0);
-    std::memcpy(out + column + lanes, &sum_1, sizeof sum_1);
+  Index column = 0;
+  for (; column + 2 * row_chunk <= width; column += 2 * row_chunk) {
+    combine_columns<4>(coefficients, rows + column, count, width, out + column);
   }
+  if (column < width) combine_columns<2>(coefficients, rows + column, count, width, out + column);
 }
 
 /// Sums of products as if computed in twice the working precision and then rounded, a lane each.
