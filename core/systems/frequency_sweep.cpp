@@ -6,9 +6,9 @@
 
 #include "core/errors/input_error.hpp"
 #include "core/numerics/balance.hpp"
-#include "core/numerics/doubled.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "core/systems/row_sums.hpp"
 
 namespace stillframe {
 
@@ -19,26 +19,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Kind = InputColumns::Kind;
 
-/// Columns handled together: their sums stay in registers.
-constexpr Index chunk = 8;
-
 /// Nearer to a pole than this part of the norm of T, a solution is refined. The error without is
 /// about epsilon times the inverse of it.
 constexpr double near_part = 1e-3;
-
-/// out[0..width) += sum_j coefficients[j] rows[j stride + 0..width); width a multiple of chunk.
-void add_combination(const double* coefficients, const double* rows, Index stride, Index count,
-                     Index width, double* out) noexcept {
-  using Chunk = Eigen::Array<double, chunk, 1>;
-  for (Index column = 0; column < width; column += chunk) {
-    Chunk sum = Eigen::Map<const Chunk>(out + column);
-    const double* row = rows + column;
-    for (Index j = 0; j < count; ++j, row += stride) {
-      sum += coefficients[j] * Eigen::Map<const Chunk>(row);
-    }
-    Eigen::Map<Chunk>(out + column) = sum;
-  }
-}
 
 /// s^power without the overflow that s^2 has long before s^-2 does.
 Complex power_of(Complex s, int power) noexcept {
@@ -101,7 +84,7 @@ FrequencySweep::FrequencySweep(const StateSpace& system)
     : n_(system.A.rows()),
       m_(static_cast<Index>(system.columns.size())),
       p_(system.C.rows()),
-      width_((2 * m_ + chunk - 1) / chunk * chunk) {
+      width_((2 * m_ + row_chunk - 1) / row_chunk * row_chunk) {
   check_shapes(system);
   if (!system.A.allFinite() || !system.B.allFinite() || !system.C.allFinite() ||
       !system.D.allFinite()) {
@@ -157,7 +140,7 @@ void FrequencySweep::solve_schur(Complex s, RowMatrix& X) const noexcept {
     const bool block = end > 1 && T_(end - 1, end - 2) != 0.0;
     const Index i = block ? end - 2 : end - 1;
     for (Index row = i; row < end; ++row) {
-      add_combination(&T_(row, 0) + end, X.data() + end * width_, width_, n_ - end, width_,
+      add_combination(&T_(row, 0) + end, X.data() + end * width_, n_ - end, width_,
                       X.data() + row * width_);
     }
     if (block) {
@@ -177,21 +160,7 @@ bool FrequencySweep::near_pole(Complex s) const noexcept {
 
 /// R = F - (s I - A) X_0, every sum in doubled precision.
 void FrequencySweep::residual(Complex s) noexcept {
-  for (Index i = 0; i < n_; ++i) {
-    for (Index j = 0; j < 2 * m_; j += 2) {
-      DoubledSum re(F_(i, j)), im(F_(i, j + 1));
-      re.add(-s.real(), X_0_(i, j));
-      re.add(s.imag(), X_0_(i, j + 1));
-      im.add(-s.real(), X_0_(i, j + 1));
-      im.add(-s.imag(), X_0_(i, j));
-      for (Index l = 0; l < n_; ++l) {
-        re.add(A_(i, l), X_0_(l, j));
-        im.add(A_(i, l), X_0_(l, j + 1));
-      }
-      R_(i, j) = re.value();
-      R_(i, j + 1) = im.value();
-    }
-  }
+  doubled_residual(s, n_, width_, 2 * m_, A_.data(), X_0_.data(), F_.data(), R_.data());
 }
 
 /// Improves X_0, a solution of (s I - A) X_0 = F, until it stands still.
@@ -201,12 +170,12 @@ void FrequencySweep::refine(Complex s) noexcept {
     residual(s);
     X_.setZero();
     for (Index i = 0; i < n_; ++i) {
-      add_combination(&Q_t_(i, 0), R_.data(), width_, n_, width_, X_.data() + i * width_);
+      add_combination(&Q_t_(i, 0), R_.data(), n_, width_, X_.data() + i * width_);
     }
     solve_schur(s, X_);
     R_.setZero();
     for (Index i = 0; i < n_; ++i) {
-      add_combination(&Q_(i, 0), X_.data(), width_, n_, width_, R_.data() + i * width_);
+      add_combination(&Q_(i, 0), X_.data(), n_, width_, R_.data() + i * width_);
     }
     const double change = R_.squaredNorm() / X_0_.squaredNorm();
     if (!(change < last)) return;
@@ -229,7 +198,7 @@ void FrequencySweep::evaluate(Complex s, Eigen::Ref<Eigen::MatrixXcd> G) noexcep
   combine(s, B_, F_);
   X_0_.setZero();
   for (Index i = 0; i < n_; ++i) {
-    add_combination(&Q_(i, 0), X_.data(), width_, n_, width_, X_0_.data() + i * width_);
+    add_combination(&Q_(i, 0), X_.data(), n_, width_, X_0_.data() + i * width_);
   }
   refine(s);
   read_out(C_, X_0_, G);
@@ -246,7 +215,7 @@ void FrequencySweep::read_out(const RowMatrix& C, const RowMatrix& X,
                               Eigen::Ref<Eigen::MatrixXcd> G) noexcept {
   for (Index i = 0; i < p_; ++i) {
     double* row = Y_.data() + i * width_;
-    add_combination(C.data() + i * n_, X.data(), width_, n_, width_, row);
+    add_combination(C.data() + i * n_, X.data(), n_, width_, row);
     for (Index j = 0; j < m_; ++j) G(i, j) = {row[2 * j], row[2 * j + 1]};
   }
 }

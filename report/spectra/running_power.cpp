@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <kissfft/kissfft.hh>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +28,22 @@ Index window_for(Index n) {
   Index half = std::max<Index>(1, (n + 2 * parts - 1) / (2 * parts));
   while (fast_length(half) != half) ++half;
   return 2 * parts * half;
+}
+
+struct Transform {
+  explicit Transform(Index n)
+      : window(hann_squared(n)), plan(static_cast<std::size_t>(n / 2), false) {}
+
+  VectorXd window;
+  kissfft<double> plan;
+};
+
+/// Of n samples. A long run has many signals: were each to keep its own, all would stay. They come
+/// one behind the other and of one length, so that the last one is mostly the next.
+const Transform& transform_of(Index n) {
+  thread_local std::optional<Transform> last;
+  if (!last || last->window.size() != n) last.emplace(n);
+  return *last;
 }
 
 }  // namespace
@@ -110,11 +127,10 @@ class RunningPower::Windows {
     filled_ += part;
     if (filled_ < held_.size()) return;
     const Index n = held_.size();
-    // Made anew for each: a long run has many signals, and their plans would all stay.
-    VectorXd piece = held_.cwiseProduct(hann_squared(n));
+    const Transform& transform = transform_of(n);
+    VectorXd piece = held_.cwiseProduct(transform.window);
     Eigen::VectorXcd spectrum(n / 2);
-    kissfft<double>(static_cast<std::size_t>(n / 2), false)
-        .transform_real(piece.data(), spectrum.data());
+    transform.plan.transform_real(piece.data(), spectrum.data());
     power_(0) += std::pow(spectrum(0).real(), 2);
     power_(n / 2) += std::pow(spectrum(0).imag(), 2);
     power_.segment(1, n / 2 - 1) += spectrum.tail(n / 2 - 1).cwiseAbs2();

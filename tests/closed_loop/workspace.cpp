@@ -2,12 +2,43 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 namespace stillframe::test {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Puts a folder before all others in which programs are looked for, until it goes out of scope.
+class FirstInPath {
+ public:
+  explicit FirstInPath(const fs::path& folder) {
+    setenv("PATH", (folder.string() + ":" + before_).c_str(), 1);
+  }
+  ~FirstInPath() { setenv("PATH", before_.c_str(), 1); }
+  FirstInPath(const FirstInPath&) = delete;
+  FirstInPath& operator=(const FirstInPath&) = delete;
+
+ private:
+  std::string before_ = std::getenv("PATH") != nullptr ? std::getenv("PATH") : "";
+};
+
+/// A folder with a gnuplot that draws nothing.
+fs::path folder_without_pictures(const fs::path& folder) {
+  const fs::path bin = folder / "no_pictures";
+  if (!fs::exists(bin)) {
+    fs::create_directories(bin);
+    std::ofstream(bin / "gnuplot") << "#!/bin/sh\necho picture\n";
+    fs::permissions(bin / "gnuplot", fs::perms::owner_all);
+  }
+  return bin;
+}
+
+}  // namespace
 
 void Workspace::SetUp() {
   const auto* info = testing::UnitTest::GetInstance()->current_test_info();
@@ -34,6 +65,10 @@ std::unique_ptr<tools::ChildProcess> Workspace::start(
     const std::vector<std::string>& arguments) const {
   std::vector<std::string> command{std::string(STILLFRAME_BIN_DIR) + "/stillframe"};
   command.insert(command.end(), arguments.begin(), arguments.end());
+  std::optional<FirstInPath> path;
+  if (!draws_pictures_ && !arguments.empty() && arguments.front() == "run") {
+    path.emplace(folder_without_pictures(folder_));
+  }
   return std::make_unique<tools::ChildProcess>("stillframe", command, folder_ / "stderr");
 }
 

@@ -13,6 +13,7 @@
 #include "stillframe_msgs/measurement_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
 #include "tests/tools/damaged_log.hpp"
+#include "tests/tools/recorded.hpp"
 #include "tests/tools/three_feet.hpp"
 #include "tests/tools/verb.hpp"
 #include "tools/exit_code.hpp"
@@ -98,8 +99,13 @@ TEST_F(VerdictVerbs, AFrameThatItsLimitedForcesShakeFails) {
 }
 
 TEST_F(VerdictVerbs, TheFrameAsItIsPasses) {
+  draw_pictures();
   const Said said = simulate(folder_ / "run", {"--duration", "12"});
   expect_everywhere(folder_ / "run", said, "passed");
+  EXPECT_EQ(said.error.find("plots"), std::string::npos) << said.error;
+  for (const char* picture : {"accelerations.png", "third_octaves.png", "singular_values.png"}) {
+    EXPECT_GT(fs::file_size(folder_ / "run" / picture), 10000u) << picture;
+  }
   const Json verdict = Json::parse(text_of(folder_ / "run/verdict.json"));
   EXPECT_EQ(verdict.at("runs").size(), 2u);
   for (const Json& run : verdict.at("runs")) {
@@ -222,15 +228,18 @@ TEST_F(VerdictVerbs, WhatARecordsEndsLeaveIsNoIsolation) {
 }
 
 /// The one check whose subject's text has this in it.
-Json check_with(const fs::path& verdict, const std::string& text) {
+Json check_with(const Json& verdict, const std::string& text) {
   Json found;
-  const Json all = Json::parse(text_of(verdict));
-  for (const Json& check : all.at("checks")) {
+  for (const Json& check : verdict.at("checks")) {
     if (check.at("what").get<std::string>().find(text) == std::string::npos) continue;
     EXPECT_TRUE(found.is_null()) << "twice: " << text;
     found = check;
   }
   return found;
+}
+
+Json check_with(const fs::path& verdict, const std::string& text) {
+  return check_with(Json::parse(text_of(verdict)), text);
 }
 
 // A floor that is lively below the range, at 0.08 to 0.12 Hz, under a frame that isolates above
@@ -336,11 +345,11 @@ TEST_F(VerdictVerbs, APreloadedFrameMeetsItsPrediction) {
     const auto scene =
         write("scene.yaml", preloaded_frame("[x, y]", "60") + "gravity: [0, " + gravity + "]\n");
     const auto out = folder_ / gravity;
-    run({"run", scene, "--mode", "single_process", "--out", out});
-    const Json check = check_with(out / "verdict.json", "active, 2 floors to 2 frames");
+    record(scene, out);
+    const Json verdict = judged(out);
+    const Json check = check_with(verdict, "active, 2 floors to 2 frames");
     ASSERT_FALSE(check.is_null());
     EXPECT_EQ(check.at("outcome"), "passed") << check;
-    const Json verdict = Json::parse(text_of(out / "verdict.json"));
     for (const Json& warning : verdict.at("warnings")) {
       EXPECT_EQ(warning.get<std::string>().find("is not what the model says"), std::string::npos)
           << warning;
@@ -491,9 +500,12 @@ TEST_F(VerdictVerbs, WhatNothingMovesMayRest) {
 // A multisine moves each input on its own: the monitors of a floor that would follow them rest.
 TEST_F(VerdictVerbs, AMultisineLeavesMonitorsAtRest) {
   const auto out = folder_ / "run";
+  // Lines of 4 / window_s, away from 13.9, 20.0, 31.3 and 49.0 Hz.
+  const auto floor = write("floor.yaml",
+                           "multisine: {frequencies_hz: [2, 4, 6, 10, 16, 24, 36, 56, 80, 128, "
+                           "200], amplitude: 0.001, ramp_s: 2, window_s: 2}\n");
   const Said said =
-      run({"run", config("scenes/metrology_frame.yaml"), "--floor", config("floors/multisine.yaml"),
-           "--mode", "single_process", "--out", out});
+      run({"run", frame(), "--floor", floor, "--mode", "single_process", "--out", out});
   expect_everywhere(out, said, "passed");
   const Json verdict = Json::parse(text_of(out / "verdict.json"));
   for (const Json& of : verdict.at("runs")) EXPECT_TRUE(of.at("resting_channels").empty()) << of;
@@ -507,7 +519,7 @@ TEST_F(VerdictVerbs, ABlowIsNotTakenForTheFloorsDoing) {
   - {name: fr_y, acceleration: fr, along: y}
   - {name: fs_x, acceleration: fs, along: x}
 monitors: [{name: g_x, acceleration: fs, along: x}, {name: g_y, acceleration: fl, along: y}]
-controller: {legs: [left, right, side], target_hz: 3, damping_ratio: 0.7, sample_rate_hz: 2000, delay_samples: 1,
+controller: {legs: [left, right, side], target_hz: 3, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
   lead_samples: 1.5, leak_hz: 0.6}
 floor: {noise: {vc: C, axes: [x, y], duration_s: 60, seed: 5, high_pass_hz: 0.5}}
 )";
@@ -518,9 +530,9 @@ floor: {noise: {vc: C, axes: [x, y], duration_s: 60, seed: 5, high_pass_hz: 0.5}
                                                "force: {" +
                                                blow + "}}]\n");
     const auto out = folder_ / std::to_string(std::string(blow).size());
-    const Said said = run({"run", scene, "--mode", "single_process", "--out", out});
-    EXPECT_EQ(said.exit_code, 0) << said.output;
-    const Json verdict = Json::parse(text_of(out / "verdict.json"));
+    record(scene, out);
+    const Json verdict = judged(out);
+    EXPECT_NE(verdict.at("outcome"), "failed") << verdict.at("reason");
     int n = 0;
     for (const Json& response : verdict.at("responses")) {
       // The floor shows what it moves, and nothing else is believed. It does not turn, so three
@@ -540,7 +552,8 @@ floor: {noise: {vc: C, axes: [x, y], duration_s: 60, seed: 5, high_pass_hz: 0.5}
                                              "force: {recording: {file: " +
                                              recording.string() + ", column: F}}}]\n");
   const auto out = folder_ / "recorded";
-  ASSERT_EQ(run({"run", scene, "--mode", "single_process", "--out", out}).exit_code, 0);
+  record(scene, out);
+  ASSERT_NE(judged(out).at("outcome"), "failed");
   fs::remove(recording);
   const Said said = run({"report", out, "--json"});
   EXPECT_EQ(said.exit_code, 0) << said.output;
@@ -559,8 +572,7 @@ floor: {noise: {vc: C, axes: [x, y], duration_s: 60, seed: 5, high_pass_hz: 0.5}
       out / "active.lcm", folder_ / "damaged.lcm",
       [](stillframe_msgs::measurement_t& m) { m.frame_acceleration.at(0) = 0; },
       [](const std::string&, int) { return false; });
-  const Json dead =
-      Json::parse(run({"report", out / "passive.lcm", folder_ / "damaged.lcm", "--json"}).output);
+  const Json dead = judged(std::vector<fs::path>{out / "passive.lcm", folder_ / "damaged.lcm"});
   EXPECT_EQ(dead.at("runs")[1].at("resting_channels"), Json{"c_x"});
 }
 
@@ -652,18 +664,20 @@ TEST_F(VerdictVerbs, LogsOfDifferentFloorsAreSetEachAgainstItsOwn) {
   for (const auto& [name, loop, floor] :
        std::initializer_list<std::tuple<const char*, const char*, std::string>>{
            {"own", "both", ""}, {"quake", "passive", quake}, {"lines", "both", multisine}}) {
-    std::vector<std::string> more{"--loop", loop, "--duration", "12"};
-    if (!floor.empty()) more.insert(more.end(), {"--floor", floor});
-    ASSERT_NE(simulate(folder_ / name, more).exit_code, 2) << name;
+    RecordOptions options{.duration_s = 12};
+    if (loop == std::string("passive")) options.loops = {loop};
+    if (!floor.empty()) options.floor = floor;
+    record(frame(), folder_ / name, options);
   }
   const auto verdict_of = [&](const fs::path& passive, const fs::path& active) {
-    const Said said = run({"report", passive, active, "--out", folder_ / "page.html", "--json"});
-    EXPECT_TRUE(said.exit_code == 0 || said.exit_code == 4) << said.exit_code << said.error;
-    return Json::parse(said.output);
+    return judged(std::vector<fs::path>{passive, active});
   };
   const Json own = verdict_of(folder_ / "own/passive.lcm", folder_ / "own/active.lcm");
   EXPECT_TRUE(own.at("warnings").empty());
-  const Json quaked = verdict_of(folder_ / "quake/passive.lcm", folder_ / "own/active.lcm");
+  const Said said = run({"report", folder_ / "quake/passive.lcm", folder_ / "own/active.lcm",
+                         "--out", folder_ / "page.html", "--json"});
+  EXPECT_TRUE(said.exit_code == 0 || said.exit_code == 4) << said.exit_code << said.error;
+  const Json quaked = Json::parse(said.output);
   ASSERT_EQ(quaked.at("warnings").size(), 1u);
   EXPECT_NE(text_of(folder_ / "page.html").find(quaked.at("warnings")[0].get<std::string>()),
             std::string::npos);
@@ -714,18 +728,37 @@ TEST_F(VerdictVerbs, ARecordingOfTheSameNameNeedNotBeTheSameFloor) {
 
 // A dead sensor on the frame reads what perfect isolation does.
 TEST_F(VerdictVerbs, AChannelThatNeverChangesPassesNothing) {
-  ASSERT_EQ(simulate(folder_ / "run", {"--duration", "12"}).exit_code, 0);
+  record(frame(), folder_ / "run", {.duration_s = 12});
   using stillframe_msgs::measurement_t;
+  const auto log_of = [&](const std::string& loop) { return folder_ / "run" / (loop + ".lcm"); };
+  const auto other_than = [](const std::string& loop) {
+    return loop == "active" ? "passive" : "active";
+  };
+  // The log of the other loop, which is whole, is analysed once for all.
+  std::map<std::string, judge::RunAnalysis> whole;
+  for (const char* loop : {"passive", "active"}) {
+    whole.emplace(loop, judge::analyse_run(log_of(loop)));
+  }
   const auto report = [&](const char* loop, auto&& change) {
-    const std::string other = std::string(loop) == "active" ? "passive.lcm" : "active.lcm";
-    damage_log(folder_ / "run" / (std::string(loop) + ".lcm"), folder_ / "damaged.lcm", change,
+    damage_log(log_of(loop), folder_ / "damaged.lcm", change,
                [](const std::string&, int) { return false; });
-    const Said said = run({"report", folder_ / "run" / other, folder_ / "damaged.lcm", "--out",
+    judge::RunAnalysis& other = whole.at(other_than(loop));
+    const bool is_active = other.active();
+    judge::RunAnalyses runs;
+    runs.add(std::move(other));
+    runs.add(judge::analyse_run(folder_ / "damaged.lcm"));
+    const Json verdict = judged(runs);
+    other = std::move(*(is_active ? runs.active : runs.passive));
+    return verdict;
+  };
+  // What the program says of the log that was damaged last; of every verdict VerdictAgreement has
+  // it.
+  const auto expect_of_program = [&](const char* loop, const Json& verdict) {
+    const Said said = run({"report", log_of(other_than(loop)), folder_ / "damaged.lcm", "--out",
                            folder_ / "page.html", "--json"});
-    const Json verdict = Json::parse(said.output);
+    EXPECT_EQ(Json::parse(said.output), verdict);
     EXPECT_EQ(badge_of(text_of(folder_ / "page.html")), verdict.at("outcome"));
     EXPECT_EQ(said.exit_code, verdict.at("outcome") == "failed" ? 4 : 0);
-    return verdict;
   };
   const auto expect = [](const Json& verdict, const std::string& outcome, const std::string& part) {
     EXPECT_EQ(verdict.at("outcome"), outcome) << verdict.at("reason");
@@ -739,7 +772,9 @@ TEST_F(VerdictVerbs, AChannelThatNeverChangesPassesNothing) {
     };
   };
   for (const char* loop : {"active", "passive"}) {
-    expect(report(loop, stuck(9, 10, 0)), "not judged", "lens_x never changes by a bit");
+    const Json of_one = report(loop, stuck(9, 10, 0));
+    expect(of_one, "not judged", "lens_x never changes by a bit");
+    expect_of_program(loop, of_one);
     expect(report(loop, stuck(9, 12, 0)), "not judged", "lens_x, lens_y, lens_z never change");
   }
   const Said text = run({"report", folder_ / "damaged.lcm"});
@@ -748,12 +783,14 @@ TEST_F(VerdictVerbs, AChannelThatNeverChangesPassesNothing) {
       << text.output;
   expect(report("active", stuck(9, 10, 0.01)), "not judged", "lens_x never changes");
   expect(report("active", stuck(0, 12, 0)), "not judged", "never change");
-  expect(report("active",
-                [](measurement_t& m) {
-                  std::fill(m.applied_force.begin(), m.applied_force.end(), 0.0);
-                }),
-         "failed", "never changes by a bit though the commands do");
-  expect(report("active", [](measurement_t&) {}), "passed", "All ");
+  const Json forceless = report("active", [](measurement_t& m) {
+    std::fill(m.applied_force.begin(), m.applied_force.end(), 0.0);
+  });
+  expect(forceless, "failed", "never changes by a bit though the commands do");
+  expect_of_program("active", forceless);
+  const Json sound = report("active", [](measurement_t&) {});
+  expect(sound, "passed", "All ");
+  expect_of_program("active", sound);
   // From some sample on, or until then.
   for (const bool dies : {true, false}) {
     const auto dead = [&](auto list, std::size_t i) {
