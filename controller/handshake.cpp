@@ -52,8 +52,8 @@ std::string disagreement(const Gains& gains, const run_info_t& info) {
     return differs("legs", joined(gains.legs), joined(info.leg_names));
   }
   if (const auto& floor = gains.heard_floor(); !floor.empty() && info.floor_names != floor) {
-    return differs(gains.feed_forward.filter.empty() ? "law: floor" : "feed_forward: floor", joined(floor),
-                   joined(info.floor_names)) +
+    return differs(gains.feed_forward.filter.empty() ? "law: floor" : "feed_forward: floor",
+                   joined(floor), joined(info.floor_names)) +
            "; a law hears the accelerations that it was designed for, in their order";
   }
   if (info.sample_rate_hz != gains.sample_rate_hz) {

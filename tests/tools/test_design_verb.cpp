@@ -395,6 +395,39 @@ TEST_F(DesignVerb, WhatIsRecommendedIsNotWarnedOf) {
   }
 }
 
+/// The frame as one would ship it. Each of its properties is warned of where it is taken away.
+TEST_F(DesignVerb, TheLensFrameIsWarnedOfNothing) {
+  const std::filesystem::path path = config("scenes/lens_frame.yaml");
+  const Json page = json({"design", path});
+  EXPECT_EQ(page["warnings"], Json::array());
+  EXPECT_EQ(page["notes"].size(), 2u);
+  EXPECT_GE(page["margins"]["all_disk"], 0.5);
+  const auto warned_of = [&](const std::string& text, const std::string& controller,
+                             const std::string& words) {
+    const Json there = json({"design", write("scene.yaml", text), "--controller", controller});
+    bool found = false;
+    for (const std::string warning : there["warnings"]) {
+      found = found || warning.find(words) != std::string::npos;
+    }
+    EXPECT_TRUE(found) << words << ": " << there["warnings"];
+  };
+  std::ifstream file(path);
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  const auto without = [&](const std::string& line) {
+    std::string changed = text;
+    const auto at = changed.find(line);
+    EXPECT_NE(at, std::string::npos) << line;
+    if (at != std::string::npos) changed.erase(at, changed.find('\n', at) - at);
+    return changed;
+  };
+  const std::string own = config("controllers/lens_frame_5khz.yaml");
+  for (const char* line : {"controller:", "floor: ../"}) text = without(line);
+  warned_of(without("  report_age_samples: 0"), own, "one sample late");
+  warned_of(text, config("controllers/force_feedback_5khz.yaml"), "at standstill");
+  warned_of(text, config("controllers/feed_forward_1khz.yaml"), "more than the passive");
+  warned_of(text, config("controllers/force_feedback_5hz.yaml"), "thin margin");
+}
+
 /// A body of 120 kg on two legs and a guide, and a bob of 2 kg on a rod at its top, on a hinge.
 std::string body_and_bob(const std::string& bob, const std::string& stiffness,
                          const std::string& target, const std::string& leak) {
