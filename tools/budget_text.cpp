@@ -114,10 +114,15 @@ Json json_of(const judge::BudgetPart& part) {
           {"third_octaves_m_s", to_json(part.velocity)}};
 }
 
-Json json_of(const judge::SignalBudget& signal, const std::vector<std::string>& sources) {
+Json json_of(const judge::SignalBudget& signal) {
   Json json = json_of(signal.total);
   json["scatter_m_s2"] = signal.scatter;
   json["class"] = signal.vibration_class;
+  return json;
+}
+
+Json json_of(const judge::SignalBudget& signal, const std::vector<std::string>& sources) {
+  Json json = json_of(signal);
   json["sources"] = Json::object();
   for (std::size_t i = 0; i < signal.sources.size(); ++i) {
     json["sources"][sources[i]] = json_of(signal.sources[i]);
@@ -165,7 +170,7 @@ Json budget_json(const std::string& title, const judge::Budget& budget,
     Json& axis = json["axes"][budget.axes[i].name];
     axis["frame"] = budget.axes[i].frame;
     const bool there = budget.floors[i].total.power.size() > 0;
-    axis["floor"] = there ? json_of(budget.floors[i], {}) : Json(nullptr);
+    axis["floor"] = there ? json_of(budget.floors[i]) : Json(nullptr);
     for (const judge::MethodBudget& one : budget.methods) {
       axis["methods"][judge::name_of(one.method)] = json_of(one.axes[i], budget.sources);
     }

@@ -309,11 +309,10 @@ Json law_json(const judge::LoopDesign& design) {
   if (!design.scene.controller->law) return {};
   Json out;
   out["file"] = design.scene.controller->law->file;
-  if (!design.runs_own_law()) return out;
-  const NamedLaw& law = design.gains.law->matrices;
-  out["states"] = law.A.rows();
-  out["inputs"] = law.inputs;
-  out["outputs"] = law.outputs;
+  const NamedLaw* law = design.runs_own_law() ? &design.gains.law->matrices : nullptr;
+  out["states"] = law ? Json(law->A.rows()) : Json();
+  out["inputs"] = law ? Json(law->inputs) : Json();
+  out["outputs"] = law ? Json(law->outputs) : Json();
   return out;
 }
 

@@ -60,12 +60,13 @@ report::Bands bands_of(const judge::JudgedResponse& judged, double level) {
 }
 
 Json json_of(const report::PredictionError& error) {
+  const auto of_any = [&](double value) { return error.n_compared > 0 ? Json(value) : Json(); };
   return {{"n_compared", error.n_compared},
           {"n_left_out", error.n_left_out},
-          {"largest_db", error.largest_db},
-          {"at_hz", error.at_frequency_hz},
-          {"beyond_db", error.beyond_db},
-          {"beyond_at_hz", error.beyond_at_hz},
+          {"largest_db", of_any(error.largest_db)},
+          {"at_hz", of_any(error.at_frequency_hz)},
+          {"beyond_db", of_any(error.beyond_db)},
+          {"beyond_at_hz", of_any(error.beyond_at_hz)},
           {"tolerance_db", error.tolerance_db},
           {"agrees", error.n_compared > 0 ? Json(error.agrees()) : Json(nullptr)}};
 }
@@ -81,6 +82,13 @@ Json json_of(const judge::JudgedResponse& judged, double level) {
             {"n_filled", measured.n_filled},
             {"n_left_out", measured.n_left_out},
             {"resolution_hz", measured.resolution_hz}};
+  for (const char* key :
+       {"frequencies_hz", "T", "T_radius", "singular_values", "singular_values_lower",
+        "singular_values_upper", "coherence", "directional_coherence", "dof", "input_condition",
+        "noise_density", "T_sampled", "T_continuous", "sampled_singular_values",
+        "continuous_singular_values", "sampled_error_db", "continuous_error_db", "comparison"}) {
+    json[key] = Json();
+  }
   if (!measured.response) return json;
   const report::FrequencyResponse& response = *measured.response;
   const report::Bands bands = bands_of(judged, level);

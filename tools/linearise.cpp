@@ -129,7 +129,7 @@ int run(const LineariseOptions& options) {
                   {"stable", stable}};
     document.update(to_json(linear, system));
     document["nodal_displacements"] = to_json(model, node_displacements(model, linear.x_0));
-    if (options.certify) document["certificates"] = json_of(certificates);
+    document["certificates"] = options.certify ? json_of(certificates) : Json();
     print(document);
   } else {
     print_page(scene, linear, system);

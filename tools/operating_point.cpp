@@ -19,7 +19,7 @@ Json to_json(const Model& model, const std::vector<NodeDisplacement>& displaceme
     const Eigen::VectorXd displacement = item.displacement.head(model.planar ? 2 : 3);
     const Eigen::VectorXd rotation = item.rotation.tail(model.planar ? 1 : 3);
     entry["displacement"] = to_json(displacement);
-    if (item.has_rotation) entry["rotation"] = to_json(rotation);
+    entry["rotation"] = item.has_rotation ? to_json(rotation) : Json();
     list.push_back(entry);
   }
   return list;

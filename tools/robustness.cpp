@@ -144,6 +144,7 @@ void print_json(const Record& record, const WorstCases& worst, const Evaluator& 
   const BadShare share = bad_share(record.tally);
   document["unstable_share"] = share.found;
   document["unstable_share_below"] = share.below;
+  document["worst_found"] = Json();
   for (size_t m = 0; m < worst.size(); ++m) {
     Json entry = to_json(worst[m].outcome);
     entry["evaluations"] = worst[m].evaluations;

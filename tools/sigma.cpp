@@ -153,10 +153,9 @@ void print_json(const std::string& title, const Json& stable, const Curves& curv
                 {"stable", stable},
                 {"frequencies_hz", to_json(curves.frequencies_hz)},
                 {"singular_values", to_json(curves.open)}};
-  if (curves.closed.size() > 0) {
-    document["closed_singular_values"] = to_json(curves.closed);
-    document["continuous_singular_values"] = to_json(curves.continuous);
-  }
+  const bool closed = curves.closed.size() > 0;
+  document["closed_singular_values"] = closed ? to_json(curves.closed) : Json();
+  document["continuous_singular_values"] = closed ? to_json(curves.continuous) : Json();
   document["peaks"] = Json::array();
   for (const judge::PeakRow& row : peaks) {
     document["peaks"].push_back(
