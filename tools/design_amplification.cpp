@@ -88,10 +88,11 @@ class Amplified {
  public:
   void add(double hz, double controlled, double factor, bool designed) {
     const bool more = factor > noted_ratio, matters = controlled > little;
-    of_design.add(hz, more && matters && designed ? factor : 0);
+    of_design.add(hz, more && designed ? factor : 0);
     of_sampling.add(hz, more && matters && !designed ? factor : 0);
-    of_little.add(hz, more && !matters ? factor : 0);
-    if (more && !matters) most_left = std::max(most_left, controlled);
+    const bool little_of_sampling = more && !matters && !designed;
+    of_little.add(hz, little_of_sampling ? factor : 0);
+    if (little_of_sampling) most_left = std::max(most_left, controlled);
   }
 
   Ranges of_design, of_sampling, of_little;
@@ -101,6 +102,7 @@ class Amplified {
 }  // namespace
 
 Remarks amplification(const LoopSettings& settings, double target_hz) {
+  if (!(target_hz < 0.5 / settings.sampling.sample_time)) return {};
   const LoopPlant& plant = settings.plant;
   const SampledPlant sampled = sample_and_hold(plant, settings.sampling);
   const ForceFeedback feedback = continuous_law(settings);
@@ -124,7 +126,11 @@ Remarks amplification(const LoopSettings& settings, double target_hz) {
         ": the price of sampling and of the instruments; a higher rate moves up what is of "
         "sampling";
   }
-  if (settings.own) price.clear();
+  if (!settings.feed_forward.empty() || (settings.own && settings.own->feed_forward.D.size() > 0)) {
+    price = ": the price of what the feed-forward wins below";
+  } else if (settings.own) {
+    price.clear();
+  }
   Remarks out;
   if (!found.of_design.empty()) {
     out.warnings.push_back(found.of_design.text() + ", and most of that without sampling too: " +
@@ -132,7 +138,7 @@ Remarks amplification(const LoopSettings& settings, double target_hz) {
   }
   if (!found.of_sampling.empty()) out.warnings.push_back(found.of_sampling.text() + price);
   if (!found.of_little.empty()) {
-    out.notes.push_back(found.of_little.text() + at_most_db(found.most_left));
+    out.notes.push_back(found.of_little.text() + at_most_db(found.most_left) + price);
   }
   return out;
 }

@@ -12,8 +12,10 @@
 #include "controller/start_check.hpp"
 #include "core/control/continuous_loop.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/yaml/reader.hpp"
+#include "judge/aim.hpp"
 #include "report/table.hpp"
 #include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"
@@ -278,8 +280,8 @@ double slowest_on_legs(const ControlLoop& loop) {
   return std::sqrt(squares(i)) / two_pi;
 }
 
-void warn_of_targets(const judge::LoopDesign& design, std::vector<std::string>& out) {
-  const auto& targets = design.scene.controller->target_hz;
+void warn_of_targets(const judge::LoopDesign& design, const std::vector<double>& targets,
+                     std::vector<std::string>& out) {
   constexpr const char* stiffened = ": the loop stiffens it instead of isolating better";
   if (targets.size() == 1) {
     const double slowest = slowest_on_legs(design.loop);
@@ -293,6 +295,49 @@ void warn_of_targets(const judge::LoopDesign& design, std::vector<std::string>& 
     if (targets[i] <= mode) continue;
     out.push_back(cell("the target %g Hz is above virtual mode %zu, %.4g Hz%s", targets[i], i + 1,
                        mode, stiffened));
+  }
+}
+
+/// Where the loop that runs moves more than what was aimed at.
+void warn_of_aim(const judge::LoopDesign& design, const DesignAnalysis& analysis,
+                 std::vector<std::string>& out) {
+  // A feed-forward is designed to stay within 3 dB; twice what was aimed at is no longer that.
+  constexpr double near_db = 3, noted_db = 6, points = 100, edge = 0.1, up_to_targets = 4;
+  if (!(analysis.radius < largest_stable_radius)) return;
+  const SceneController& block = *design.scene.controller;
+  const double target_hz = judge::lowest_aim_hz(block), half = 0.5 / design.gains.sample_time();
+  const bool forward = !design.gains.feed_forward.filter.empty();
+  const double to = forward ? block.feed_forward->to_hz : up_to_targets * target_hz;
+  const ControlLoop aim = judge::aim_of(design);
+  const auto worst = [&](double from, double until, auto&& allowed) {
+    std::pair<double, double> found{-std::numeric_limits<double>::infinity(), 0};
+    if (!(from < until)) return found;
+    for (int i = 0; i <= points; ++i) {
+      const double hz = from * std::pow(until / from, i / points);
+      const double over =
+          20 * std::log10(singular_values(transfer(design.closed, two_pi * hz))(0) / allowed(hz));
+      found = std::max(found, {over, hz});
+    }
+    return found;
+  };
+  const auto [over_db, over_hz] = worst(forward ? block.feed_forward->corner_hz : edge * target_hz,
+                                        std::min(to, half), [&](double hz) {
+                                          return singular_values(aim.closed({0, two_pi * hz}))(0);
+                                        });
+  if (over_db > (forward ? near_db : noted_db)) {
+    out.push_back(
+        cell("up to %.4g Hz the frame moves up to %.1f dB more than what is aimed at, "
+             "the target %g Hz without sampling and roll-off (at %.3g Hz)",
+             to, over_db, target_hz, over_hz));
+  }
+  if (!forward) return;
+  const auto [above_db, above_hz] = worst(
+      1.5 * to, half, [&](double) { return std::pow(10, block.feed_forward->at_most_db / 20); });
+  if (above_db > near_db) {
+    out.push_back(
+        cell("from %.4g Hz on the frame moves up to %.1f dB more than the at_most_db: %g "
+             "that the feed-forward is to keep (at %.3g Hz)",
+             1.5 * to, above_db, block.feed_forward->at_most_db, above_hz));
   }
 }
 
@@ -438,10 +483,14 @@ Remarks design_remarks(const judge::LoopDesign& design, const DesignAnalysis& an
     warn_of_order(design, analysis, warnings);
     warn_of_standstill(design, warnings);
     warn_of_motions(design, analysis, warnings);
-    warn_of_targets(design, warnings);
+    warn_of_targets(design, design.scene.controller->target_hz, warnings);
   }
+  if (const auto& forward = design.scene.controller->feed_forward; forward && forward->target_hz) {
+    warn_of_targets(design, {*forward->target_hz}, warnings);
+  }
+  warn_of_aim(design, analysis, warnings);
   warn_of_inputs(design, warnings);
-  const double target_hz = design.scene.controller->lowest_target_hz();
+  const double target_hz = judge::lowest_aim_hz(*design.scene.controller);
   out.add({settings_warnings(design.settings, target_hz, analysis), {}});
   out.add(standing_remarks(design.settings, target_hz, states_report_age(design.scene), analysis));
   const std::string left_out = left_out_of_analysis(design.scene.instruments);

@@ -9,6 +9,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/scene/controller_block.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "judge/aim.hpp"
 #include "judge/loop_design.hpp"
 #include "report/plots/plot_robustness.hpp"
 #include "tools/given_files.hpp"
@@ -77,7 +78,7 @@ Evaluator evaluator_of(const judge::LoopDesign& design, const SceneUncertainty& 
                     .feed_forward = filter,
                     .parameters = std::move(parameters),
                     .frequencies_hz = robustness::outcome_frequencies_hz(
-                        controller.lowest_target_hz(), controller.sample_rate_hz)});
+                        judge::lowest_aim_hz(controller), controller.sample_rate_hz)});
 }
 
 /// What was asked, nothing sampled yet.

@@ -261,7 +261,7 @@ inline const std::vector<BadScene> bad_scenes = {
      "leak_hz: 0.05",
      "leak_hz: 0.05\n  feed_forward: {to_hz: 0.3}",
      "",
-     {"controller.feed_forward: corner_hz: a tenth of the lowest target is above to_hz"}},
+     {"controller.feed_forward: corner_hz: a tenth of the target is above to_hz"}},
     {"feed_forward_taps",
      "leak_hz: 0.05",
      "leak_hz: 0.05\n  feed_forward: {taps: 65}",

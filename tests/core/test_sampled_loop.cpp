@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
 #include <complex>
+#include <cstdlib>
 #include <deque>
 #include <iostream>
 
@@ -426,6 +428,35 @@ TEST(LoopPlant, RefusesInputsAndOutputsOfAnotherKind) {
   const LinearModel m = linearise(make_model(scene), scene.inputs, scene.outputs);
   EXPECT_THROW(loop_plant(m, 5, 6), std::invalid_argument);
   EXPECT_THROW(loop_plant(m, 6, 5), std::invalid_argument);
+}
+
+// Many exogenous states, as those of a feed-forward, are solved before the loop that they drive; it
+// is the same transfer function as with all at once.
+TEST(SampledLoop, ExogenousStatesAreSolvedApart) {
+  constexpr Eigen::Index e = 60, n = 9, p = 3, n_y = 4;
+  std::srand(1);
+  SampledLoop loop{.A = MatrixXd::Zero(e + n, e + n),
+                   .B = MatrixXd::Random(e + n, p),
+                   .B_v = MatrixXd::Random(e + n, 2),
+                   .C = MatrixXd::Random(n_y, e + n),
+                   .D = MatrixXd::Random(n_y, p),
+                   .D_v = MatrixXd::Random(n_y, 2),
+                   .n_exogenous = e,
+                   .sample_time = 1e-3};
+  // Chains of samples before, of three channels, and a slow integral of each.
+  for (Eigen::Index i = p; i < e; ++i) loop.A(i, i - p) = 1;
+  loop.A.topLeftCorner(e, e).diagonal().tail(p).setConstant(0.99);
+  loop.A.bottomRows(n) = 0.2 * MatrixXd::Random(n, e + n);
+  for (const double hz : {0.1, 3.0, 77.0, 499.0}) {
+    const MatrixXcd G = transfer(loop, two_pi * hz), N = noise_transfer(loop, two_pi * hz);
+    MatrixXcd resolvent = -loop.A.cast<Complex>();
+    resolvent.diagonal().array() += std::polar(1.0, two_pi * hz * loop.sample_time);
+    const MatrixXcd inverse = resolvent.inverse();
+    const MatrixXcd all = loop.C * inverse * loop.B + loop.D,
+                    noise = loop.C * inverse * loop.B_v + loop.D_v;
+    EXPECT_LT((G - all).norm(), 1e-11 * all.norm()) << hz;
+    EXPECT_LT((N - noise).norm(), 1e-11 * noise.norm()) << hz;
+  }
 }
 
 }  // namespace

@@ -337,8 +337,9 @@ TEST_F(DesignVerb, TheSlowestModeIsThatOfModes) {
 }
 
 TEST_F(DesignVerb, InstrumentsAreNotCalledSampling) {
+  // Where little of the floor is left it is a note.
   const std::string slow =
-      json({"design", config("scenes/frame_slow_actuators.yaml")})["warnings"].dump();
+      json({"design", config("scenes/frame_slow_actuators.yaml")})["notes"].dump();
   EXPECT_NE(slow.find("the price of sampling and of the instruments; a higher rate moves up what "
                       "is of sampling"),
             std::string::npos)
@@ -426,6 +427,30 @@ TEST_F(DesignVerb, TheLensFrameIsWarnedOfNothing) {
   warned_of(text, config("controllers/force_feedback_5khz.yaml"), "at standstill");
   warned_of(text, config("controllers/feed_forward_1khz.yaml"), "more than the passive");
   warned_of(text, config("controllers/force_feedback_5hz.yaml"), "thin margin");
+}
+
+// T is held against what the loop is for: a remedy that gives isolation away, a feed-forward whose
+// aim is out of reach, and what it was to keep beyond.
+TEST_F(DesignVerb, WhatMovesMoreThanIsAimedAtIsWarnedOf) {
+  std::ifstream file(config("controllers/feed_forward_1khz.yaml"));
+  const std::string block((std::istreambuf_iterator<char>(file)), {});
+  const auto warnings = [&](const std::string& feed_forward) {
+    std::string changed = block;
+    changed.replace(changed.find("feed_forward: {}"), 16, feed_forward);
+    return json({"design", config("scenes/metrology_frame.yaml"), "--controller",
+                 write("changed.yaml", changed)})["warnings"]
+        .dump();
+  };
+  const std::string aimed = "dB more than what is aimed at", beyond = "more than the at_most_db";
+  EXPECT_EQ(warnings("feed_forward: {}").find(aimed), std::string::npos);
+  EXPECT_EQ(warnings("feed_forward: {}").find(beyond), std::string::npos);
+  EXPECT_NE(warnings("").find(aimed), std::string::npos);
+  const std::string low = warnings("feed_forward: {target_hz: 0.5}");
+  EXPECT_NE(low.find(aimed + ", the target 0.5 Hz"), std::string::npos) << low;
+  EXPECT_NE(low.find(beyond), std::string::npos) << low;
+  EXPECT_NE(
+      warnings("feed_forward: {target_hz: 200}").find("the target 200 Hz is above the slowest"),
+      std::string::npos);
 }
 
 /// A body of 120 kg on two legs and a guide, and a bob of 2 kg on a rod at its top, on a hinge.

@@ -1,7 +1,9 @@
 #include "tools/run/judge.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <limits>
 
 #include "core/errors/input_error.hpp"
 #include "judge/loop_comparison.hpp"
@@ -13,10 +15,27 @@ namespace stillframe::tools {
 
 namespace {
 
+/// What is known of them: a value whose band is wider than 1 dB to a side is no measurement.
 report::MeasuredValues measured_of(const std::optional<judge::RunAnalysis>& run) {
   if (!run || !run->matrix || !run->matrix->measured.response) return {};
   const auto& response = *run->matrix->measured.response;
-  return {response.frequencies_hz, response.singular_values};
+  const report::Bands& bands = run->matrix->bands;
+  const double widest = std::pow(10, 2.0 / 20);
+  report::MeasuredValues known;
+  std::vector<Eigen::Index> rows;
+  Eigen::MatrixXd values = response.singular_values;
+  for (Eigen::Index l = 0; l < values.rows(); ++l) {
+    for (Eigen::Index i = 0; i < values.cols(); ++i) {
+      if (!(bands.upper(l, i) <= widest * bands.lower(l, i))) {
+        values(l, i) = std::numeric_limits<double>::quiet_NaN();
+      }
+    }
+    if (values.row(l).array().isNaN().all()) continue;
+    known.frequencies_hz.push_back(response.frequencies_hz[static_cast<std::size_t>(l)]);
+    rows.push_back(l);
+  }
+  known.singular_values = values(rows, Eigen::all);
+  return known;
 }
 
 void plot_singular_values(const judge::LoopDesign& design, const judge::RunAnalyses& runs,
@@ -34,7 +53,7 @@ void plot_singular_values(const judge::LoopDesign& design, const judge::RunAnaly
   picture.closed_measured = measured_of(runs.active);
   if (picture.open_measured.frequencies_hz.empty() &&
       picture.closed_measured.frequencies_hz.empty()) {
-    picture.title += " (predicted only: this floor shows no singular values)";
+    picture.title += " (predicted only: this floor shows no singular values to 1 dB)";
   }
   report::plot_singular_values(picture, directory / "singular_values.png");
 }

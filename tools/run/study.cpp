@@ -9,6 +9,7 @@
 #include "controller/start_check.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "judge/aim.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_design.hpp"
 #include "judge/loop_target.hpp"
@@ -69,8 +70,8 @@ class StudyRun {
     result.times_real_time = 2 * static_cast<double>(n_) / rate / wall_s;
     const SceneAcceptance accept = acceptance_of(design_.scene);
     report::Verdict& verdict = result.verdict;
-    verdict.isolates_above_hz =
-        2 * *std::max_element(design_.gains.target_hz.begin(), design_.gains.target_hz.end());
+    const std::vector<double> aimed = judge::aimed_hz(*design_.scene.controller);
+    verdict.isolates_above_hz = 2 * *std::max_element(aimed.begin(), aimed.end());
     verdict.disturbed = judge::has_forces(design_.scene);
     const Eigen::MatrixXd by_forces = by_forces_of(verdict);
     verdict.floors_apart = multisine_ && multisine_->n_blocks > 1;

@@ -93,18 +93,16 @@ Index nearest(const VectorXd& frequencies_hz, double hz) {
   return hz * hz < frequencies_hz(i) * frequencies_hz(i - 1) ? i - 1 : i;
 }
 
-/// The peak of T about a resonance at an angle of a pole z: among poles that are near, it is beside
-/// all of them. By golden sections within the half-width.
-double refined_peak(Gains& gains, Complex pole, double at_pole) {
-  const double middle = std::arg(pole), width = std::abs(std::log(std::abs(pole)));
-  double highest = at_pole;
+/// The peak of T between two angles, by golden sections: to 0.618^10 of their distance, and T to
+/// the square of that. At least `found`.
+double refined_peak(Gains& gains, double from, double to, double found) {
+  double highest = found;
   const auto value = [&](double angle) {
-    const double found = gains.at({angle})(0);
-    highest = std::max(highest, found);
-    return found;
+    const double there = gains.at({angle})(0);
+    highest = std::max(highest, there);
+    return there;
   };
-  // 0.618^10 of two half-widths: to 0.02 of one, and T to its square.
-  golden_section(value, middle - width, middle + width, 10);
+  golden_section(value, from, to, 10);
   return highest;
 }
 
@@ -190,8 +188,15 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
   outcome.peak = gains.maxCoeff(&at);
   if (at >= f.size()) {
     const Complex z = at_poles[static_cast<size_t>(at - f.size())];
-    outcome.peak = refined_peak(largest, z, outcome.peak);
+    // Among poles that are near it is beside all of them.
+    const double width = std::abs(std::log(std::abs(z)));
+    outcome.peak = refined_peak(largest, std::arg(z) - width, std::arg(z) + width, outcome.peak);
     raise(z, outcome.peak);
+  } else if (!settings_.feed_forward.empty() && at > 0) {
+    // What a feed-forward leaves rises between the frequencies at no pole.
+    const double after = at + 1 < f.size() ? radians * f(at + 1) : std::numbers::pi;
+    outcome.peak = refined_peak(largest, radians * f(at - 1), after, outcome.peak);
+    outcome.highest(at) = std::max(outcome.highest(at), outcome.peak);
   }
   return outcome;
 }

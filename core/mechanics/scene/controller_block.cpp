@@ -80,7 +80,7 @@ SceneFeedForward read_feed_forward(const YamlReader& block, const SceneControlle
     found.corner_hz = positive_up_to(*value, found.to_hz);
   } else if (found.corner_hz > found.to_hz) {
     block.fail(
-        "corner_hz: a tenth of the lowest target is above to_hz; the target is too high for "
+        "corner_hz: a tenth of the target is above to_hz; the target is too high for "
         "a feed-forward at this rate");
   }
   if (const auto value = block.find("at_most_db")) {
