@@ -86,9 +86,9 @@ TEST(Evaluator, AFeedForwardBesideTheLawIsThatWithinIt) {
     EXPECT_NEAR(a.radius, c.radius, 1e-12);
     EXPECT_NEAR(a.damping, c.damping, 1e-10);
     EXPECT_GT((a.gain - c.gain).norm(), 0.01 * c.gain.norm());
-    // As in expect_same; a peak is sought anew with other roundings.
+    // As in expect_same. Beside the law it is sought between the frequencies too.
     EXPECT_LT((a.gain - b.gain).norm(), 1e-9 * b.gain.norm());
-    EXPECT_NEAR(a.peak, b.peak, 1e-6 * b.peak);
+    EXPECT_GE(a.peak, b.peak * (1 - 1e-9));
     const auto curve = beside.curve(values, beside.frequencies_hz(), false);
     EXPECT_LT((curve.gain - b.gain).norm(), 1e-9 * b.gain.norm());
   }
