@@ -102,8 +102,10 @@ Gains with_legs(Gains gains, Index m) {
   return gains;
 }
 
+/// The PI that a law of one's own is held against, in its place.
 Gains plain(Gains gains) {
   gains.feed_forward = {};
+  gains.law.reset();
   gains.lead_samples = 0;
   gains.roll_off_hz.reset();
   return gains;
@@ -119,7 +121,7 @@ void law_rows(const Gains& gains, std::int64_t n, std::int64_t period_ns) {
   law_row("law, 6 legs, lead", lead, n, period_ns);
   law_row("law, 6 legs, roll-off", roll_off, n, period_ns);
   law_row("law, 6 legs, lead and roll-off", both, n, period_ns);
-  if (!gains.feed_forward.filter.empty()) {
+  if (gains.law || !gains.feed_forward.filter.empty()) {
     law_row("law of the file, with its feed-forward", gains, n, period_ns);
   }
   law_row("law, 1 leg, lead and roll-off", with_legs(both, 1), n, period_ns);
