@@ -135,7 +135,7 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
 }
 
 /// The loop whose motion the feed-forward of its controller block aims at.
-ControlLoop aim_of(const Scene& scene, const Model& model, const ControlLoop& loop) {
+ControlLoop goal_of(const Scene& scene, const Model& model, const ControlLoop& loop) {
   const SceneFeedForward& block = *scene.controller->feed_forward;
   if (!block.target_hz && !block.damping_ratio) return loop;
   Scene aims = scene;
@@ -170,7 +170,7 @@ controller::FloorFeedForward make_feed_forward(const Scene& scene, const Control
 }
 
 /// Replaces the design by that of another model with the controller block of this one. The loop of
-/// that model, as aim_of.
+/// that model, as goal_of.
 ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design) {
   Scene scene = read_scene(file, std::nullopt);
   for (const std::string& leg : design.scene.controller->legs) {
@@ -191,7 +191,7 @@ ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design
   const ControlLoop other = make_control_loop(scene, model);
   design.loop.design = other.design;
   design.loop.gains = other.gains;
-  return scene.controller->feed_forward ? aim_of(scene, model, other) : other;
+  return scene.controller->feed_forward ? goal_of(scene, model, other) : other;
 }
 
 }  // namespace
@@ -236,7 +236,7 @@ LoopDesign designed(Scene scene, const std::optional<std::filesystem::path>& des
   sample(design);
   if (!design.scene.controller->feed_forward) return design;
   design.gains.feed_forward = make_feed_forward(
-      design.scene, other ? *other : aim_of(design.scene, design.model, design.loop),
+      design.scene, other ? *other : goal_of(design.scene, design.model, design.loop),
       design.settings);
   sample(design);
   return design;
