@@ -10,6 +10,7 @@
 
 #include "controller/law.hpp"
 #include "core/control/close_loop.hpp"
+#include "core/control/loop_settings.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -62,6 +63,14 @@ std::vector<Change> candidate_changes(const Gains& gains) {
   if (gains.realisation == Realisation::naive_pi) {
     changes.push_back({"realisation: implicit_feedthrough",
                        [](Gains& g) { g.realisation = Realisation::implicit_feedthrough; }});
+  }
+  // A lead that was matched to another rate or roll-off: what it is to make up for here.
+  const double rolled =
+      gains.roll_off_hz ? gains.sample_rate_hz / (two_pi * *gains.roll_off_hz) : 0;
+  const double lead = std::round(1e3 * (lateness(gains.sampling()) + rolled)) / 1e3;
+  if (gains.lead_samples > 0 && std::abs(gains.lead_samples - lead) > 0.01 * lead) {
+    changes.push_back(
+        {"lead_samples: " + printed(lead), [lead](Gains& g) { g.lead_samples = lead; }});
   }
   if (gains.delay_samples > 0) {
     changes.push_back({"delay_samples: 0", [](Gains& g) { g.delay_samples = 0; }});

@@ -20,7 +20,8 @@ const char* words_of(judge::BudgetMethod method) {
 std::string mm_s2(double rms) { return rms > 0 ? cell("%.4g", 1e3 * rms) : "0"; }
 
 std::string percent(double share, double total) {
-  return total > 0 ? cell("%.2f", 100 * share / total) : "-";
+  // Adding 0 takes the sign off what is rounded to nothing.
+  return total > 0 ? cell("%.2f", std::round(1e4 * share / total) / 100 + 0.0) : "-";
 }
 
 /// The largest of the third octaves, um/s and Hz.

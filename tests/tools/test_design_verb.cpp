@@ -396,6 +396,23 @@ TEST_F(DesignVerb, WhatIsRecommendedIsNotWarnedOf) {
   }
 }
 
+// A lead that was matched to five times the rate: the first thing that mends it is the one that is
+// matched to this one, delay + 1/2 + f_s / (2 pi f_r).
+TEST_F(DesignVerb, ALeadOfAnotherRateIsMatchedAnew) {
+  std::ifstream file(config("controllers/lens_frame_5khz.yaml"));
+  std::string block((std::istreambuf_iterator<char>(file)), {});
+  block.replace(block.find("sample_rate_hz: 5000"), 20, "sample_rate_hz: 1000");
+  const std::vector<std::string> design{"design", config("scenes/lens_frame.yaml"), "--controller",
+                                        write("slow.yaml", block)};
+  const Said refused = run({design.begin(), design.end()});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.error.find("What mends it: lead_samples: 1.997"), std::string::npos)
+      << refused.error;
+  block.replace(block.find("lead_samples: 3.99"), 18, "lead_samples: 1.997");
+  write("slow.yaml", block);
+  EXPECT_EQ(run({design.begin(), design.end()}).exit_code, 0);
+}
+
 /// The frame as one would ship it. Each of its properties is warned of where it is taken away.
 TEST_F(DesignVerb, TheLensFrameIsWarnedOfNothing) {
   const std::filesystem::path path = config("scenes/lens_frame.yaml");
