@@ -16,7 +16,13 @@ double lowest_aim_hz(const SceneController& controller) {
 }
 
 ControlLoop aim_of(const LoopDesign& design) {
-  Scene aims = design.scene;
+  const auto& feed_forward = design.scene.controller->feed_forward;
+  const bool has_targets = feed_forward && (feed_forward->target_hz || feed_forward->damping_ratio);
+  return design.has_own_gains() && !has_targets ? design.loop : aim_of(design.scene, design.model);
+}
+
+ControlLoop aim_of(const Scene& scene, const Model& model) {
+  Scene aims = scene;
   SceneController& block = *aims.controller;
   block.target_hz = aimed_hz(block);
   if (block.feed_forward && block.feed_forward->damping_ratio) {
@@ -24,7 +30,7 @@ ControlLoop aim_of(const LoopDesign& design) {
   }
   block.roll_off_hz.reset();
   block.lead_samples = 0;
-  return make_control_loop(aims, design.model);
+  return make_control_loop(aims, model);
 }
 
 }  // namespace stillframe::judge

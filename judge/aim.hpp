@@ -11,8 +11,12 @@ namespace stillframe::judge {
 std::vector<double> aimed_hz(const SceneController& controller);
 double lowest_aim_hz(const SceneController& controller);
 
-/// The loop whose continuous law does what was aimed at: those targets, without a roll-off and
-/// without sampling. Errors: as make_control_loop.
+/// The loop whose continuous law does what is aimed at: those targets, without a roll-off, a lead
+/// and sampling; of gains that are numbers of a file, without targets of a feed-forward, theirs.
+/// Errors: as make_control_loop.
 ControlLoop aim_of(const LoopDesign& design);
+
+/// The same of a scene whose gains are designed, with its model.
+ControlLoop aim_of(const Scene& scene, const Model& model);
 
 }  // namespace stillframe::judge

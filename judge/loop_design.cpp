@@ -10,6 +10,7 @@
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "judge/aim.hpp"
 #include "judge/law_file.hpp"
 #include "judge/scene_design.hpp"
 
@@ -121,7 +122,7 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .legs = block.legs,
           .sample_rate_hz = block.sample_rate_hz,
           .delay_samples = block.delay_samples,
-          .target_hz = block.target_hz,
+          .target_hz = aimed_hz(block),
           .realisation = block.realisation,
           .leak_hz = block.leak_hz,
           .high_pass_hz = block.high_pass_hz,
@@ -132,16 +133,6 @@ controller::Gains make_gains(const Scene& scene, const ControlLoop& loop, const 
           .K_I = loop.gains.K_I,
           .instruments = scene.instruments,
           .plant = passive_plant(plant)};
-}
-
-/// The loop whose motion the feed-forward of its controller block aims at.
-ControlLoop goal_of(const Scene& scene, const Model& model, const ControlLoop& loop) {
-  const SceneFeedForward& block = *scene.controller->feed_forward;
-  if (!block.target_hz && !block.damping_ratio) return loop;
-  Scene aims = scene;
-  if (block.target_hz) aims.controller->target_hz = {*block.target_hz};
-  if (block.damping_ratio) aims.controller->damping_ratio = {*block.damping_ratio};
-  return make_control_loop(aims, model);
 }
 
 /// The feed-forward of a scene's controller block on the plant of `aim`, aiming at what the
@@ -170,7 +161,7 @@ controller::FloorFeedForward make_feed_forward(const Scene& scene, const Control
 }
 
 /// Replaces the design by that of another model with the controller block of this one. The loop of
-/// that model, as goal_of.
+/// that model, or what its feed-forward aims at.
 ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design) {
   Scene scene = read_scene(file, std::nullopt);
   for (const std::string& leg : design.scene.controller->legs) {
@@ -191,7 +182,7 @@ ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design
   const ControlLoop other = make_control_loop(scene, model);
   design.loop.design = other.design;
   design.loop.gains = other.gains;
-  return scene.controller->feed_forward ? goal_of(scene, model, other) : other;
+  return scene.controller->feed_forward ? aim_of(scene, model) : other;
 }
 
 }  // namespace
@@ -235,9 +226,8 @@ LoopDesign designed(Scene scene, const std::optional<std::filesystem::path>& des
   if (design.scene.controller->law) take_own_law(design.scene, design.gains);
   sample(design);
   if (!design.scene.controller->feed_forward) return design;
-  design.gains.feed_forward = make_feed_forward(
-      design.scene, other ? *other : goal_of(design.scene, design.model, design.loop),
-      design.settings);
+  design.gains.feed_forward =
+      make_feed_forward(design.scene, other ? *other : aim_of(design), design.settings);
   sample(design);
   return design;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "judge/aim.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_comparison.hpp"
 #include "judge/loop_target.hpp"
@@ -194,9 +193,6 @@ void warn_of_plants(const report::LogScan& scan, const std::string& log, report:
 
 /// Hz, the targets of a loop that is known.
 std::vector<double> targets_of(const LoopDesign& design) {
-  if (design.scene.controller && design.scene.controller->feed_forward) {
-    return aimed_hz(*design.scene.controller);
-  }
   if (!design.gains.target_hz.empty()) return design.gains.target_hz;
   const auto target = target_of(design);
   return target ? std::vector{target->frequency_hz} : std::vector<double>{};

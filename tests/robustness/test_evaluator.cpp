@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <random>
 
@@ -89,6 +90,10 @@ TEST(Evaluator, AFeedForwardBesideTheLawIsThatWithinIt) {
     // As in expect_same. Beside the law it is sought between the frequencies too.
     EXPECT_LT((a.gain - b.gain).norm(), 1e-9 * b.gain.norm());
     EXPECT_GE(a.peak, b.peak * (1 - 1e-9));
+    const VectorXd fine =
+        Eigen::exp(VectorXd::LinSpaced(3000, std::log(20), std::log(499)).array());
+    const double highest = within.curve(values, fine, true).gain.maxCoeff();
+    EXPECT_LE(a.peak, highest * (1 + 1e-3));
     const auto curve = beside.curve(values, beside.frequencies_hz(), false);
     EXPECT_LT((curve.gain - b.gain).norm(), 1e-9 * b.gain.norm());
   }

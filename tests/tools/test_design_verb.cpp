@@ -413,6 +413,23 @@ TEST_F(DesignVerb, ALeadOfAnotherRateIsMatchedAnew) {
   EXPECT_EQ(run({design.begin(), design.end()}).exit_code, 0);
 }
 
+// What a feed-forward aims at is where everything that judges the loop begins.
+TEST_F(DesignVerb, AFeedForwardsOwnTargetIsTheLoops) {
+  const std::filesystem::path scene = config("scenes/metrology_frame.yaml");
+  std::ifstream file(config("controllers/feed_forward_1khz.yaml"));
+  std::string block((std::istreambuf_iterator<char>(file)), {});
+  block.replace(block.find("feed_forward: {}"), 16, "feed_forward: {target_hz: 2}");
+  const std::filesystem::path controller = write("low.yaml", block);
+  EXPECT_EQ(json({"design", scene, "--controller", controller})["feed_forward"]["corner_hz"], 0.2);
+  const Json spread =
+      json({"robustness", scene, "--controller", controller, "--uncertainty",
+            config("uncertainty/piezo_frame.yaml"), "--samples", "1", "--no-search"});
+  EXPECT_EQ(spread["frequencies_hz"][0], 0.04);
+  const Json run = json({"run", scene, "--controller", controller, "--mode", "single_process",
+                         "--duration", "2", "--out", write("run", "").string() + "_of_it"});
+  EXPECT_EQ(run["isolates_above_hz"], 4);
+}
+
 /// The frame as one would ship it. Each of its properties is warned of where it is taken away.
 TEST_F(DesignVerb, TheLensFrameIsWarnedOfNothing) {
   const std::filesystem::path path = config("scenes/lens_frame.yaml");
