@@ -26,24 +26,22 @@ Eigen::MatrixXd rates_of_rotation(const LocalVector& local) {
 }  // namespace
 
 NodeParts node_parts(const Model& model, const Eigen::VectorXd& x) {
-  Data data(model);
-  data.x = x;
-  geometric_transfer_functions(model, data);
   std::set<Index> columns = columns_with_mass(model);
   NodeParts parts;
+  std::vector<Eigen::Triplet<double>> entries;
   const auto add = [&](const PartMap& map, const Eigen::MatrixXd& rates, const std::string& name) {
-    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(map.size, model.n_d);
     bool moves = false;
+    const auto first = static_cast<Index>(parts.names.size());
+    const size_t n_entries = entries.size();
     for_each_column({map}, model.n_x, [&](Index i, Index column) {
-      moved.row(i) = data.DF.row(column);
+      for (Index k = 0; k < 3; ++k) entries.emplace_back(first + k, column, rates(k, i));
       // Nodes joined by a hinge share their columns: the first one is named.
       moves = columns.erase(column) > 0 || moves;
     });
-    if (!moves) return;
-    const Eigen::MatrixXd seen = rates * moved;
-    const Index before = parts.of_dofs.rows();
-    parts.of_dofs.conservativeResize(before + 3, model.n_d);
-    parts.of_dofs.bottomRows(3) = seen;
+    if (!moves) {
+      entries.resize(n_entries);
+      return;
+    }
     for (const char axis : {'x', 'y', 'z'}) parts.names.push_back(name + axis);
   };
   for (const ModelNode& node : model.nodes) {
@@ -53,7 +51,16 @@ NodeParts node_parts(const Model& model, const Eigen::VectorXd& x) {
     gather_in_node_axes({node.rotation}, x, local);
     add(node.rotation, rates_of_rotation(local), node.name + " r");
   }
+  parts.of_displacements.resize(static_cast<Index>(parts.names.size()), model.n_x);
+  parts.of_displacements.setFromTriplets(entries.begin(), entries.end());
   return parts;
+}
+
+Eigen::MatrixXd displacements_of_dofs(const Model& model, const Eigen::VectorXd& x) {
+  Data data(model);
+  data.x = x;
+  geometric_transfer_functions(model, data);
+  return data.DF;
 }
 
 }  // namespace stillframe::tools

@@ -15,7 +15,10 @@ Json warn_unless_stable(const Model& model, const LinearModel& linear) {
               << found.why_not;
     if (found.shape.size() > 0) {
       const NodeParts parts = node_parts(model, linear.x_0);
-      std::cerr << ", which moves " << largest_parts(parts.names, parts.of_dofs * found.shape)
+      std::cerr << ", which moves "
+                << largest_parts(parts.names,
+                                 parts.of_displacements *
+                                     (displacements_of_dofs(model, linear.x_0) * found.shape))
                 << " (m and rad over the largest)";
     }
     std::cerr << "\n";

@@ -100,8 +100,9 @@ VectorXd known_to(const LinearModel& model, const Eigen::VectorXcd& values, cons
   return known;
 }
 
-/// damping_ratios and n_growing from the eigenvalues.
-void judge(Modes& modes) {
+}  // namespace
+
+void judge_eigenvalues(Modes& modes) {
   const Eigen::VectorXcd& values = modes.eigenvalues;
   modes.damping_ratios.setZero(values.size() / 2);
   for (Index i = 0; i < values.size(); ++i) {
@@ -113,8 +114,6 @@ void judge(Modes& modes) {
     if (real > std::max(1e-8 * modulus, modes.known_to(i))) ++modes.n_growing;
   }
 }
-
-}  // namespace
 
 Modes modes(const LinearModel& model) {
   const Eigen::LLT<MatrixXd> M = mass_factors(model);
@@ -150,7 +149,7 @@ Modes modes(const LinearModel& model) {
     result.eigenvalues = own.values;
     result.known_to = own.known_to;
   }
-  judge(result);
+  judge_eigenvalues(result);
   return result;
 }
 

@@ -29,6 +29,9 @@ struct Modes {
 /// symmetric, and a square of a natural frequency negative (not stable).
 Modes modes(const LinearModel& model);
 
+/// Writes damping_ratios and n_growing of eigenvalues and what they are known to.
+void judge_eigenvalues(Modes& modes);
+
 /// Whether a disturbed operating point comes back or stays about, as modes() judges it: by the
 /// stiffness alone where that decides, which asks for no mass.
 struct Stability {

@@ -20,6 +20,10 @@ struct NodePlan {
   std::array<Index, 4> rotation_dof{-1, -1, -1, -1};
 };
 
+/// "x(tip)", "lambda_1(tip)": the name of a dof that is a coordinate of a node, the i-th of them
+/// all from 0.
+std::string coordinate_name(const SceneDof& dof, size_t i);
+
 /// Builds a model step by step; make_model calls build().
 class ModelBuilder {
  public:

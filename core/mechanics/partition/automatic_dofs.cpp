@@ -6,43 +6,15 @@
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/kinematics.hpp"
-#include "core/mechanics/model/builder.hpp"
 #include "core/mechanics/model/local.hpp"
 #include "core/mechanics/node_moves.hpp"
+#include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/partition/memory.hpp"
 #include "core/mechanics/partition/partition.hpp"
 
 namespace stillframe {
 
 namespace {
-
-/// The dofs that are the given columns of a model without dofs.
-std::vector<SceneDof> as_dofs(const Model& model, const std::set<Index>& columns,
-                              const std::string& place) {
-  std::vector<SceneDof> dofs;
-  std::set<Index> taken;
-  const auto take = [&](Index column, const std::string& node) -> SceneDof* {
-    if (!columns.contains(column) || !taken.insert(column).second) return nullptr;
-    SceneDof& dof = dofs.emplace_back();
-    dof.place = place;
-    dof.node = node;
-    return &dof;
-  };
-  for (const ModelNode& node : model.nodes) {
-    for (int i = 0; i < 3; ++i) {
-      if (SceneDof* dof = take(node.translation.column[static_cast<size_t>(i)], node.name)) {
-        dof->direction = node.translation.basis.col(i);
-      }
-    }
-    for (int i = 0; i < node.rotation.size; ++i) {
-      SceneDof* dof = take(node.rotation.column[static_cast<size_t>(i)], node.name);
-      if (!dof) continue;
-      dof->rotation = model.planar;
-      if (!model.planar) dof->euler_parameter = i;
-    }
-  }
-  return dofs;
-}
 
 /// The columns and rows of D as the choice of dofs compares them: rotations by how far they move
 /// what is as far as the scene is large, each condition by its largest part, so that no choice
@@ -62,10 +34,34 @@ void scale(const Model& model, Eigen::MatrixXd& D) {
 
 }  // namespace
 
+std::vector<FreeCoordinate> free_coordinates(const Model& model, const std::string& place) {
+  std::vector<FreeCoordinate> coordinates;
+  std::set<Index> taken;
+  const auto take = [&](Index column, const std::string& node) -> SceneDof* {
+    if (column < 0 || column >= model.n_c || !taken.insert(column).second) return nullptr;
+    SceneDof& dof = coordinates.emplace_back(column, SceneDof{}).dof;
+    dof.place = place;
+    dof.node = node;
+    return &dof;
+  };
+  for (const ModelNode& node : model.nodes) {
+    for (int i = 0; i < 3; ++i) {
+      if (SceneDof* dof = take(node.translation.column[static_cast<size_t>(i)], node.name)) {
+        dof->direction = node.translation.basis.col(i);
+      }
+    }
+    for (int i = 0; i < node.rotation.size; ++i) {
+      SceneDof* dof = take(node.rotation.column[static_cast<size_t>(i)], node.name);
+      if (!dof) continue;
+      dof->rotation = model.planar;
+      if (!model.planar) dof->euler_parameter = i;
+    }
+  }
+  return coordinates;
+}
+
 std::vector<SceneDof> automatic_dofs(const Scene& scene) {
-  Scene without = scene;
-  without.dofs.clear();
-  const Model model = ModelBuilder(without).build();
+  const Model model = free_model(scene);
   const Index n_conditions = model.n_e - model.n_redundant, n_free = model.n_c;
   std::set<Index> columns;
   for (Index i = 0; i < n_free; ++i) columns.insert(i);
@@ -86,7 +82,11 @@ std::vector<SceneDof> automatic_dofs(const Scene& scene) {
   if (columns.empty()) {
     throw InputError(scene.dofs_place + ": dofs: nothing in the scene can move freely");
   }
-  return as_dofs(model, columns, scene.dofs_place);
+  std::vector<SceneDof> dofs;
+  for (FreeCoordinate& coordinate : free_coordinates(model, scene.dofs_place)) {
+    if (columns.contains(coordinate.column)) dofs.push_back(std::move(coordinate.dof));
+  }
+  return dofs;
 }
 
 }  // namespace stillframe

@@ -208,6 +208,10 @@ std::string ModelBuilder::dof_name(const SceneDof& dof, size_t i) const {
     const bool alone = item.element->n_deformations() == 1;
     return (alone ? "e(" : "e_" + std::to_string(dof.mode) + "(") + dof.element + ")";
   }
+  return coordinate_name(dof, i);
+}
+
+std::string coordinate_name(const SceneDof& dof, size_t i) {
   if (dof.rotation) return "phi(" + dof.node + ")";
   if (!dof.direction) {
     return "lambda_" + std::to_string(dof.euler_parameter) + "(" + dof.node + ")";

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/mechanics/model/model.hpp"
+
+namespace stillframe {
+
+/// The model of a scene without dofs: every coordinate that is neither fixed nor prescribed is
+/// dependent, and nothing is eliminated. What a MixedModel is made of.
+Model free_model(const Scene& scene);
+
+/// Names of the n_c free coordinates, as dofs have them: "x(tip)", "lambda_1(tip)".
+std::vector<std::string> coordinate_names(const Model& model);
+
+}  // namespace stillframe

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "core/mechanics/model/local.hpp"
+
+namespace stillframe {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+/// A model at rest with nothing eliminated: displacements x^c and stress resultants s are both
+/// unknown, which is the mixed form
+///   -c s + E x = e_given,   E^T s + (G + K_0) x + M x'' = f,
+/// one row for each principal stiffness of an element (c = 1 / it) and for each condition (c = 0:
+/// what is rigid is a spring without compliance). K = E^T c^-1 E is never formed: its rounding
+/// costs a chain of n beams some eps n^4 of its softest motion, that of E eps n^2. The model is one
+/// without dofs (free_model): all of its n_c free coordinates are unknown.
+/// Source: deck, sections 2 to 4; docs/decisions/0036-sparse-models.md.
+class MixedModel {
+ public:
+  explicit MixedModel(const Model& model);
+
+  Eigen::Index n_rows() const { return n_rows_; }
+  Eigen::Index n_coordinates() const { return model_.n_c; }
+  const Eigen::VectorXd& compliance() const { return compliance_; }  ///< n_rows
+  const Model& model() const { return model_; }
+
+  /// x (n_x) of the scene as written with its prescribed displacements, times a factor.
+  Eigen::VectorXd written(double factor) const;
+
+  /// What is strained at x (n_x), less what is prescribed: E's integral, n_rows.
+  Eigen::VectorXd strains(const Eigen::VectorXd& x, double load_factor) const;
+  /// E (n_rows x n_c).
+  SparseMatrix strain_rows(const Eigen::VectorXd& x) const;
+  SparseMatrix mass(const Eigen::VectorXd& x) const;  ///< M (n_c x n_c)
+
+  /// Where damping is a time times the stiffness of an element it is in its compliance,
+  /// c / (1 + time p) of motions e^(p t): n_rows, 0 where it is not. What is damped otherwise is in
+  /// D = E^T S_d E (n_c x n_c).
+  const Eigen::VectorXd& damping_time() const { return damping_time_; }
+  SparseMatrix damping(const Eigen::VectorXd& x) const;
+  bool damped() const { return damped_; }
+  /// G (n_c x n_c) of the stresses, the weight and the loads that turn.
+  SparseMatrix geometric_stiffness(const Eigen::VectorXd& x, const Eigen::VectorXd& s,
+                                   double load_factor) const;
+  /// Loads, weight and preloads on x^c (n_c).
+  Eigen::VectorXd forces(const Eigen::VectorXd& x, double load_factor) const;
+
+ private:
+  /// Of one element: sigma = sigma_given + Q s.
+  struct Rows {
+    Eigen::Index first = 0;
+    LocalStiffness Q;                 ///< n_e x rows
+    LocalDeformation preload, given;  ///< n_e: sigma_0 and the stress of prescribed deformations
+    LocalDeformation prescribed;      ///< n_e: prescribed deformations, 0 of the others
+    bool in_D = false;                ///< damped, and not as its stiffness
+  };
+  LocalJacobian local_jacobian(size_t k, const Eigen::VectorXd& x) const;
+
+  const Model& model_;
+  std::vector<Rows> rows_;
+  Eigen::Index n_rows_ = 0;
+  Eigen::VectorXd compliance_, damping_time_;
+  bool damped_ = false;
+};
+
+}  // namespace stillframe

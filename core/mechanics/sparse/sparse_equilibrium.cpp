@@ -1,0 +1,104 @@
+#include "core/mechanics/sparse/sparse_equilibrium.hpp"
+
+#include "core/errors/input_error.hpp"
+#include "core/mechanics/load_path.hpp"
+#include "core/mechanics/node_moves.hpp"
+#include "core/mechanics/sparse/mixed_factors.hpp"
+#include "core/numerics/worst.hpp"
+
+namespace stillframe {
+
+using Eigen::VectorXd;
+
+namespace {
+
+/// As load_path.hpp asks for it.
+class MixedBalance {
+ public:
+  using State = MixedState;
+  explicit MixedBalance(const MixedModel& mixed)
+      : mixed_(mixed), at_{mixed.written(0), VectorXd::Zero(mixed.n_rows())} {}
+
+  void set_factor(double factor) {
+    at_.load_factor = factor;
+    at_.x.tail(mixed_.model().n_rx) = mixed_.written(factor).tail(mixed_.model().n_rx);
+  }
+  bool forces() {
+    E_ = mixed_.strain_rows(at_.x);
+    strained_ = mixed_.compliance().cwiseProduct(at_.s) - mixed_.strains(at_.x, at_.load_factor);
+    applied_ = mixed_.forces(at_.x, at_.load_factor);
+    out_ = applied_ - E_.transpose() * at_.s;
+    return strained_.allFinite() && out_.allFinite();
+  }
+  bool solve() {
+    if (strained_.isZero(0) && out_.isZero(0)) {  // nor need anything resist
+      s_step_.setZero(strained_.size());
+      x_step_.setZero(out_.size());
+      return true;
+    }
+    if (!factors_.compute(E_, mixed_.compliance(),
+                          mixed_.geometric_stiffness(at_.x, at_.s, at_.load_factor)) ||
+        factors_.singular()) {
+      return false;
+    }
+    factors_.solve(strained_, out_, s_step_, x_step_);
+    return x_step_.allFinite();
+  }
+  double length() const { return largest_move(mixed_.model(), moved()); }
+  double length_now() const {
+    return largest_move(mixed_.model(), moved(), scene_size(mixed_.model(), at_.x));
+  }
+  bool take() {
+    at_.s += s_step_;
+    at_.x.head(x_step_.size()) += x_step_;
+    return forces();
+  }
+  bool holds() const {
+    return largest_work(out_) <= 1e-7 * std::max(largest_work(applied_), largest_work(borne()));
+  }
+  const State& state() const { return at_; }
+  void return_to(const State& state) { at_ = state; }
+  double residual() const { return worst_of(out_); }
+  double reference() const { return std::max(worst_of(applied_), worst_of(borne())); }
+
+ private:
+  VectorXd moved() const {
+    VectorXd x = VectorXd::Zero(mixed_.model().n_x);
+    x.head(x_step_.size()) = x_step_;
+    return x;
+  }
+  /// The largest of the stresses' forces on each coordinate.
+  VectorXd borne() const { return E_.cwiseAbs().transpose() * at_.s.cwiseAbs(); }
+  double largest_work(const VectorXd& forces) const {
+    VectorXd all = VectorXd::Zero(mixed_.model().n_x);
+    all.head(forces.size()) = forces;
+    return largest_nodal_work(mixed_.model(), all);
+  }
+
+  const MixedModel& mixed_;
+  State at_;
+  SparseMatrix E_;
+  VectorXd strained_, applied_, out_, s_step_, x_step_;
+  MixedFactors<double> factors_;
+};
+
+}  // namespace
+
+SparseEquilibrium sparse_equilibrium(const MixedModel& mixed) {
+  MixedBalance balance(mixed);
+  const LoadPath path = follow_loads(balance);
+  if (path.reached == 0) {
+    throw Refusal(
+        "no equilibrium found: not even a small part of the loads can be balanced, from the scene "
+        "as written or near it: something can move that nothing resists, or conditions are not "
+        "independent");
+  }
+  if (path.reached < 1) {
+    refuse_load(path, largest_move_in_words(mixed.model(), balance.state().x));
+  }
+  balance.forces();
+  return {balance.state(), balance.residual(), balance.reference(), path.iterations,
+          path.load_steps};
+}
+
+}  // namespace stillframe
