@@ -15,6 +15,7 @@ foreach(folder core msgs plant_sim controller report)
 endforeach()
 install(FILES include/stillframe.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillframe)
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe)
+install(DIRECTORY docs/json DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe)
 install(PROGRAMS scripts/private_network DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe)
 
 configure_package_config_file(cmake/stillframe-config.cmake.in ${CMAKE_BINARY_DIR}/stillframe-config.cmake

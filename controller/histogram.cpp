@@ -42,7 +42,7 @@ double Histogram::quantile(double part) const noexcept {
 std::string Histogram::to_json() const {
   char text[160];
   std::snprintf(text, sizeof text,
-                "{\"count\": %lld, \"p50_ns\": %.0f, \"p99_ns\": %.0f, \"p999_ns\": %.0f, "
+                "{\"n_times\": %lld, \"p50_ns\": %.0f, \"p99_ns\": %.0f, \"p999_ns\": %.0f, "
                 "\"worst_ns\": %lld, ",
                 static_cast<long long>(count_), quantile(0.5), quantile(0.99), quantile(0.999),
                 static_cast<long long>(worst_));

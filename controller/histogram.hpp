@@ -25,7 +25,7 @@ class Histogram {
   /// the worst; 0 if nothing was counted.
   double quantile(double part) const noexcept;
 
-  /// {"count", "p50_ns", "p99_ns", "p999_ns", "worst_ns", "edges_ns": [...], "counts": [...]} of
+  /// {"n_times", "p50_ns", "p99_ns", "p999_ns", "worst_ns", "edges_ns": [...], "counts": [...]} of
   /// the bins that are not empty. Set-up.
   std::string to_json() const;
 

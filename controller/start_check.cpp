@@ -65,9 +65,8 @@ std::vector<Change> candidate_changes(const Gains& gains) {
                        [](Gains& g) { g.realisation = Realisation::implicit_feedthrough; }});
   }
   // A lead that was matched to another rate or roll-off: what it is to make up for here.
-  const double rolled =
-      gains.roll_off_hz ? gains.sample_rate_hz / (two_pi * *gains.roll_off_hz) : 0;
-  const double lead = std::round(1e3 * (lateness(gains.sampling()) + rolled)) / 1e3;
+  const double roll_off = two_pi * gains.roll_off_hz.value_or(0.0);
+  const double lead = std::round(1e3 * matched_lead(gains.sampling(), roll_off)) / 1e3;
   if (gains.lead_samples > 0 && std::abs(gains.lead_samples - lead) > 0.01 * lead) {
     changes.push_back(
         {"lead_samples: " + printed(lead), [lead](Gains& g) { g.lead_samples = lead; }});

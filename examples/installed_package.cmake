@@ -8,6 +8,9 @@ function(run)
   endif()
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}/usr)
+if(NOT EXISTS ${prefix}/usr/share/stillframe/json/verdict.schema.json)
+  message(FATAL_ERROR "the schemas of docs/json are not installed")
+endif()
 foreach(example 01_linear_model 02_gains 03_closed_loop 04_hardware 05_scene_in_cpp)
   run(${CMAKE_COMMAND} -S ${EXAMPLES}/${example} -B ${prefix}/${example} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
     # With other vector instructions than the package has: what one allocates the other must be able to free.

@@ -51,9 +51,9 @@ std::string label(const std::optional<std::filesystem::path>& file,
 }
 
 Json to_json(const StudyCase& study, const StudyResult& result) {
-  Json row{{"scene", study.scene.string()},
-           {"controller", study.controller ? study.controller->string() : ""},
-           {"floor", study.floor ? study.floor->string() : ""}};
+  Json row{{"scene_file", study.scene.string()},
+           {"controller_file", study.controller ? study.controller->string() : ""},
+           {"floor_file", study.floor ? study.floor->string() : ""}};
   if (!result.failure.empty()) {
     row["failure"] = result.failure;
     return row;
@@ -65,7 +65,7 @@ Json to_json(const StudyCase& study, const StudyResult& result) {
   row["peak_force_n"] = result.peak_force;
   row["rms_force_n"] = result.rms_force;
   row["n_saturated"] = result.verdict.runs.back().n_saturated;
-  row["times_real_time"] = result.times_real_time;
+  row["real_time_factor"] = result.times_real_time;
   row["axes"] = Json::array();
   for (const auto& axis : result.verdict.axes) {
     row["axes"].push_back(
@@ -73,7 +73,7 @@ Json to_json(const StudyCase& study, const StudyResult& result) {
          {"floor_rms_m_s2", axis.floor ? Json(axis.floor->rms_acceleration) : Json(nullptr)},
          {"passive_rms_m_s2", axis.passive->rms_acceleration},
          {"active_rms_m_s2", axis.active->rms_acceleration},
-         {"active_class", axis.active->vibration_class}});
+         {"active_vibration_class", axis.active->vibration_class}});
   }
   return row;
 }

@@ -169,9 +169,10 @@ void add_budget(cli::Command& app, int& exit_code) {
       "               square), cumulative_rms_m_s2 (up to the end of each cell), shared_m2_s4 "
       "(the\n"
       "               share cell by cell), third_octaves_m_s (rms velocity), scatter_m_s2\n"
-      "               (standard deviation of the rms of one run), class; the same of `sources`\n"
+      "               (standard deviation of the rms of one run), vibration_class; the same\n"
+      "               of `sources`\n"
       "  runs         log, method; of each axis predicted_m_s2, scatter_m_s2, measured_m_s2, met,\n"
-      "               third_octaves_m_s, class\n"
+      "               third_octaves_m_s, vibration_class\n"
       "Exit code 4: a run is further off than --within and twice the scatter.\n"
       "Example: stillframe budget config/scenes/metrology_frame.yaml --duration 20");
   verb.runs([options, &exit_code] { exit_code = run(*options); });

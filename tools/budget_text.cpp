@@ -118,7 +118,7 @@ Json json_of(const judge::BudgetPart& part) {
 Json json_of(const judge::SignalBudget& signal) {
   Json json = json_of(signal.total);
   json["scatter_m_s2"] = signal.scatter;
-  json["class"] = signal.vibration_class;
+  json["vibration_class"] = signal.vibration_class;
   return json;
 }
 
@@ -186,7 +186,7 @@ Json budget_json(const std::string& title, const judge::Budget& budget,
                                         {"measured_m_s2", checks[i].measured},
                                         {"met", checks[i].met(within)},
                                         {"third_octaves_m_s", to_json(run.axes[i].velocity)},
-                                        {"class", run.axes[i].vibration_class}};
+                                        {"vibration_class", run.axes[i].vibration_class}};
     }
     json["runs"].push_back(std::move(of_run));
   }

@@ -152,8 +152,8 @@ Json to_json(const controller_status_t& status) {
           {"n_commands_dropped", status.n_commands_dropped},
           {"n_records_dropped", status.n_records_dropped},
           {"n_page_faults", status.n_page_faults},
-          {"worst_wake_up_ns", status.worst_wake_up_ns},
-          {"worst_compute_ns", status.worst_compute_ns}};
+          {"worst_wake_up_us", static_cast<double>(status.worst_wake_up_ns) / 1e3},
+          {"worst_compute_us", static_cast<double>(status.worst_compute_ns) / 1e3}};
 }
 
 std::string to_text(const controller_status_t& status) {
@@ -226,7 +226,7 @@ void add_ctl(cli::Command& app, int& exit_code) {
       "refused, empty if it did not); the counters n_periods, n_late, n_lost, n_duplicate, "
       "n_missing,\n"
       "n_saturated, n_faults, n_rejoins, n_bad_messages, n_commands_dropped, n_records_dropped,\n"
-      "n_page_faults; worst_wake_up_ns, worst_compute_ns.\n"
+      "n_page_faults; worst_wake_up_us, worst_compute_us.\n"
       "Exit codes: 0 done; 2 bad usage; 3 the controller refused; 4 no controller heard.\n"
       "Example: stillframe ctl stop");
   verb.runs([options, &exit_code] { exit_code = run(*options); });

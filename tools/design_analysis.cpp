@@ -129,9 +129,9 @@ bool goes_unwarned(const LoopSettings& settings, double target_hz, bool age_is_s
 
 }  // namespace
 
-double matched_lead(const LoopSettings& settings, double roll_off) {
-  const double lead = lateness(settings.sampling);
-  return roll_off > 0 ? lead + 1 / (roll_off * settings.sampling.sample_time) : lead;
+LoopSettings tuned(const LoopSettings& settings, double target_hz, double roll_off_targets) {
+  if (roll_off_targets == 0) return settings;
+  return with_roll_off(settings, two_pi * roll_off_targets * target_hz);
 }
 
 double price_of_sampling(const ControlLoop& loop, double target, const LoopSettings& settings) {
@@ -157,18 +157,14 @@ std::optional<Recommendation> recommend(const judge::LoopDesign& design) {
 std::optional<Recommendation> recommend(const judge::LoopDesign& design, const LoopSettings& own) {
   const double target = design.scene.controller->lowest_target_hz();
   const bool age_is_stated = states_report_age(design.scene);
-  constexpr double highest = 1e5, none = 0;
-  const auto tuned = [&](double rate, double times) {
-    LoopSettings settings = at_rate(own, rate);
-    if (times == none) return settings;
-    settings.feedback.roll_off = two_pi * times * target;
-    settings.law.lead_samples = matched_lead(settings, settings.feedback.roll_off);
-    return settings;
+  constexpr double highest = 1e5;
+  const auto tuned_at = [&](double rate, double times) {
+    return tuned(at_rate(own, rate), target, times);
   };
   // What does not do at the highest rate does at no other.
   std::vector<double> tunings;
-  for (const double times : {none, 80.0, 40.0, 20.0}) {
-    if (judged(design, tuned(highest, times))) tunings.push_back(times);
+  for (const double times : tried_roll_offs) {
+    if (judged(design, tuned_at(highest, times))) tunings.push_back(times);
   }
   for (double decade = 1; decade < highest && !tunings.empty(); decade *= 10) {
     for (const double factor : {1.0, 2.0, 5.0}) {
@@ -176,7 +172,7 @@ std::optional<Recommendation> recommend(const judge::LoopDesign& design, const L
       if (rate < 4 * target) continue;
       for (const double times : tunings) {
         if (times * target > 0.4 * rate) continue;
-        const LoopSettings settings = tuned(rate, times);
+        const LoopSettings settings = tuned_at(rate, times);
         auto found = judged(design, settings);
         if (found && goes_unwarned(settings, target, age_is_stated, *found)) return found;
       }

@@ -74,9 +74,12 @@ inline constexpr double most_price_db = 3;
 /// Analyses a design; an unstable one has no margins. Errors: as margins and the core's.
 DesignAnalysis analyse(const judge::LoopDesign& design);
 
-/// Lead that makes up, at low frequencies, for delay, half a sample of hold, actuator lag and
-/// roll-off (rad/s, 0: none), in samples.
-double matched_lead(const LoopSettings& settings, double roll_off);
+/// Roll-offs that are tried, in targets, those that change least first; 0: the loop's own, with its
+/// own lead.
+inline constexpr double tried_roll_offs[] = {0, 80, 40, 20};
+
+/// A loop with one of those roll-offs, and the lead that is matched to it.
+LoopSettings tuned(const LoopSettings& settings, double target_hz, double roll_off_targets);
 
 /// Largest excess of the sampled T over the continuous one without roll-off, dB, up to four times
 /// the target: the price of sampling.

@@ -310,7 +310,7 @@ Json law_json(const judge::LoopDesign& design) {
   Json out;
   out["file"] = design.scene.controller->law->file;
   const NamedLaw* law = design.runs_own_law() ? &design.gains.law->matrices : nullptr;
-  out["states"] = law ? Json(law->A.rows()) : Json();
+  out["n_states"] = law ? Json(law->A.rows()) : Json();
   out["inputs"] = law ? Json(law->inputs) : Json();
   out["outputs"] = law ? Json(law->outputs) : Json();
   return out;
@@ -377,7 +377,7 @@ Json design_json(const judge::LoopDesign& design, const DesignAnalysis& analysis
            {"singular_values", open},
            {"closed_singular_values", closed},
            {"continuous_singular_values", continuous},
-           {"noise_to_acceleration", noise},
+           {"noise_m_s2_per_n", noise},
            {"compliance", compliance},
            {"passive_compliance", passive},
            {"spread_db", spread},

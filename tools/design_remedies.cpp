@@ -4,7 +4,6 @@
 #include <limits>
 #include <vector>
 
-#include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 #include "tools/design_trade.hpp"
 
@@ -59,12 +58,9 @@ std::vector<Trial> trials_of(const judge::LoopDesign& design) {
   std::vector<Trial> trials;
   for (const Trial& slow : slow_trials(design)) {
     if (!slow.what.empty()) trials.push_back(slow);
-    for (const double times : {80.0, 40.0, 20.0}) {
-      if (times * target > 0.4 * rate) continue;
-      Trial trial = slow;
-      trial.settings.feedback.roll_off = two_pi * times * target;
-      trial.settings.law.lead_samples =
-          matched_lead(trial.settings, trial.settings.feedback.roll_off);
+    for (const double times : tried_roll_offs) {
+      if (times == 0 || times * target > 0.4 * rate) continue;
+      Trial trial{slow.what, tuned(slow.settings, target, times)};
       add_to(trial.what, cell("roll_off_hz: %g", times * target));
       add_to(trial.what, cell("lead_samples: %.3g", trial.settings.law.lead_samples));
       trials.push_back(trial);
@@ -106,12 +102,8 @@ std::string why_none_recommended(const judge::LoopDesign& design) {
   const double target = design.scene.controller->lowest_target_hz();
   double price = std::numeric_limits<double>::infinity(), disk = 0, disk_hz = 0;
   bool stable = false, meets = false;
-  for (const double times : {0.0, 80.0, 40.0, 20.0}) {
-    LoopSettings settings = at_rate(design.settings, highest);
-    if (times > 0) {
-      settings.feedback.roll_off = two_pi * times * target;
-      settings.law.lead_samples = matched_lead(settings, settings.feedback.roll_off);
-    }
+  for (const double times : tried_roll_offs) {
+    const LoopSettings settings = tuned(at_rate(design.settings, highest), target, times);
     if (!(spectral_radius(settings) < largest_stable_radius)) continue;
     stable = true;
     const double costs = price_of_sampling(design.loop, target, settings);

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
+#include <utility>
 
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "tools/design_analysis.hpp"
 
 namespace stillframe::tools {
@@ -48,11 +49,10 @@ DesignTrade design_trade(const judge::LoopDesign& design,
         LoopSettings settings = at_rate(design.settings, trade.rates_hz(i));
         settings.feedback = loop.gains;
         settings.sampling.delay_samples = delay;
-        double& roll_off = settings.feedback.roll_off;
-        if (roll_off == 0) {
-          roll_off = 2 * std::numbers::pi * std::min(40 * target, 0.4 * trade.rates_hz(i));
-        }
-        settings.law.lead_samples = matched_lead(settings, roll_off);
+        const double own = settings.feedback.roll_off;
+        settings =
+            with_roll_off(std::move(settings),
+                          own > 0 ? own : two_pi * std::min(40 * target, 0.4 * trade.rates_hz(i)));
         if (!(spectral_radius(settings) < largest_stable_radius)) continue;
         curve.disk(i) = all_leg_disk_margin(settings).first;
         curve.price_db(i) = price_of_sampling(loop, target, settings);

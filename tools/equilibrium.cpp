@@ -185,8 +185,8 @@ void print_json(const Page& page, const Json& stable) {
        {"reactions", reactions},
        {"residual", found.residual},
        {"reference", found.reference},
-       {"iterations", found.iterations},
-       {"load_steps", found.load_steps}});
+       {"n_iterations", found.iterations},
+       {"n_load_steps", found.load_steps}});
 }
 
 int run(const EquilibriumOptions& options) {
@@ -219,7 +219,7 @@ void add_equilibrium(cli::Command& app, int& exit_code) {
       "  elements              {element, deformations (m, rad), stress_resultants (N, N m)}\n"
       "  reactions             {node, direction, unit, value}: N along it, or N m about it\n"
       "  residual, reference   largest force that is left, and that had to be balanced\n"
-      "  iterations, load_steps\n"
+      "  n_iterations, n_load_steps\n"
       "Example: stillframe equilibrium config/scenes/metrology_frame.yaml");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }

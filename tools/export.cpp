@@ -36,12 +36,12 @@ Json to_json(const report::ExportSummary& summary, const std::filesystem::path& 
           {"scene", info.scene_name},
           {"loop", info.loop},
           {"sample_rate_hz", info.sample_rate_hz},
-          {"rows", summary.n_rows},
+          {"n_rows", summary.n_rows},
           {"first_s", summary.first_s},
           {"last_s", summary.last_s},
           {"columns", columns},
-          {"lost", summary.scan.measurements.n_lost},
-          {"damaged", summary.scan.n_damaged + summary.scan.n_undecodable},
+          {"n_lost", summary.scan.measurements.n_lost},
+          {"n_damaged", summary.scan.n_damaged + summary.scan.n_undecodable},
           {"unread_bytes", summary.scan.unread_bytes}};
 }
 
@@ -105,9 +105,9 @@ constexpr const char* export_footer =
     "answer has NaN for its commands. Numbers read back to the same bits. docs/exports.md has the\n"
     "line to load each file in Octave, MATLAB and Python.\n"
     "Keys of --json:\n"
-    "  files    a list: file, format, bytes, run_id, scene, loop, sample_rate_hz, rows, first_s,\n"
-    "           last_s, columns [{name, unit, variable (of the .mat file)}], lost, damaged,\n"
-    "           unread_bytes\n"
+    "  files    a list: file, format, bytes, run_id, scene, loop, sample_rate_hz, n_rows,\n"
+    "           first_s, last_s, columns [{name, unit, variable (of the .mat file)}], n_lost,\n"
+    "           n_damaged, unread_bytes\n"
     "  warnings a list of texts: that several plants measured the run\n"
     "Example: stillframe export active.lcm --csv active.csv --channels floor,frame --to 10";
 

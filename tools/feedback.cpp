@@ -85,7 +85,7 @@ std::string page(const judge::LoopDesign& design, const FeedbackStudy& study) {
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json json_of(const judge::LoopDesign& design, const FeedbackStudy& study) {
-  Json document{{"scene", design.scene.file},
+  Json document{{"scene", design.scene.title},
                 {"scene_hash", design.scene.hash},
                 {"sample_rate_hz", design.gains.sample_rate_hz},
                 {"delay_samples", design.gains.delay_samples},
@@ -104,7 +104,7 @@ Json json_of(const judge::LoopDesign& design, const FeedbackStudy& study) {
         {{"method", row.method},
          {"lead_samples", row.lead_samples ? Json(*row.lead_samples) : Json(nullptr)},
          {"why_none", found ? Json(nullptr) : Json(row.why_none)},
-         {"states", of(row.n_states)},
+         {"n_states", of(row.n_states)},
          {"largest_singular_value", of(to_json(row.largest))},
          {"peak", of(row.peak)},
          {"peak_hz", of(row.peak_hz)},
@@ -228,7 +228,7 @@ void add_feedback(cli::Command& app, int& exit_code) {
       "Keys of --json:\n"
       "  scene, scene_hash, sample_rate_hz, delay_samples, wished_disk, to_hz\n"
       "  frequencies_hz, target, passive   the target's |T| and T without control, there\n"
-      "  methods                     method (pi, h2, minimax), lead_samples, why_none, states,\n"
+      "  methods                     method (pi, h2, minimax), lead_samples, why_none, n_states,\n"
       "                              largest_singular_value of T, peak and peak_hz of it "
       "anywhere,\n"
       "                              disk, spectral_radius, spectral_radius_off (forces of 0.75 "

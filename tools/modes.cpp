@@ -108,7 +108,7 @@ void print_json(const Scene& scene, const Found& found) {
          {"natural_frequencies_hz", to_json(result.natural_frequencies_hz)},
          {"damping_ratios", to_json(result.damping_ratios)},
          {"eigenvalues", to_json(result.eigenvalues)},
-         {"growing_eigenvalues", result.n_growing},
+         {"n_growing_eigenvalues", result.n_growing},
          {"mode_shapes", to_json(result.shapes)}});
 }
 
@@ -219,7 +219,7 @@ void add_modes(cli::Command& app, int& exit_code) {
       "                          solution (stiffness not symmetric, or not positive in motion)\n"
       "  eigenvalues             [re, im] in rad/s, of the whole model, in pairs by modulus\n"
       "  damping_ratios          -re / |.|, one a pair\n"
-      "  growing_eigenvalues     how many have a positive real part\n"
+      "  n_growing_eigenvalues   how many have a positive real part\n"
       "  mode_shapes             a row a dof, a column a natural frequency, mass-normalised\n"
       "With --lowest, of a large scene with `dofs: auto`: dofs are all free coordinates of the "
       "nodes,\n"

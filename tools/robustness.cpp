@@ -148,7 +148,7 @@ void print_json(const Record& record, const WorstCases& worst, const Evaluator& 
   document["worst_found"] = Json();
   for (size_t m = 0; m < worst.size(); ++m) {
     Json entry = to_json(worst[m].outcome);
-    entry["evaluations"] = worst[m].evaluations;
+    entry["n_evaluations"] = worst[m].evaluations;
     entry["stable_part"] = worst[m].stable_part;
     for (const auto& [kind, outcome] : worst[m].without) {
       entry["without"][robustness::kind_text(kind)] = to_json(outcome);
@@ -270,7 +270,7 @@ constexpr const char* robustness_footer =
     "A shard alone is not searched for the worst case; the last line does that.\n"
     "\n"
     "Keys of --json, and of the file of --out (to the first blank line):\n"
-    "  format, version, scene, scene_hash, uncertainty, seed, samples, shards (of, done)\n"
+    "  format, version, scene, scene_hash, uncertainty, seed, n_samples, shards (n_shards, done)\n"
     "  sample_time_s, frequencies_hz, parameters (names), nominal (no deviation)\n"
     "  counts (stable, unstable, failed), failures (how many by why)\n"
     "  extremes [least, most] and histograms (width of a bin, first_bin, counts) of "

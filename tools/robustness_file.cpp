@@ -18,7 +18,7 @@ using robustness::Tally;
 namespace {
 
 constexpr const char* file_format = "stillframe robustness";
-constexpr int version = 2;
+constexpr int version = 3;
 
 /// The keys under which the samples that are worst by each measure stand.
 constexpr const char* worst_keys[] = {"spectral_radius", "least_damping_ratio", "peak"};
@@ -215,8 +215,8 @@ Record record_from(const Json& document) {
   record.frequencies_hz = vector_from(document.at("frequencies_hz"));
   record.sample_time = document.at("sample_time_s");
   record.seed = document.at("seed");
-  record.samples = count_from(document.at("samples"));
-  record.n_shards = count_from(document.at("shards").at("of"));
+  record.samples = count_from(document.at("n_samples"));
+  record.n_shards = count_from(document.at("shards").at("n_shards"));
   record.shards = document.at("shards").at("done").get<std::set<std::uint64_t>>();
   const Json& nominal = document.at("nominal");
   record.nominal.verdict = Outcome::Verdict::stable;
@@ -265,8 +265,8 @@ Json to_json(const Record& record) {
                 {"scene_hash", record.scene_hash},
                 {"uncertainty", keys(record.uncertainty)},
                 {"seed", record.seed},
-                {"samples", record.samples},
-                {"shards", {{"of", record.n_shards}, {"done", record.shards}}},
+                {"n_samples", record.samples},
+                {"shards", {{"n_shards", record.n_shards}, {"done", record.shards}}},
                 {"sample_time_s", record.sample_time},
                 {"frequencies_hz", to_json(record.frequencies_hz)},
                 {"parameters", record.parameters},

@@ -45,6 +45,16 @@ double lateness(const Sampling& sampling) {
   return sampling.delay_samples + 0.5 + (lag > 0 ? 1 / (lag * sampling.sample_time) : 0.0);
 }
 
+double matched_lead(const Sampling& sampling, double roll_off) {
+  return lateness(sampling) + (roll_off > 0 ? 1 / (roll_off * sampling.sample_time) : 0.0);
+}
+
+LoopSettings with_roll_off(LoopSettings settings, double roll_off) {
+  settings.feedback.roll_off = roll_off;
+  settings.law.lead_samples = matched_lead(settings.sampling, roll_off);
+  return settings;
+}
+
 ForceFeedback continuous_law(const LoopSettings& settings) {
   const Sampling& sampling = settings.sampling;
   ForceFeedback law = settings.feedback;

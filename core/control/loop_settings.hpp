@@ -33,6 +33,13 @@ DiscreteLaw whole_law_of(const LoopSettings& settings);
 /// actuators.
 double lateness(const Sampling& sampling);
 
+/// The lead that makes up at low frequencies for that and for a roll-off (rad/s; 0: none), in
+/// samples.
+double matched_lead(const Sampling& sampling, double roll_off);
+
+/// The same loop with another roll-off (rad/s) and the lead that is matched to it.
+LoopSettings with_roll_off(LoopSettings settings, double roll_off);
+
 /// The continuous law of a loop. Its lead (s) is what the sampled law's lead is beyond the lateness
 /// that it makes up for, 0 if it is less: other settings, another lead.
 ForceFeedback continuous_law(const LoopSettings& settings);

@@ -2,9 +2,11 @@
 
 #include <Spectra/SymEigsSolver.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <numeric>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 namespace stillframe {
@@ -48,9 +50,11 @@ class Deflated {
 constexpr double tolerance = 1e-11;
 constexpr Index most_restarts = 300;
 
+Index basis_for(Index n_pairs) { return 2 * n_pairs + 20; }
+
 LanczosPairs one_run(const Deflated& T, const Deflated& B, Index n_pairs, Largest order,
                      const VectorXd& start) {
-  const Index n = T.rows(), n_basis = std::min(n, 2 * n_pairs + 20);
+  const Index n_basis = std::min(T.rows(), basis_for(n_pairs));
   Deflated op = T;
   Spectra::SymEigsBase<Deflated, Deflated> solver(op, B, n_pairs, n_basis);
   solver.init(start.data());
@@ -64,34 +68,30 @@ double rank_of(double value, Largest order) {
   return order == Largest::modulus ? std::abs(value) : value;
 }
 
-/// Both sets, best first.
-LanczosPairs joined(const LanczosPairs& a, const LanczosPairs& b, Largest order) {
-  const Index n_a = a.values.size(), n_b = b.values.size();
-  VectorXd values(n_a + n_b);
-  values << a.values, b.values;
-  std::vector<Index> by_rank(static_cast<size_t>(n_a + n_b));
+/// The best n_pairs of some, best first.
+LanczosPairs best(const VectorXd& values, const MatrixXd& vectors, Index n_pairs, Largest order) {
+  std::vector<Index> by_rank(static_cast<size_t>(values.size()));
   std::iota(by_rank.begin(), by_rank.end(), 0);
   std::stable_sort(by_rank.begin(), by_rank.end(), [&](Index i, Index j) {
     return rank_of(values(i), order) > rank_of(values(j), order);
   });
-  LanczosPairs all{VectorXd(n_a + n_b),
-                   MatrixXd(std::max(a.vectors.rows(), b.vectors.rows()), n_a + n_b),
-                   a.converged && b.converged};
-  for (Index i = 0; i < n_a + n_b; ++i) {
-    const Index from = by_rank[static_cast<size_t>(i)];
-    all.values(i) = values(from);
-    all.vectors.col(i) = from < n_a ? a.vectors.col(from) : b.vectors.col(from - n_a);
-  }
-  return all;
+  by_rank.resize(static_cast<size_t>(std::min(n_pairs, values.size())));
+  return {values(by_rank), vectors(Eigen::all, by_rank), true};
 }
 
-}  // namespace
-
-LanczosPairs largest_pairs(Index n, Index n_pairs, Largest order, const LinearMap& T,
-                           const LinearMap& B) {
+/// By Lanczos, with runs after the first for what it has missed: a Krylov space of one start has
+/// one vector of each multiple eigenvalue. Errors: std::runtime_error of Spectra where the space
+/// ends before it is as large as the basis.
+LanczosPairs by_lanczos(Index n, Index n_pairs, Largest order, const LinearMap& T,
+                        const LinearMap& B) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
-  Deflated rest(n, T);
+  double scale = 1;
+  const LinearMap scaled = [&](const VectorXd& x, VectorXd& y) {
+    T(x, y);
+    y *= scale;
+  };
+  Deflated rest(n, scaled);
   const Deflated inner(n, B);
   // From within the range of T, where B is definite.
   const auto start = [&]() -> VectorXd {
@@ -100,6 +100,13 @@ LanczosPairs largest_pairs(Index n, Index n_pairs, Largest order, const LinearMa
     rest.perform_op(x.data(), y.data());
     return y;
   };
+  {
+    // Spectra compares what is left with numbers of the order of one.
+    const VectorXd once = start();
+    VectorXd twice(n);
+    T(once, twice);
+    if (twice.norm() > 0) scale = once.norm() / twice.norm();
+  }
   LanczosPairs found = one_run(rest, inner, n_pairs, order, start());
   while (found.converged) {
     MatrixXd B_vectors(n, found.values.size());
@@ -114,11 +121,101 @@ LanczosPairs largest_pairs(Index n, Index n_pairs, Largest order, const LinearMa
         rank_of(missed.values(0), order) <= last + 1e-9 * std::abs(last)) {
       break;
     }
-    found = joined(found, missed, order);
-    found.values.conservativeResize(n_pairs);
-    found.vectors.conservativeResize(Eigen::NoChange, n_pairs);
+    VectorXd values(found.values.size() + 1);
+    values << found.values, missed.values(0);
+    MatrixXd vectors(n, values.size());
+    vectors << found.vectors, missed.vectors.col(0);
+    found = best(values, vectors, n_pairs, order);
   }
+  found.values /= scale;
   return found;
+}
+
+MatrixXd root_of(const MatrixXd& positive) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(positive);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+/// From S^-1 on the coordinates of A alone.
+LanczosPairs by_few_coordinates(const Eigen::SparseMatrix<double>& A,
+                                const std::vector<Index>& coordinates, Index n_pairs, Largest order,
+                                const LinearMap& solve, bool A_is_metric) {
+  const Index n = A.rows(), n_few = static_cast<Index>(coordinates.size());
+  MatrixXd columns(n, n_few);  // of S^-1
+  VectorXd unit = VectorXd::Zero(n), column(n);
+  for (Index j = 0; j < n_few; ++j) {
+    const Index at = coordinates[static_cast<size_t>(j)];
+    unit(at) = 1;
+    solve(unit, column);
+    unit(at) = 0;
+    columns.col(j) = column;
+  }
+  MatrixXd few(n_few, n_few);
+  for (Index j = 0; j < n_few; ++j) {
+    few.col(j) = VectorXd(A.col(coordinates[static_cast<size_t>(j)]))(coordinates);
+  }
+  const MatrixXd F = columns(coordinates, Eigen::all), symmetric = 0.5 * (F + F.transpose());
+  // R^2 is the one of the two that is positive: the eigenvectors w of R (other) R are those of unit
+  // length, and v = S^-1 A u of the motion u = R^-1 w or R w of these coordinates.
+  const MatrixXd R = root_of(A_is_metric ? few : symmetric);
+  const MatrixXd product = R * (A_is_metric ? symmetric : few) * R;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (product + product.transpose()));
+  LanczosPairs found = best(solver.eigenvalues(), solver.eigenvectors(), n_pairs, order);
+  // Rounding of the largest is no eigenvalue.
+  const double least = 1e-15 * solver.eigenvalues().cwiseAbs().maxCoeff();
+  Index n_found = 0;
+  while (n_found < found.values.size() && rank_of(found.values(n_found), order) > least) ++n_found;
+  found.values.conservativeResize(n_found);
+  const MatrixXd forces = A_is_metric ? MatrixXd(R * found.vectors.leftCols(n_found))
+                                      : MatrixXd(few * R * found.vectors.leftCols(n_found));
+  found.vectors = columns * forces * found.values.cwiseInverse().asDiagonal();
+  return found;
+}
+
+/// Whether T v = theta v, to the accuracy of the stopping test.
+bool solve_it(const LinearMap& T, const LanczosPairs& pairs) {
+  if (pairs.values.size() == 0) return true;
+  const double largest = pairs.values.cwiseAbs().maxCoeff();
+  for (Index i = 0; i < pairs.values.size(); ++i) {
+    const VectorXd v = pairs.vectors.col(i);
+    VectorXd T_v(v.size());
+    T(v, T_v);
+    if (!((T_v - pairs.values(i) * v).norm() <= 1e-6 * largest * v.norm())) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+LanczosPairs largest_pairs(const Eigen::SparseMatrix<double>& A, Index n_pairs, Largest order,
+                           const LinearMap& solve, const LinearMap& S) {
+  const Index n = A.rows();
+  std::vector<Index> coordinates;
+  for (Index j = 0; j < n; ++j) {
+    if (Eigen::SparseMatrix<double>::InnerIterator(A, j)) coordinates.push_back(j);
+  }
+  const auto n_few = static_cast<Index>(coordinates.size());
+  const auto dense = [&] { return by_few_coordinates(A, coordinates, n_pairs, order, solve, !S); };
+  constexpr Index few = 300;
+  if (n_few <= std::max(few, 2 * basis_for(n_pairs))) return dense();
+  VectorXd A_x(n);
+  const LinearMap T = [&](const VectorXd& x, VectorXd& y) {
+    A_x.noalias() = A * x;
+    solve(A_x, y);
+  };
+  const LinearMap metric = [&](const VectorXd& x, VectorXd& y) { y.noalias() = A * x; };
+  try {
+    LanczosPairs found = by_lanczos(n, n_pairs, order, T, S ? S : metric);
+    // Where a Krylov space ends Spectra goes on with any vector, also one on which S is not defined
+    // (it breaks conditions that S^-1 knows of).
+    if (S && !solve_it(T, found)) throw std::runtime_error("no eigenvectors");
+    return found;
+  } catch (const std::runtime_error&) {
+    // What moves is less than the coordinates of A: most of them hang together.
+    constexpr Index most_dense = 3000;
+    return n_few <= most_dense ? dense() : LanczosPairs{};
+  }
 }
 
 }  // namespace stillframe

@@ -1,28 +1,28 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <functional>
 
 namespace stillframe {
 
-/// y = A x of a symmetric A, both n.
+/// y = T x, both of length n.
 using LinearMap = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
 
-/// Eigenvalues of largest modulus or, algebraically, the largest ones.
 enum class Largest { modulus, algebraic };
 
+/// Eigenvalues of A v = theta S v, best first, and their vectors (n x n_pairs).
 struct LanczosPairs {
-  Eigen::VectorXd values;   ///< n_pairs, largest first
-  Eigen::MatrixXd vectors;  ///< n x n_pairs, V^T B V = I
-  bool converged = false;   ///< all that were asked for, or as many as there are
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;
+  bool converged = false;
 };
 
-/// The n_pairs largest eigenvalues of T, which is self-adjoint in the inner product of B (positive
-/// semidefinite, and definite where T maps to), by the implicitly restarted Lanczos method of
-/// Spectra. A Krylov space sees one vector of an eigenvalue that repeats, and others by rounding
-/// alone: what was found is taken away and looked for again, until nothing larger than the last is
-/// left. n, n_pairs < n.
-LanczosPairs largest_pairs(Eigen::Index n, Eigen::Index n_pairs, Largest order, const LinearMap& T,
-                           const LinearMap& B);
+/// The n_pairs largest of A v = theta S v, or as many as there are that are not zero, multiple ones
+/// as often as they are multiple. A: n x n, symmetric; solve: S^-1, of a symmetric S. S: as a map,
+/// which has to be positive definite, and S-normalised are the vectors then; without it A has to be
+/// positive semidefinite, and A-normalised are they. By implicitly restarted Lanczos; where A is on
+/// few coordinates by a dense matrix of those.
+LanczosPairs largest_pairs(const Eigen::SparseMatrix<double>& A, Eigen::Index n_pairs,
+                           Largest order, const LinearMap& solve, const LinearMap& S = {});
 
 }  // namespace stillframe

@@ -7,8 +7,8 @@
 #include "core/errors/input_error.hpp"
 #include "core/numerics/balance.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/row_sums.hpp"
 #include "core/numerics/singular_values.hpp"
-#include "core/systems/row_sums.hpp"
 
 namespace stillframe {
 

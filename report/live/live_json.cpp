@@ -66,12 +66,12 @@ Json json_of(const ControllerView& controller) {
 
 Json json_of(const SignalView& signal) {
   return {{"name", signal.name},
-          {"rms_acceleration", signal.level.rms_acceleration},
-          {"peak_acceleration", signal.level.peak_acceleration},
-          {"largest_band_velocity", signal.level.largest_band_velocity},
+          {"rms_m_s2", signal.level.rms_acceleration},
+          {"peak_m_s2", signal.level.peak_acceleration},
+          {"largest_band_m_s", signal.level.largest_band_velocity},
           {"largest_band_hz", signal.level.largest_band_hz},
           {"vibration_class", signal.level.vibration_class},
-          {"band_velocity",
+          {"third_octaves_m_s",
            std::vector<double>(signal.band_velocity.begin(), signal.band_velocity.end())}};
 }
 
@@ -82,13 +82,14 @@ Json json_of(const AxisView& axis) {
 }
 
 Json json_of(const LegView& leg) {
-  return {{"leg", leg.leg}, {"rms", leg.rms}, {"peak", leg.peak}, {"share", or_null(leg.share)}};
+  return {
+      {"leg", leg.leg}, {"rms_n", leg.rms}, {"peak_n", leg.peak}, {"share", or_null(leg.share)}};
 }
 
 Json json_of(const ChannelView& channel) {
   return {{"channel", channel.name},
           {"per_s", channel.per_s},
-          {"n", channel.n},
+          {"n_messages", channel.n},
           {"quiet_s", channel.quiet_s},
           {"n_broken", channel.n_broken},
           {"n_other_version", channel.n_other_version},
@@ -106,7 +107,7 @@ Json json_of(const EndView& timing) {
 }
 
 Json json_of(const HistoryView::Axis& axis) {
-  return {{"axis", axis.axis}, {"floor", axis.floor}, {"frame", axis.frame}};
+  return {{"axis", axis.axis}, {"floor_rms_m_s2", axis.floor}, {"frame_rms_m_s2", axis.frame}};
 }
 
 template <class Item>
@@ -125,17 +126,17 @@ Json json_of(const HistoryView& history) {
       limits.push_back(criterion.applies(band.centre_hz) ? Json(criterion.limit(band.centre_hz))
                                                          : Json(nullptr));
     }
-    criteria.push_back({{"name", criterion.name}, {"velocity", limits}});
+    criteria.push_back({{"name", criterion.name}, {"velocity_m_s", limits}});
   }
   return {{"time_s", history.time_s}, {"axes", list_of(history.axes)},
-          {"force", history.force},   {"wake_up_us", history.wake_up_us},
+          {"force_n", history.force}, {"wake_up_us", history.wake_up_us},
           {"bands_hz", bands},        {"criteria", criteria}};
 }
 
 }  // namespace
 
 std::string to_json(const LiveView& view, bool with_history) {
-  Json json = {{"format", 1},
+  Json json = {{"format", 2},
                {"watched_s", view.watched_s},
                {"notes", view.notes},
                {"run", view.run ? json_of(*view.run) : Json(nullptr)},

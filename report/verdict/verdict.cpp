@@ -80,18 +80,18 @@ ordered_json json_of(const Check& check) {
 ordered_json json_of(const AskedMotion& motion) {
   return {{"from_hz", motion.asked.from_hz},
           {"to_hz", motion.asked.to_hz},
-          {"floor", json_of(motion.floor)},
-          {"passive", json_of(motion.passive)},
-          {"active", json_of(motion.active)},
-          {"floor_jumps", motion.floor_jumps},
-          {"passive_jumps", motion.passive_jumps},
-          {"active_jumps", motion.active_jumps},
-          {"floor_leak", motion.floor_leak},
-          {"passive_leak", motion.passive_leak},
-          {"active_leak", motion.active_leak},
+          {"floor_rms_m_s2", json_of(motion.floor)},
+          {"passive_rms_m_s2", json_of(motion.passive)},
+          {"active_rms_m_s2", json_of(motion.active)},
+          {"floor_jumps_m_s2", motion.floor_jumps},
+          {"passive_jumps_m_s2", motion.passive_jumps},
+          {"active_jumps_m_s2", motion.active_jumps},
+          {"floor_leak_m_s2", motion.floor_leak},
+          {"passive_leak_m_s2", motion.passive_leak},
+          {"active_leak_m_s2", motion.active_leak},
           {"narrowest_hz", motion.narrowest_hz},
-          {"active_by_forces", json_of(motion.active_by_forces)},
-          {"active_undisturbed", json_of(motion.active_undisturbed)}};
+          {"active_by_forces_m_s2", json_of(motion.active_by_forces)},
+          {"active_undisturbed_m_s2", json_of(motion.active_undisturbed)}};
 }
 
 std::vector<std::string> texts_of(const std::vector<RestingChannel>& channels) {
@@ -101,7 +101,7 @@ std::vector<std::string> texts_of(const std::vector<RestingChannel>& channels) {
 }
 
 ordered_json json_of(const RunSummary& run) {
-  return {{"scene_name", run.scene_name},
+  return {{"scene", run.scene_name},
           {"scene_hash", run.scene_hash},
           {"program_version", run.program_version},
           {"mode", run.mode},
@@ -115,7 +115,7 @@ ordered_json json_of(const RunSummary& run) {
           {"never_held", run.never_held},
           {"let_go", run.let_go},
           {"n_lost", run.n_lost},
-          {"n_duplicates", run.n_duplicates},
+          {"n_duplicate", run.n_duplicates},
           {"n_commands", run.n_commands},
           {"n_commands_given",
            run.n_commands_given ? ordered_json(*run.n_commands_given) : ordered_json(nullptr)},
@@ -147,7 +147,7 @@ ordered_json json_of(const TimingSummary& timing) {
                        {"n_periods", timing.n_periods},
                        {"n_late", timing.n_late},
                        {"n_lost", timing.n_lost},
-                       {"n_duplicates", timing.n_duplicates},
+                       {"n_duplicate", timing.n_duplicates},
                        {"n_listened", timing.n_listened},
                        {"worst_wake_up_us", timing.worst_wake_up_us},
                        {"worst_compute_us", timing.worst_compute_us}};
@@ -180,15 +180,13 @@ ordered_json json_of(const IdentificationSummary& id) {
 }
 
 ordered_json json_of(const MotionLevel& level, const std::optional<MotionSpectra>& spectra) {
-  ordered_json json = {{"rms_acceleration", level.rms_acceleration},
-                       {"peak_acceleration", level.peak_acceleration},
-                       {"whole_rms", level.whole_rms},
-                       {"largest_band_velocity", level.largest_band_velocity},
-                       {"largest_band_hz", level.largest_band_hz},
-                       {"vibration_class", level.vibration_class}};
+  ordered_json json = {
+      {"rms_m_s2", level.rms_acceleration},       {"peak_m_s2", level.peak_acceleration},
+      {"whole_rms_m_s2", level.whole_rms},        {"largest_band_m_s", level.largest_band_velocity},
+      {"largest_band_hz", level.largest_band_hz}, {"vibration_class", level.vibration_class}};
   if (spectra) {
-    json["third_octave_velocity"] = spectra->velocity;
-    json["cumulative_rms"] = spectra->cumulative_rms;
+    json["third_octaves_m_s"] = spectra->velocity;
+    json["cumulative_rms_m_s2"] = spectra->cumulative_rms;
   }
   return json;
 }
@@ -223,15 +221,15 @@ ordered_json json_of(const ShockSummary& shock) {
   return {{"axis", shock.axis},
           {"loop", shock.loop},
           {"time_s", shock.time_s},
-          {"floor_level", shock.floor_level},
-          {"frame_level", shock.frame_level},
+          {"floor_level_m_s2", shock.floor_level},
+          {"frame_level_m_s2", shock.frame_level},
           {"settling_s", json_of(shock.settling_s)}};
 }
 
 ordered_json json_of(const NoiseSummary& noise) {
   return {{"axis", noise.axis},
           {"loop", noise.loop},
-          {"rms_acceleration", json_of(noise.rms_acceleration)},
+          {"rms_m_s2", json_of(noise.rms_acceleration)},
           {"share", json_of(noise.share)},
           {"missing", noise.missing}};
 }
@@ -239,15 +237,15 @@ ordered_json json_of(const NoiseSummary& noise) {
 ordered_json json_of(const EffortSummary& effort) {
   return {{"loop", effort.loop},
           {"leg", effort.leg},
-          {"applied_rms", effort.applied_rms},
-          {"applied_peak", effort.applied_peak},
-          {"command_peak", effort.command_peak},
-          {"limit", json_of(effort.limit)}};
+          {"applied_rms_n", effort.applied_rms},
+          {"applied_peak_n", effort.applied_peak},
+          {"command_peak_n", effort.command_peak},
+          {"force_limit_n", json_of(effort.limit)}};
 }
 
 ordered_json ratio_of(const MotionLevel& level, const MotionLevel& reference) {
-  return {{"rms_acceleration", level.rms_acceleration / reference.rms_acceleration},
-          {"largest_band_velocity", level.largest_band_velocity / reference.largest_band_velocity}};
+  return {{"rms", level.rms_acceleration / reference.rms_acceleration},
+          {"largest_band", level.largest_band_velocity / reference.largest_band_velocity}};
 }
 
 ordered_json json_of(const AxisLevels& levels) {
@@ -275,7 +273,7 @@ ordered_json json_list(const std::vector<Item>& items) {
 }  // namespace
 
 std::string to_json(const Verdict& verdict) {
-  ordered_json json = {{"format", 2},
+  ordered_json json = {{"format", 3},
                        {"outcome", to_text(verdict.judgement.outcome)},
                        {"reason", verdict.judgement.reason},
                        {"checks", json_list(verdict.judgement.checks)},
@@ -286,9 +284,9 @@ std::string to_json(const Verdict& verdict) {
   json["timing"] = json_list(verdict.timing);
   if (verdict.identification) json["identification"] = json_of(*verdict.identification);
   json["axes"] = json_list(verdict.axes);
-  json["third_octave_bands_hz"] = ordered_json::array();
+  json["bands_hz"] = ordered_json::array();
   for (const OctaveBand& band : third_octave_bands()) {
-    json["third_octave_bands_hz"].push_back(band.nominal_hz);
+    json["bands_hz"].push_back(band.nominal_hz);
   }
   json["responses"] = json_list(verdict.responses);
   json["transmissibility"] = json_list(verdict.transmissibility);

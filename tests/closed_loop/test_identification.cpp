@@ -127,9 +127,9 @@ TEST_F(ClosedLoop, RealFloorIsReduced) {
   for (const auto& run : verdict.at("runs")) EXPECT_EQ(run.at("n_lost"), 0) << run.at("loop");
   ASSERT_EQ(verdict.at("axes").size(), 3u);
   for (const auto& axis : verdict.at("axes")) {
-    const double floor = axis.at("floor").at("rms_acceleration");
-    const double passive = axis.at("passive").at("rms_acceleration");
-    const double active = axis.at("active").at("rms_acceleration");
+    const double floor = axis.at("floor").at("rms_m_s2");
+    const double passive = axis.at("passive").at("rms_m_s2");
+    const double active = axis.at("active").at("rms_m_s2");
     // Undamped, the passive frame amplifies; isolated, it moves less than the floor.
     EXPECT_GT(passive, floor) << axis.at("axis");
     EXPECT_LT(active, floor) << axis.at("axis");

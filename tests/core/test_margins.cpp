@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/control/continuous_loop.hpp"
 #include "core/control/delay_centre.hpp"
 #include "core/control/delay_limit.hpp"
 #include "core/control/design/control_loop.hpp"
@@ -462,6 +463,35 @@ TEST(Margins, GainsNextToTheirLimitAreFoundToAPartOfTheDistance) {
     EXPECT_GE(radius(1 + 1e-5), largest_stable_radius) << seed;
   }
   EXPECT_GT(n_limits, 4);
+}
+
+// At low frequencies delay, hold, lag and roll-off are one time by which a force is late, and the
+// lead takes all of it away: what is left is of the second order.
+TEST(MatchedLead, MakesTheLoopThatOfTheContinuousLaw) {
+  for (const double lag_hz : {0.0, 300.0}) {
+    for (const double roll_off : {0.0, two_pi * 100}) {
+      LoopSettings settings = with_roll_off(frame_loop(0, lag_hz), roll_off);
+      const double matched = settings.law.lead_samples;
+      ForceFeedback ideal = settings.feedback;
+      ideal.roll_off = 0;
+      const double omega = two_pi * 0.2;
+      const LinearSystem law = continuous_loop(settings.plant, ideal);
+      const MatrixXcd resolvent =
+          Complex(0, omega) * MatrixXcd::Identity(law.A.rows(), law.A.rows()) - law.A;
+      const MatrixXcd T = (law.C * resolvent.partialPivLu().solve(law.B.cast<Complex>()) + law.D)
+                              .leftCols(settings.plant.B_w.cols());
+      const auto error = [&](double lead) {
+        settings.law.lead_samples = lead;
+        return (transfer(close_loop(settings), omega) - T).norm();
+      };
+      const double least = error(matched);
+      SCOPED_TRACE(std::to_string(lag_hz) + " " + std::to_string(roll_off));
+      EXPECT_LT(least, 0.1 * error(matched - 0.5));
+      EXPECT_LT(least, 0.1 * error(matched + 0.5));
+      if (roll_off == 0) continue;
+      EXPECT_LT(least, 0.1 * error(lateness(settings.sampling)));
+    }
+  }
 }
 
 TEST(Margins, AnUnstableLoopHasNone) {

@@ -107,7 +107,14 @@ std::string account_of(const Scene& scene) {
   if (scene.controller) {
     const SceneController& c = *scene.controller;
     account.add("controller", c.sample_rate_hz, c.delay_samples, c.leak_hz, c.high_pass_hz,
-                c.lead_samples, c.roll_off_hz, c.force_limit_n);
+                c.lead_samples, c.roll_off_hz, c.force_limit_n, static_cast<int>(c.order),
+                static_cast<int>(c.reduction), static_cast<int>(c.realisation));
+    if (c.feed_forward) {
+      const SceneFeedForward& f = *c.feed_forward;
+      account.add(" feed_forward", f.to_hz, f.corner_hz, f.target_hz, f.damping_ratio, f.at_most_db,
+                  f.actuator_error, f.noise_over_floor, f.taps);
+    }
+    if (c.law) account.add(" law", c.law->file, c.law->bytes);
     for (const auto& leg : c.legs) account.add(" leg", leg);
     for (const double hz : c.target_hz) account.add(" hz", hz);
     for (const double ratio : c.damping_ratio) account.add(" ratio", ratio);
@@ -544,21 +551,20 @@ class Rebuilt {
     }
   }
   void add_signals() {
-    const auto along = [&](const SceneSignal& s) {
+    const auto of = [](const SceneSignal& s) { return plain(s.node.empty() ? s.element : s.node); };
+    const auto component = [&](const SceneSignal& s) -> SceneComponent {
+      if (s.node.empty()) return s.mode;
       const bool none = scene_.planar && s.direction.z() != 0;
       return none ? SceneDirection() : direction(s.direction);
     };
     for (const auto& s : scene_.inputs) {
-      s.node.empty() ? builder_.input(s.name, s.quantity, plain(s.element), s.mode)
-                     : builder_.input(s.name, s.quantity, plain(s.node), along(s));
+      builder_.input(s.name, s.quantity, of(s), component(s));
     }
     for (const auto& s : scene_.outputs) {
-      s.node.empty() ? builder_.output(s.name, s.quantity, plain(s.element), s.mode)
-                     : builder_.output(s.name, s.quantity, plain(s.node), along(s));
+      builder_.output(s.name, s.quantity, of(s), component(s));
     }
     for (const auto& s : scene_.monitors) {
-      s.node.empty() ? builder_.monitor(s.name, s.quantity, plain(s.element), s.mode)
-                     : builder_.monitor(s.name, s.quantity, plain(s.node), along(s));
+      builder_.monitor(s.name, s.quantity, of(s), component(s));
     }
   }
   void add(const SceneController& c) {
@@ -567,13 +573,27 @@ class Rebuilt {
             c.target_hz.data(), static_cast<Eigen::Index>(c.target_hz.size())),
         .damping_ratio = Eigen::Map<const Eigen::VectorXd>(
             c.damping_ratio.data(), static_cast<Eigen::Index>(c.damping_ratio.size())),
+        .order = c.order,
+        .reduction = c.reduction,
+        .realisation = c.realisation,
         .sample_rate_hz = c.sample_rate_hz,
         .delay_samples = c.delay_samples,
         .leak_hz = c.leak_hz,
         .high_pass_hz = c.high_pass_hz,
         .lead_samples = c.lead_samples,
         .roll_off_hz = c.roll_off_hz,
-        .force_limit_n = c.force_limit_n};
+        .force_limit_n = c.force_limit_n,
+        .law = c.law ? c.law->file : ""};
+    if (const auto& f = c.feed_forward) {
+      keys.feed_forward = FeedForwardKeys{.to_hz = f->to_hz,
+                                          .corner_hz = f->corner_hz,
+                                          .target_hz = f->target_hz,
+                                          .damping_ratio = f->damping_ratio,
+                                          .at_most_db = f->at_most_db,
+                                          .actuator_error = f->actuator_error,
+                                          .noise_over_floor = f->noise_over_floor,
+                                          .taps = f->taps};
+    }
     for (const auto& leg : c.legs) keys.legs.push_back(plain(leg));
     builder_.controller(keys);
   }
@@ -594,6 +614,30 @@ TEST(SceneBuilder, MakesEveryScene) {
     expect_same_scene(rebuilt.builder(), read);
   }
   EXPECT_GE(n_scenes, 20);
+}
+
+TEST(SceneBuilder, HasEveryKeyOfAController) {
+  const std::string frame = shipped("metrology_frame.yaml").text;
+  const fs::path folder = fs::path(testing::TempDir()) / "stillframe_law_of_a_builder";
+  fs::create_directories(folder);
+  const fs::path law = folder / "gains.yaml";
+  std::ofstream(law) << "K_P: [[1]]\nK_I: [[1]]\n";
+  const std::string scene = frame.substr(0, frame.find("\ncontroller:"));
+  const std::string start =
+      "\ncontroller:\n  legs: [leg_1t, leg_1v]\n  target_hz: 5\n  damping_ratio: 0.7\n"
+      "  sample_rate_hz: 1000\n  delay_samples: 1\n";
+  const std::string designed =
+      "  leak_hz: 0.05\n  order: deck\n  reduction: modes\n  realisation: naive_pi\n"
+      "  high_pass_hz: 0.01\n  lead_samples: 1.5\n  roll_off_hz: 200\n  force_limit_n: 50\n";
+  const std::string forward =
+      "  feed_forward: {to_hz: 40, corner_hz: 0.7, target_hz: 4, damping_ratio: 0.8, at_most_db: "
+      "-20, actuator_error: 0.03, noise_over_floor: 2e-3, taps: 9}\n";
+  for (const std::string& rest :
+       {designed + forward, designed + "  feed_forward: {}\n", "  law: " + law.string() + "\n"}) {
+    const Scene read = parse_scene(scene + start + rest, "frame.yaml");
+    ASSERT_TRUE(read.controller->feed_forward || read.controller->law);
+    expect_same_scene(Rebuilt(read).builder(), read);
+  }
 }
 
 TEST(SceneBuilder, KeepsEveryBitOfANumber) {

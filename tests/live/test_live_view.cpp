@@ -193,15 +193,15 @@ TEST_F(LiveViewTest, JsonHasTheViewAndItsKeysAreDocumented) {
   const std::string line = to_json(v, true);
   EXPECT_EQ(line.find('\n'), std::string::npos);
   const json document = json::parse(line);
-  EXPECT_EQ(document["format"], 1);
+  EXPECT_EQ(document["format"], 2);
   EXPECT_EQ(document["run"]["run_id"], "7");
   EXPECT_EQ(document["run"]["names"], "run_info");
   EXPECT_EQ(document["run"]["duration_s"], 60.001);
   EXPECT_EQ(document["controller"]["n_lost"], 1003);
   // To the bit.
-  EXPECT_EQ(document["axes"][0]["floor"]["rms_acceleration"],
-            v.axes[0].floor->level.rms_acceleration);
-  EXPECT_EQ(document["axes"][0]["frame"]["band_velocity"][10], v.axes[0].frame.band_velocity(10));
+  EXPECT_EQ(document["axes"][0]["floor"]["rms_m_s2"], v.axes[0].floor->level.rms_acceleration);
+  EXPECT_EQ(document["axes"][0]["frame"]["third_octaves_m_s"][10],
+            v.axes[0].frame.band_velocity(10));
   EXPECT_EQ(document["legs"][1]["share"], 0.25);
   EXPECT_EQ(document["timing"][0]["n_lost"], 4);
   EXPECT_EQ(document["history"]["wake_up_us"].size(), 60u);

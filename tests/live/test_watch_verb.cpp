@@ -76,9 +76,9 @@ TEST_F(WatchVerb, SeesARunThatBeganBefore) {
   EXPECT_EQ(view["controller"]["state"], "active");
   ASSERT_EQ(view["axes"].size(), 1u);
   // The closed form of the sine; the window is not a whole number of its periods.
-  EXPECT_NEAR(view["axes"][0]["floor"]["rms_acceleration"].get<double>(),
+  EXPECT_NEAR(view["axes"][0]["floor"]["rms_m_s2"].get<double>(),
               sample::floor_amplitude / std::sqrt(2), 0.01 * sample::floor_amplitude);
-  EXPECT_EQ(view["legs"][1]["peak"], 50);
+  EXPECT_EQ(view["legs"][1]["peak_n"], 50);
   for (const auto& channel : view["channels"]) {
     EXPECT_EQ(channel["n_broken"], 0) << channel;
     EXPECT_EQ(channel["n_other_version"], 0) << channel;
@@ -178,7 +178,7 @@ TEST_F(WatchVerb, ServesThePageAndEndsAtCtrlC) {
   Connection browser(port);
   browser.send("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
   const std::string events = browser.read_until("\"run_id\":\"7\"");
-  EXPECT_NE(events.find("data: {\"format\":1"), std::string::npos);
+  EXPECT_NE(events.find("data: {\"format\":2"), std::string::npos);
   Connection hanging(port);
   hanging.send("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
   while (get(port, "/view").find("vibration_class") == std::string::npos) usleep(50'000);

@@ -7,6 +7,7 @@ namespace stillframe::random_scenes {
 
 // Each in its file of relations/.
 std::optional<Finding> check_frequencies(Case& scene, std::uint64_t seed);
+std::optional<Finding> check_sparse(Case& scene, std::uint64_t seed);
 std::optional<Finding> check_placement(Case& scene, std::uint64_t seed);
 std::optional<Finding> check_renumbering(Case& scene, std::uint64_t seed);
 std::optional<Finding> check_units(Case& scene, std::uint64_t seed);
@@ -49,6 +50,8 @@ bool too_short(Finding& finding, const std::string& run, std::int64_t n, std::in
 const std::vector<Relation>& relations() {
   static const std::vector<Relation> all = {
       {"frequencies", "minimal dofs against nodal coordinates with constraints", check_frequencies},
+      {"sparse", "minimal dofs against displacements and stresses that are both unknown",
+       check_sparse},
       {"placement", "turned and shifted", check_placement},
       {"renumbering", "another order, other names", check_renumbering},
       {"units", "another metre, kilogram and second", check_units},

@@ -143,11 +143,11 @@ TEST(Verdict, JsonReadsBackToTheSameNumbers) {
   verdict.identification->open_largest_db = std::nextafter(0.0123, 1);
   verdict.identification->closed_at_hz = std::nan("");
   const json j = json::parse(to_json(verdict));
-  EXPECT_EQ(j["format"], 2);
+  EXPECT_EQ(j["format"], 3);
   EXPECT_EQ(j["outcome"], "failed");
   EXPECT_EQ(j["checks"][0]["outcome"], "failed");
-  EXPECT_EQ(j["axes"][0]["ranges"][0]["active"], 0.09e-3);
-  EXPECT_TRUE(j["axes"][0]["ranges"][0]["passive"].is_null());
+  EXPECT_EQ(j["axes"][0]["ranges"][0]["active_rms_m_s2"], 0.09e-3);
+  EXPECT_TRUE(j["axes"][0]["ranges"][0]["passive_rms_m_s2"].is_null());
   EXPECT_EQ(j["runs"].size(), 2u);
   EXPECT_EQ(j["runs"][0]["loop"], "passive");
   EXPECT_EQ(j["runs"][0]["n_samples"], 390000);
@@ -157,8 +157,8 @@ TEST(Verdict, JsonReadsBackToTheSameNumbers) {
   EXPECT_EQ(j["identification"]["open_largest_db"].get<double>(), std::nextafter(0.0123, 1));
   EXPECT_TRUE(j["identification"]["closed_at_hz"].is_null());
   EXPECT_EQ(j["axes"][0]["active"]["vibration_class"], "VC-E");
-  EXPECT_EQ(j["axes"][0]["ratio_active_to_passive"]["rms_acceleration"], 0.1e-3 / 8e-3);
-  EXPECT_EQ(j["axes"][0]["ratio_active_to_floor"]["largest_band_velocity"], 3e-6 / 6.2e-6);
+  EXPECT_EQ(j["axes"][0]["ratio_active_to_passive"]["rms"], 0.1e-3 / 8e-3);
+  EXPECT_EQ(j["axes"][0]["ratio_active_to_floor"]["largest_band"], 3e-6 / 6.2e-6);
   EXPECT_FALSE(j["axes"][1].contains("active"));
   verdict.identification.reset();
   EXPECT_FALSE(json::parse(to_json(verdict)).contains("identification"));
@@ -280,17 +280,17 @@ TEST(Verdict, EverythingThatALogTellsIsInBoth) {
   }
   const json j = json::parse(to_json(verdict));
   EXPECT_EQ(j["timing"][0]["wake_up"]["p999_us"], 4321);
-  EXPECT_EQ(j["axes"][0]["active"]["third_octave_velocity"][1], 2e-6);
-  EXPECT_EQ(j["third_octave_bands_hz"].size(), 20u);
+  EXPECT_EQ(j["axes"][0]["active"]["third_octaves_m_s"][1], 2e-6);
+  EXPECT_EQ(j["bands_hz"].size(), 20u);
   EXPECT_EQ(j["responses"][0]["n_compared"], 137);
   EXPECT_EQ(j["responses"][1]["missing"], "no reason");
   EXPECT_EQ(j["transmissibility"][0]["upper"][1], 0.3);
   EXPECT_EQ(j["shocks"][0]["settling_s"], 0.7);
   EXPECT_TRUE(j["shocks"][1]["settling_s"].is_null());
   EXPECT_EQ(j["noise"][0]["share"], 0.0456);
-  EXPECT_TRUE(j["noise"][1]["rms_acceleration"].is_null());
+  EXPECT_TRUE(j["noise"][1]["rms_m_s2"].is_null());
   EXPECT_EQ(j["noise"][1]["missing"], "no model");
-  EXPECT_EQ(j["effort"][0]["limit"], 100);
+  EXPECT_EQ(j["effort"][0]["force_limit_n"], 100);
 }
 
 TEST(Verdict, WritesAFileOrSaysThatItCannot) {

@@ -94,8 +94,38 @@ TEST(Evaluator, AFeedForwardBesideTheLawIsThatWithinIt) {
         Eigen::exp(VectorXd::LinSpaced(3000, std::log(20), std::log(499)).array());
     const double highest = within.curve(values, fine, true).gain.maxCoeff();
     EXPECT_LE(a.peak, highest * (1 + 1e-3));
-    const auto curve = beside.curve(values, beside.frequencies_hz(), false);
-    EXPECT_LT((curve.gain - b.gain).norm(), 1e-9 * b.gain.norm());
+  }
+}
+
+// A curve is drawn beside the law as well: each of its points is what the loop with the states of
+// the feed-forward has there, next to the poles too, and it knows the same resonances.
+TEST(Evaluator, ACurveBesideTheLawIsThatOfTheWholeLoop) {
+  FeedForward filter{.memory = 0.99, .n_taps = 5, .weights = Eigen::MatrixXd(6, 42)};
+  std::mt19937 engine(2);
+  std::normal_distribution<double> normal(0, 50);
+  for (double& value : filter.weights.reshaped()) value = normal(engine);
+  SceneUncertainty uncertainty;
+  uncertainty.stiffness = 0.1;
+  Evaluator::Settings settings{.scene = frame().scene,
+                               .sampling = frame().sampling,
+                               .law = frame().law,
+                               .feed_forward = filter,
+                               .parameters = parameters_of(frame().scene, uncertainty),
+                               .frequencies_hz = Eigen::Vector2d(1, 100)};
+  const Evaluator beside(settings);
+  settings.law.feed_forward = feed_forward_system(filter);
+  settings.feed_forward = {};
+  const Evaluator within(settings);
+  const VectorXd even = VectorXd::LinSpaced(400, 0.1, 499);
+  std::uniform_real_distribution<double> draw(-1, 1);
+  for (int i = 0; i < 3; ++i) {
+    VectorXd values(beside.size());
+    for (double& value : values) value = draw(engine);
+    const auto a = beside.curve(values, even, true), b = within.curve(values, even, true);
+    ASSERT_EQ(a.frequencies_hz.size(), b.frequencies_hz.size());
+    EXPECT_LT((a.frequencies_hz - b.frequencies_hz).cwiseAbs().maxCoeff(), 1e-9);
+    const VectorXd there = within.curve(values, a.frequencies_hz, false).gain;
+    EXPECT_LT(((a.gain - there).array() / there.array()).abs().maxCoeff(), 1e-10);
   }
 }
 

@@ -86,7 +86,7 @@ def check_signals(signals, part):
     labels += [f"sigma:{name} [N]" for name in run["sigma_names"]]
     assert names[2 : 2 + len(labels)] == labels
     summary = part["files"][0]
-    assert summary["rows"] == 1001 and summary["first_s"] == 1 and summary["last_s"] == 2
+    assert summary["n_rows"] == 1001 and summary["first_s"] == 1 and summary["last_s"] == 2
     with open("part.csv", newline="") as file:
         header = next(csv.reader(file))
         rows = numpy.loadtxt(file, delimiter=",", ndmin=2)

@@ -39,6 +39,12 @@ NEVER_ABSENT = {
     "robustness#/$defs/outcome/properties/spectral_radius": "as failure",
 }
 
+UNITS_IN_KEYS = {"Hz": "hz", "dB": "db", "us": "us", "ns": "ns", "samples": "samples", "N": "n", "m/s": "m_s",
+                 "m/s^2": "m_s2"}
+# Whole numbers without n_: those that number something, sizes, times, taps as a scene has them, and what `counts` counts.
+NO_COUNTS = {"pid", "seed", "index", "seq", "period", "column", "first_bin", "bytes", "unread_bytes", "started_ns", "worst_ns",
+             "taps", "stable", "unstable", "failed"}
+
 # A mass on one leg: the smallest scene that everything can be asked of, and quick.
 LEG = """title: One leg
 planar: true
@@ -111,8 +117,25 @@ class Schema:
             for key in set(schema.get("required", [])) - set(schema["properties"]):
                 fail(f"{self.name}{pointer}: {key} is required and not described")
             for key, value in schema["properties"].items():
-                if not value.get("description"):
-                    fail(f"{self.name}{pointer}/properties/{key}: no description")
+                self.require_key(f"{self.name}{pointer}/properties/{key}", key, value)
+
+    @staticmethod
+    def require_key(place, key, value):
+        """Keys as docs/json/README.md has them: units that are not SI, counts, and what scene means."""
+        description = value.get("description")
+        if not description:
+            fail(f"{place}: no description")
+            return
+        unit = re.search(r"(?:^|, )(Hz|dB|us|ns|samples|N|m/s|m/s\^2)(?: rms)?(?:;|$)", description)
+        whole = "integer" in value.get("type", "")
+        if unit and not whole:
+            wanted = UNITS_IN_KEYS[unit[1]]
+            if not re.search(f"(^|_){wanted}$", key):
+                fail(f"{place}: is in {unit[1]}, and its key has no {wanted} at its end")
+        if whole and not key.startswith("n_") and key not in NO_COUNTS:
+            fail(f"{place}: is a count without n_, or belongs to NO_COUNTS")
+        if key == "scene" and "the scene's title" not in description:
+            fail(f"{place}: scene is the scene's title, a path is scene_file")
 
     def take(self, text, where):
         """Validates the text of a document."""

@@ -28,8 +28,8 @@ TEST_F(BatchVerb, RunsEveryCombinationInOrder) {
   ASSERT_EQ(rows.size(), 4u);
   for (size_t i = 0; i < 4; ++i) {
     const auto names = [&](const char* key) { return rows[i].at(key).get<std::string>(); };
-    EXPECT_NE(names("controller").find(i < 2 ? "5hz" : "slower"), std::string::npos) << i;
-    EXPECT_NE(names("floor").find(i % 2 == 0 ? "multisine" : "quake"), std::string::npos) << i;
+    EXPECT_NE(names("controller_file").find(i < 2 ? "5hz" : "slower"), std::string::npos) << i;
+    EXPECT_NE(names("floor_file").find(i % 2 == 0 ? "multisine" : "quake"), std::string::npos) << i;
     EXPECT_EQ(rows[i].at("n_samples"), 6001) << i;
     // On a multisine the six outputs, too, and no floor, as each of its inputs moves on its own.
     EXPECT_EQ(rows[i].at("axes").size(), i % 2 == 0 ? 9u : 3u) << i;
@@ -50,7 +50,7 @@ TEST_F(BatchVerb, AnswersTheSameOnAnyNumberOfThreads) {
   arguments.back() = "3";
   Json three = json(arguments);
   for (Json* rows : {&one, &three}) {
-    for (Json& row : *rows) row.erase("times_real_time");
+    for (Json& row : *rows) row.erase("real_time_factor");
   }
   EXPECT_EQ(one, three);
 }

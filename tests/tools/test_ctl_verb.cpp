@@ -106,11 +106,13 @@ TEST_F(Ctl, StatusOnlyListens) {
   EXPECT_EQ(status.at("text"), "fading: measurements beyond the limit");
   EXPECT_EQ(status.at("answer"), "");
   std::int64_t next = 2001;
-  for (const char* key :
-       {"n_periods", "n_late", "n_lost", "n_duplicate", "n_missing", "n_saturated", "n_faults",
-        "n_rejoins", "n_bad_messages", "n_commands_dropped", "n_records_dropped", "n_page_faults",
-        "worst_wake_up_ns", "worst_compute_ns"}) {
+  for (const char* key : {"n_periods", "n_late", "n_lost", "n_duplicate", "n_missing",
+                          "n_saturated", "n_faults", "n_rejoins", "n_bad_messages",
+                          "n_commands_dropped", "n_records_dropped", "n_page_faults"}) {
     EXPECT_EQ(status.at(key), next++) << key;
+  }
+  for (const char* key : {"worst_wake_up_us", "worst_compute_us"}) {
+    EXPECT_EQ(status.at(key), static_cast<double>(next++) / 1e3) << key;
   }
   EXPECT_EQ(status.size(), 23u);
   expect_documented_keys("ctl", status);

@@ -23,7 +23,7 @@ TEST_F(DesignVerb, JsonSaysWhatThePageSays) {
   const Json document = json({"design", frame});
   expect_documented_keys("design", document);
   EXPECT_EQ(document["closed_loop_poles"].size(), 18u);  // 12 of the frame, 6 of the law
-  EXPECT_EQ(document["frequencies_hz"].size(), document["noise_to_acceleration"].size());
+  EXPECT_EQ(document["frequencies_hz"].size(), document["noise_m_s2_per_n"].size());
   // Six equal legs: both orders are one matrix, and all poles are on their targets.
   for (const char* order : {"exact_order", "deck_order"}) {
     EXPECT_NEAR(document[order]["lowest"].get<double>(), 1, 1e-9) << order;

@@ -483,8 +483,8 @@ TEST_F(ByTheClock, MotionIsJudgedFromWhereTheLoopHoldsTheFrame) {
   EXPECT_EQ(active["runs"][0]["n_judged"], held.size());
   const auto& level = active["axes"][0]["active"];
   // Sums in another order.
-  EXPECT_NEAR(level["whole_rms"].get<double>(), rms(held), 1e-12 * rms(held));
-  EXPECT_EQ(level["peak_acceleration"], held.cwiseAbs().maxCoeff());
+  EXPECT_NEAR(level["whole_rms_m_s2"].get<double>(), rms(held), 1e-12 * rms(held));
+  EXPECT_EQ(level["peak_m_s2"], held.cwiseAbs().maxCoeff());
   EXPECT_TRUE(active["shocks"].empty());
   // Stopped, it has done its work until then.
   const auto stopped =
@@ -492,7 +492,7 @@ TEST_F(ByTheClock, MotionIsJudgedFromWhereTheLoopHoldsTheFrame) {
   EXPECT_EQ(stopped["runs"][0]["judged_to_s"], 15);
   EXPECT_EQ(stopped["runs"][0]["let_go"], "it was stopped");
   const VectorXd until = all.segment(3000, 12'000);
-  EXPECT_NEAR(stopped["axes"][0]["active"]["whole_rms"].get<double>(), rms(until),
+  EXPECT_NEAR(stopped["axes"][0]["active"]["whole_rms_m_s2"].get<double>(), rms(until),
               1e-12 * rms(until));
   const auto outcome_of_hold = [](const nlohmann::json& verdict) {
     for (const auto& check : verdict["checks"]) {

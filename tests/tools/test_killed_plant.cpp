@@ -117,7 +117,7 @@ TEST_F(KilledPlant, TheExportIsThatOfTheOneThatCameBackAndSaysSo) {
                                    folder_ / "a.csv", "--mat", folder_ / "a.mat"};
     if (!plant.empty()) words.insert(words.end(), {"--plant", plant});
     const Json document = said(words);
-    return std::tuple(document.at("warnings"), document.at("files")[0].at("rows"),
+    return std::tuple(document.at("warnings"), document.at("files")[0].at("n_rows"),
                       text_of(folder_ / "a.csv"), text_of(folder_ / "a.mat"));
   };
   const auto both = exported(both_, ""), alone = exported(alone_, "");

@@ -65,7 +65,7 @@ TEST_F(LogVerbs, AReportIsOneFileAndTheVerdictBesideIt) {
   EXPECT_EQ(verdict, Json::parse(text_of(folder_ / "verdict.json")));
   EXPECT_EQ(verdict.at("runs").size(), 2u);
   EXPECT_EQ(verdict.at("axes").size(), 3u);
-  EXPECT_EQ(verdict.at("axes")[0].at("active").at("cumulative_rms").size(), 20u);
+  EXPECT_EQ(verdict.at("axes")[0].at("active").at("cumulative_rms_m_s2").size(), 20u);
   EXPECT_EQ(verdict.at("transmissibility").size(), 6u);
   EXPECT_EQ(verdict.at("effort").size(), 6u);  // of the active run: a passive one does nothing
   // The page of a run and that of its logs are one and the same.
@@ -95,7 +95,7 @@ TEST_F(LogVerbs, ATruncatedLogGivesWhatItHolds) {
   EXPECT_EQ(run_summary.at("n_samples").get<int>() + run_summary.at("n_lost").get<int>(), 8001);
   EXPECT_NEAR(run_summary.at("n_samples").get<double>(), 4000, 30);
   EXPECT_GT(run_summary.at("unread_bytes"), 0);
-  EXPECT_GT(verdict.at("axes")[0].at("floor").at("rms_acceleration"), 0);
+  EXPECT_GT(verdict.at("axes")[0].at("floor").at("rms_m_s2"), 0);
   const std::string page = text_of(folder_ / "cut.html");
   EXPECT_NE(page.find("cannot be read"), std::string::npos);
 }

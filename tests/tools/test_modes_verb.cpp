@@ -47,7 +47,7 @@ class ModesVerb : public Verb {
 TEST_F(ModesVerb, TurningTable) {
   const Json document = json({"modes", table("0.1", "0")});
   EXPECT_EQ(document["moving"], true);
-  EXPECT_EQ(document["growing_eigenvalues"], 0);
+  EXPECT_EQ(document["n_growing_eigenvalues"], 0);
   expect_table(document, 0.1, 0);
   // det(-w^2 M + K + N) = 0: w^2 = 1 - W^2.
   ASSERT_EQ(document["natural_frequencies_hz"].size(), 2u);
@@ -71,7 +71,7 @@ TEST_F(ModesVerb, TableThatHardlyTurnsHasItsPolesAndItsResponse) {
 TEST_F(ModesVerb, TableThatThrowsItsMassOutIsPrintedInWords) {
   const auto scene = table("2", "0.1");
   const Json document = json({"modes", scene});
-  EXPECT_EQ(document["growing_eigenvalues"], 2);
+  EXPECT_EQ(document["n_growing_eigenvalues"], 2);
   EXPECT_EQ(document["natural_frequencies_hz"].size(), 0u);
   EXPECT_EQ(document["mode_shapes"].size(), 0u);
   expect_table(document, 2, 0.1);
@@ -205,7 +205,7 @@ dofs: [{element: arm, mode: 1}, {element: stiff}]
 operating_point: as_written
 )");
   const Json document = json({"modes", scene});
-  EXPECT_EQ(document["growing_eigenvalues"], 1);
+  EXPECT_EQ(document["n_growing_eigenvalues"], 1);
   EXPECT_EQ(document["damping_ratios"][0], -1.0);
   // The rate squared and the stiffness are 15 digits of their difference.
   EXPECT_NEAR(std::abs(eigenvalues(document)[0]), std::sqrt(0.03), 1e-14);

@@ -451,10 +451,10 @@ TEST_F(VerdictVerbs, TheModelKnowsWhatAForceDoes) {
   const Json verdict = Json::parse(text_of(out / "verdict.json"));
   EXPECT_EQ(verdict.at("disturbed"), true);
   for (const Json& range : verdict.at("axes")[0].at("ranges")) {
-    const double whole = range.at("active");
+    const double whole = range.at("active_rms_m_s2");
     // A simulation errs by 3e-4 of its motion at most, 30 times its tolerance.
-    EXPECT_NEAR(range.at("active_by_forces").get<double>(), whole, 3e-4 * whole);
-    EXPECT_LE(range.at("active_undisturbed").get<double>(), 3e-4 * whole);
+    EXPECT_NEAR(range.at("active_by_forces_m_s2").get<double>(), whole, 3e-4 * whole);
+    EXPECT_LE(range.at("active_undisturbed_m_s2").get<double>(), 3e-4 * whole);
   }
 }
 

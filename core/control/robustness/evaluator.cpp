@@ -15,6 +15,7 @@
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/golden_section.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "core/systems/resonances.hpp"
 
@@ -58,10 +59,12 @@ namespace {
 
 /// The largest singular value of T. A feed-forward is part of no plant and moves no pole: with its
 /// states in the loop a frequency takes ten times as long as by T_fb + H Theta.
-class Gains {
+class LargestSingularValue {
  public:
-  Gains(const SampledLoop& loop, const FeedForward& filter)
+  LargestSingularValue(const SampledLoop& loop, const FeedForward& filter)
       : sweep_(proper_system({loop.A, loop.B, loop.C, loop.D})), filter_(filter) {}
+
+  const Eigen::VectorXcd& poles() const { return sweep_.poles(); }
 
   /// At each of the angles omega T_s.
   VectorXd at(const std::vector<double>& angles) {
@@ -95,10 +98,10 @@ Index nearest(const VectorXd& frequencies_hz, double hz) {
 
 /// The peak of T between two angles, by golden sections: to 0.618^10 of their distance, and T to
 /// the square of that. At least `found`.
-double refined_peak(Gains& gains, double from, double to, double found) {
+double refined_peak(LargestSingularValue& largest, double from, double to, double found) {
   double highest = found;
   const auto value = [&](double angle) {
-    const double there = gains.at({angle})(0);
+    const double there = largest.at({angle})(0);
     highest = std::max(highest, there);
     return there;
   };
@@ -164,7 +167,7 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
   if (want == Want::poles || outcome.verdict == Outcome::Verdict::unstable) return outcome;
 
   const VectorXd& f = settings_.frequencies_hz;
-  const double radians = 2 * std::numbers::pi * T_s;
+  const double radians = two_pi * T_s;
   std::vector<double> angles;
   for (const double hz : f) angles.push_back(radians * hz);
   // A resonance is sharpest at the angle of its pole, between the frequencies of any grid.
@@ -173,7 +176,7 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
     if (z.imag() > 0 && std::arg(z) >= angles.front()) at_poles.push_back(z);
   }
   for (const Complex& z : at_poles) angles.push_back(std::arg(z));
-  Gains largest(loop, settings_.feed_forward);
+  LargestSingularValue largest(loop, settings_.feed_forward);
   const VectorXd gains = largest.at(angles);
   outcome.gain = gains.head(f.size());
   outcome.highest = outcome.gain;
@@ -203,15 +206,16 @@ Outcome Evaluator::operator()(const VectorXd& values, Want want) const {
 
 Evaluator::Curve Evaluator::curve(const VectorXd& values, const VectorXd& frequencies_hz,
                                   bool with_resonances) const {
-  DiscreteLaw law = settings_.law;
-  if (!settings_.feed_forward.empty()) {
-    law.feed_forward = feed_forward_system(settings_.feed_forward);
+  const SampledLoop loop = loop_of(values);
+  LargestSingularValue largest(loop, settings_.feed_forward);
+  Curve found{frequencies_hz, {}};
+  if (with_resonances) {
+    const auto where = resonances(largest.poles(), loop.sample_time);
+    found.frequencies_hz = stillframe::with_resonances(frequencies_hz, where);
   }
-  LargestGain gain(close_loop(plant_of(values), law));
-  Curve found{with_resonances ? stillframe::with_resonances(frequencies_hz, gain.resonances())
-                              : frequencies_hz,
-              {}};
-  found.gain = found.frequencies_hz.unaryExpr([&](double hz) { return gain(hz); });
+  std::vector<double> angles;
+  for (const double hz : found.frequencies_hz) angles.push_back(two_pi * hz * loop.sample_time);
+  found.gain = largest.at(angles);
   return found;
 }
 

@@ -192,10 +192,10 @@ void ModelBuilder::number_deformations() {
   }
   model_.n_e = row;
   model_.preload = Eigen::VectorXd::Zero(row);
+  size_t k = model_.elements.size() - scene_.elements.size();  // behind the norms, in their order
   for (const SceneElement& element : scene_.elements) {
+    const ModelElement& item = model_.elements[k++];
     if (element.rigid()) continue;
-    const ModelElement& item =
-        model_.elements[static_cast<size_t>(model_.element_index(element.name))];
     for (Index i = 0; i < item.element->n_deformations(); ++i) {
       model_.preload(item.row[static_cast<size_t>(i)]) = element.preload(i);
     }

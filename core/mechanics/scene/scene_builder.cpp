@@ -86,8 +86,35 @@ Entry motion_of(Entry prescribed, const MotionKeys& motion) {
       .add("acceleration", motion.acceleration);
 }
 
-Entry signal_of(const std::string& name, Quantity quantity, const std::string& of) {
-  return Entry().add("name", written_name(name)).add(word_of(quantity).c_str(), written_name(of));
+std::string signal_of(const std::string& name, Quantity quantity, const std::string& of,
+                      const SceneComponent& component) {
+  return Entry()
+      .add("name", written_name(name))
+      .add(word_of(quantity).c_str(), written_name(of))
+      .add("along", component.along())
+      .add("mode", component.mode())
+      .item();
+}
+
+std::string feed_forward_of(const FeedForwardKeys& keys) {
+  return Entry()
+      .add("to_hz", keys.to_hz)
+      .add("corner_hz", keys.corner_hz)
+      .add("target_hz", keys.target_hz)
+      .add("damping_ratio", keys.damping_ratio)
+      .add("at_most_db", keys.at_most_db)
+      .add("actuator_error", keys.actuator_error)
+      .add("noise_over_floor", keys.noise_over_floor)
+      .add("taps", keys.taps)
+      .braced();
+}
+
+/// One of two words, of what is given.
+template <class Choice>
+std::string word_if(std::optional<Choice> choice, Choice first, const char* first_word,
+                    const char* other_word) {
+  if (!choice) return "";
+  return *choice == first ? first_word : other_word;
 }
 
 /// A block of the scene; `without` stands for one that has nothing.
@@ -288,56 +315,45 @@ SceneBuilder& SceneBuilder::load(const std::string& node, const LoadKeys& keys) 
 }
 
 SceneBuilder& SceneBuilder::input(const std::string& name, Quantity quantity, const std::string& of,
-                                  const SceneDirection& along) {
-  inputs_ += signal_of(name, quantity, of).add("along", along).item();
-  return *this;
-}
-
-SceneBuilder& SceneBuilder::input(const std::string& name, Quantity quantity, const std::string& of,
-                                  int mode) {
-  inputs_ += signal_of(name, quantity, of).add("mode", std::optional<int>(mode)).item();
+                                  const SceneComponent& component) {
+  inputs_ += signal_of(name, quantity, of, component);
   return *this;
 }
 
 SceneBuilder& SceneBuilder::output(const std::string& name, Quantity quantity,
-                                   const std::string& of, const SceneDirection& along) {
-  outputs_ += signal_of(name, quantity, of).add("along", along).item();
-  return *this;
-}
-
-SceneBuilder& SceneBuilder::output(const std::string& name, Quantity quantity,
-                                   const std::string& of, int mode) {
-  outputs_ += signal_of(name, quantity, of).add("mode", std::optional<int>(mode)).item();
+                                   const std::string& of, const SceneComponent& component) {
+  outputs_ += signal_of(name, quantity, of, component);
   return *this;
 }
 
 SceneBuilder& SceneBuilder::monitor(const std::string& name, Quantity quantity,
-                                    const std::string& of, const SceneDirection& along) {
-  monitors_ += signal_of(name, quantity, of).add("along", along).item();
-  return *this;
-}
-
-SceneBuilder& SceneBuilder::monitor(const std::string& name, Quantity quantity,
-                                    const std::string& of, int mode) {
-  monitors_ += signal_of(name, quantity, of).add("mode", std::optional<int>(mode)).item();
+                                    const std::string& of, const SceneComponent& component) {
+  monitors_ += signal_of(name, quantity, of, component);
   return *this;
 }
 
 SceneBuilder& SceneBuilder::controller(const ControllerKeys& keys) {
-  blocks_ += "controller: " +
-             Entry()
-                 .add("legs", written_names(keys.legs))
-                 .add("target_hz", keys.target_hz)
-                 .add("damping_ratio", keys.damping_ratio)
-                 .add("sample_rate_hz", keys.sample_rate_hz)
-                 .add("delay_samples", keys.delay_samples)
-                 .add("leak_hz", keys.leak_hz)
-                 .add("high_pass_hz", keys.high_pass_hz)
-                 .add("lead_samples", keys.lead_samples)
-                 .add("roll_off_hz", keys.roll_off_hz)
-                 .add("force_limit_n", keys.force_limit_n)
-                 .braced() +
-             "\n";
+  blocks_ +=
+      "controller: " +
+      Entry()
+          .add("legs", written_names(keys.legs))
+          .add("target_hz", keys.target_hz)
+          .add("damping_ratio", keys.damping_ratio)
+          .add("order", word_if(keys.order, GainOrder::exact, "exact", "deck"))
+          .add("reduction", word_if(keys.reduction, Reduction::modes, "modes", "static_shapes"))
+          .add("realisation",
+               word_if(keys.realisation, Realisation::naive_pi, "naive_pi", "implicit_feedthrough"))
+          .add("sample_rate_hz", keys.sample_rate_hz)
+          .add("delay_samples", keys.delay_samples)
+          .add("leak_hz", keys.leak_hz)
+          .add("high_pass_hz", keys.high_pass_hz)
+          .add("lead_samples", keys.lead_samples)
+          .add("roll_off_hz", keys.roll_off_hz)
+          .add("force_limit_n", keys.force_limit_n)
+          .add("feed_forward", keys.feed_forward ? feed_forward_of(*keys.feed_forward) : "")
+          .add("law", keys.law.empty() ? "" : quoted(keys.law))
+          .braced() +
+      "\n";
   return *this;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <concepts>
 #include <cstddef>
 #include <initializer_list>
 #include <optional>
@@ -49,6 +50,24 @@ class SceneDirection {
 
  private:
   std::string text_;
+};
+
+/// What of a node or an element a signal is: the direction along or about which, or the number of a
+/// deformation. Empty: rotations in the plane, or deformation 1.
+class SceneComponent {
+ public:
+  SceneComponent() = default;
+  SceneComponent(int mode) : mode_(mode) {}
+  SceneComponent(std::initializer_list<double> direction) : along_(direction) {}
+  template <std::convertible_to<SceneDirection> Direction>
+  SceneComponent(const Direction& direction) : along_(direction) {}
+
+  const SceneDirection& along() const { return along_; }
+  std::optional<int> mode() const { return mode_; }
+
+ private:
+  SceneDirection along_;
+  std::optional<int> mode_;
 };
 
 struct TrussKeys {
@@ -101,11 +120,22 @@ struct LoadKeys {
   bool follows = false;                  ///< turns with the node
 };
 
+struct FeedForwardKeys {
+  std::optional<double> to_hz = {}, corner_hz = {}, target_hz = {}, damping_ratio = {};
+  std::optional<double> at_most_db = {}, actuator_error = {}, noise_over_floor = {};
+  std::optional<int> taps = {};
+};
+
 struct ControllerKeys {
   std::vector<std::string> legs = {};
   SceneNumbers target_hz = {}, damping_ratio = {};  ///< one, or one for each virtual mode
+  std::optional<GainOrder> order = {};
+  std::optional<Reduction> reduction = {};
+  std::optional<Realisation> realisation = {};
   std::optional<double> sample_rate_hz = {}, delay_samples = {}, leak_hz = {}, high_pass_hz = {},
                         lead_samples = {}, roll_off_hz = {}, force_limit_n = {};
+  std::optional<FeedForwardKeys> feed_forward = {};
+  std::string law = {};  ///< path of a file; from the working folder
 };
 
 /// Puts a scene together call by call, in any order; its elements, dofs and signals are in the
@@ -163,19 +193,14 @@ class SceneBuilder {
 
   SceneBuilder& load(const std::string& node, const LoadKeys& keys);
 
-  /// of: a node, with the direction along or about which (none for rotations in the plane), or an
-  /// element, with the number of its deformation (1 if not given).
+  /// of: a node or an element.
   SceneBuilder& input(const std::string& name, Quantity quantity, const std::string& of,
-                      const SceneDirection& along = {});
-  SceneBuilder& input(const std::string& name, Quantity quantity, const std::string& of, int mode);
+                      const SceneComponent& component = {});
   SceneBuilder& output(const std::string& name, Quantity quantity, const std::string& of,
-                       const SceneDirection& along = {});
-  SceneBuilder& output(const std::string& name, Quantity quantity, const std::string& of, int mode);
+                       const SceneComponent& component = {});
   /// Recorded, and no output.
   SceneBuilder& monitor(const std::string& name, Quantity quantity, const std::string& of,
-                        const SceneDirection& along = {});
-  SceneBuilder& monitor(const std::string& name, Quantity quantity, const std::string& of,
-                        int mode);
+                        const SceneComponent& component = {});
 
   SceneBuilder& controller(const ControllerKeys& keys);
   /// Any other block ("floor", "instruments", "compare" ...), as it would stand in a file.

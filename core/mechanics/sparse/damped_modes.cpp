@@ -1,12 +1,12 @@
 #include "core/mechanics/sparse/damped_modes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
-#include <string>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "core/errors/input_error.hpp"
 #include "core/mechanics/sparse/mixed_factors.hpp"
 
 namespace stillframe {
@@ -19,6 +19,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
+constexpr double not_found = std::numeric_limits<double>::quiet_NaN();
+
 /// A mode on its way: p, and v with v^T M v = 1.
 struct Damped {
   Complex p;
@@ -27,12 +29,14 @@ struct Damped {
 
 class DampedPencil {
  public:
-  DampedPencil(const MixedModel& mixed, const MixedState& state)
+  /// still: rad/s, below which what moves is free.
+  DampedPencil(const MixedModel& mixed, const MixedState& state, double still)
       : mixed_(mixed),
         E_(mixed.strain_rows(state.x)),
         M_(mixed.mass(state.x)),
         D_(mixed.damping(state.x)),
         G_(mixed.geometric_stiffness(state.x, state.s, state.load_factor)),
+        still_(still),
         keeps_modes_(keeps_modes()) {}
 
   /// The root of v^T (M p^2 + D p + K + G) v = 0 that is nearest to a p, or the one above or below
@@ -49,7 +53,10 @@ class DampedPencil {
   /// Both roots of a real mode.
   std::pair<Complex, Complex> roots(const VectorXd& v) const {
     const auto [d, k] = forms(v.cast<Complex>());
-    const double half = 0.5 * d.real(), square = half * half - k.real();
+    // What moves freely strains dampers by rounding only.
+    const double rounding = 1e-15 * v.cwiseAbs().dot(D_.cwiseAbs() * v.cwiseAbs());
+    const double half = std::abs(d.real()) > rounding ? 0.5 * d.real() : 0,
+                 square = half * half - k.real();
     if (square < 0) return {{-half, std::sqrt(-square)}, {-half, -std::sqrt(-square)}};
     const double large = -half - std::copysign(std::sqrt(square), half);
     return {large != 0 ? k.real() / large : 0, large};
@@ -59,25 +66,26 @@ class DampedPencil {
   Damped converged(Complex p, const VectorXd& start) const {
     constexpr double enough = 1e-12;
     constexpr int most = 30;
+    // From beside the eigenvalue, where the matrix is not singular, and on the side where no others
+    // are; each step is shorter by so much over the distance to the next one.
+    constexpr double beside = 1e-5;
     Damped mode{p, start.cast<Complex>()};
-    if (keeps_modes_) return mode;
+    if (keeps_modes_ || std::abs(p) <= still_) return mode;
     MixedFactors<Complex> factors;
     VectorXcd s, y;
     for (int k = 0; k < most; ++k) {
-      const VectorXcd c = compliance(mode.p);
-      const Complex q = mode.p;
+      const Complex q = mode.p + beside * std::abs(mode.p);
       const Eigen::SparseMatrix<Complex> A =
           (q * q) * M_.cast<Complex>() + q * D_.cast<Complex>() + G_.cast<Complex>();
-      if (!factors.compute(E_, c, A)) return mode;  // at the eigenvalue, to the last digit
+      if (!factors.compute(E_, compliance(q), A)) break;
       factors.solve({}, M_ * mode.v, s, y);
-      if (!y.allFinite()) return mode;
-      const Complex square = y.transpose() * (M_ * y);
+      const Complex square = y.transpose() * (M_ * y), before = mode.p;
       mode.v = y / std::sqrt(square);
-      mode.p = quotient(mode.v, q);
-      if (std::abs(mode.p - q) <= enough * std::abs(q)) return mode;
+      mode.p = quotient(mode.v, before);
+      if (std::abs(mode.p - before) <= enough * std::abs(before)) return mode;
     }
-    throw Refusal("the eigenvalue with damping near " + std::to_string(std::abs(p)) +
-                  " rad/s was not found: the inverse iteration did not converge");
+    mode.p = {not_found, not_found};
+    return mode;
   }
   Complex overlap(const VectorXcd& a, const VectorXcd& b) const { return a.transpose() * (M_ * b); }
 
@@ -108,7 +116,8 @@ class DampedPencil {
     double time = -1;
     for (Index i = 0; i < E_.rows(); ++i) {
       if (mixed_.compliance()(i) == 0) continue;
-      if (time >= 0 && mixed_.damping_time()(i) != time) return false;
+      // Those of equal beams, to the rounding of their stiffness.
+      if (time >= 0 && std::abs(mixed_.damping_time()(i) - time) > 1e-13 * time) return false;
       time = mixed_.damping_time()(i);
     }
     return true;
@@ -116,10 +125,10 @@ class DampedPencil {
 
   const MixedModel& mixed_;
   SparseMatrix E_, M_, D_, G_;
+  double still_;
   bool keeps_modes_;
 };
 
-/// Errors: as sparse_modes.
 VectorXcd eigenvalues_of(const MixedModel& mixed, const MixedState& state,
                          const LowestModes& modes) {
   const Index n = modes.squares.size();
@@ -131,15 +140,18 @@ VectorXcd eigenvalues_of(const MixedModel& mixed, const MixedState& state,
     }
     return values;
   }
-  const DampedPencil pencil(mixed, state);
+  double lowest = modes.squares(n - 1);
+  for (const double square : modes.squares) {
+    if (square > 0) lowest = std::min(lowest, square);
+  }
+  const DampedPencil pencil(mixed, state, 1e-7 * std::sqrt(lowest));
   std::vector<Damped> found;
   const auto add = [&](Complex p, const VectorXd& start) {
     const Damped mode = pencil.converged(p, start);
     for (const Damped& other : found) {
       if (std::abs(mode.p - other.p) <= 1e-9 * std::abs(mode.p) &&
           std::abs(pencil.overlap(mode.v, other.v)) > 0.5) {
-        throw Refusal("two modes with damping were not told apart near " +
-                      std::to_string(std::abs(mode.p)) + " rad/s");
+        return Complex(not_found, not_found);
       }
     }
     found.push_back(mode);

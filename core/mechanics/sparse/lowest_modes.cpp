@@ -19,20 +19,19 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The largest omega^2 of a coordinate by itself: far above all that is asked for.
+/// An omega^2 as large as any, in order of magnitude: all stiffness over all mass.
 double largest_square(const SparseMatrix& E, const VectorXd& compliance, const SparseMatrix& M) {
-  double largest = 0;
-  const VectorXd mass = M.diagonal();
+  VectorXd squares = VectorXd::Zero(E.rows());
   for (Index j = 0; j < E.cols(); ++j) {
-    double stiffness = 0;
     for (SparseMatrix::InnerIterator it(E, j); it; ++it) {
-      if (compliance(it.row()) != 0) {
-        stiffness += it.value() * it.value() / std::abs(compliance(it.row()));
-      }
+      squares(it.row()) += it.value() * it.value();
     }
-    if (mass(j) > 0) largest = std::max(largest, stiffness / mass(j));
   }
-  return largest;
+  double stiffness = 0;
+  for (Index i = 0; i < E.rows(); ++i) {
+    if (compliance(i) != 0) stiffness += squares(i) / std::abs(compliance(i));
+  }
+  return stiffness / M.diagonal().sum();
 }
 
 /// The squares that are lowest, seen from -shift, upwards.
@@ -47,43 +46,42 @@ class Pencil {
       : mixed_(mixed),
         E_(mixed.strain_rows(state.x)),
         M_(mixed.mass(state.x)),
-        G_(mixed.geometric_stiffness(state.x, state.s, state.load_factor)) {}
+        G_(mixed.geometric_stiffness(state.x, state.s, state.load_factor)),
+        largest_(largest_square(E_, mixed.compliance(), M_)) {}
 
-  const SparseMatrix& G() const { return G_; }
-  double largest() const { return largest_square(E_, mixed_.compliance(), M_); }
+  double largest() const { return largest_; }
 
-  Seen seen_from(double shift, Index n_modes) const {
+  /// False where the shift is not enough to tell the matrix from a singular one, or modes from
+  /// what moves freely.
+  bool see_from(double shift, Index n_modes, Seen& seen) const {
     MixedFactors<double> factors;
-    factor(factors, SparseMatrix(shift * M_ + G_));
-    VectorXd s, M_x;
-    const LanczosPairs pairs = largest_pairs(
-        M_.rows(), n_modes, Largest::modulus,
-        [&](const VectorXd& x, VectorXd& y) {
-          M_x.noalias() = M_ * x;
-          factors.solve({}, M_x, s, y);
-        },
-        [&](const VectorXd& x, VectorXd& y) { y.noalias() = M_ * x; });
-    if (!pairs.converged) {
-      throw Refusal("the lowest modes were not found: the Lanczos method did not converge");
-    }
+    if (!factors.compute(E_, mixed_.compliance(), SparseMatrix(shift * M_ + G_))) return false;
+    VectorXd s;
+    const LanczosPairs pairs =
+        largest_pairs(M_, n_modes, Largest::modulus,
+                      [&](const VectorXd& f, VectorXd& y) { factors.solve({}, f, s, y); });
+    if (!pairs.converged) return false;
     // What has no mass has no mode: rounding of the largest.
     Index n = 0;
-    const double largest = std::abs(pairs.values(0));
-    while (n < n_modes && std::abs(pairs.values(n)) > 1e-15 * largest) ++n;
+    const double largest = pairs.values.size() > 0 ? std::abs(pairs.values(0)) : 0;
+    while (n < pairs.values.size() && std::abs(pairs.values(n)) > 1e-15 * largest) ++n;
     std::vector<std::pair<Square, Index>> upwards;
+    MatrixXd shapes = pairs.vectors.leftCols(n);
     for (Index i = 0; i < n; ++i) {
-      upwards.emplace_back(square_of(pairs.values(i), largest, shift, pairs.vectors.col(i)), i);
+      // Of unit mass to rounding, not to that of the largest value.
+      shapes.col(i) /= std::sqrt(shapes.col(i).dot(M_ * shapes.col(i)));
+      upwards.emplace_back(square_of(pairs.values(i), largest, shift, shapes.col(i)), i);
     }
     std::sort(upwards.begin(), upwards.end(),
               [](const auto& a, const auto& b) { return a.first.value < b.first.value; });
-    Seen seen{VectorXd(n), VectorXd(n), MatrixXd(M_.rows(), n)};
+    seen = {VectorXd(n), VectorXd(n), MatrixXd(M_.rows(), n)};
     for (Index i = 0; i < n; ++i) {
       const auto& [square, from] = upwards[static_cast<size_t>(i)];
       seen.squares(i) = square.value;
       seen.known_to(i) = square.known_to;
-      seen.shapes.col(i) = pairs.vectors.col(from);
+      seen.shapes.col(i) = shapes.col(from);
     }
-    return seen;
+    return true;
   }
 
   /// K + G is positive semidefinite, rounding aside: of (shift M - G) v = theta (K + shift M) v no
@@ -92,14 +90,11 @@ class Pencil {
     if (G_.nonZeros() == 0) return true;
     const SparseMatrix A = shift * M_ - G_;
     MixedFactors<double> factors;
-    factor(factors, SparseMatrix(shift * M_));
-    VectorXd s, A_x, e;
+    if (!factors.compute(E_, mixed_.compliance(), SparseMatrix(shift * M_))) refuse_singular();
+    VectorXd s, e;
     const LanczosPairs pairs = largest_pairs(
-        A.rows(), 1, Largest::algebraic,
-        [&](const VectorXd& x, VectorXd& y) {
-          A_x.noalias() = A * x;
-          factors.solve({}, A_x, s, y);
-        },
+        A, 1, Largest::algebraic,
+        [&](const VectorXd& f, VectorXd& y) { factors.solve({}, f, s, y); },
         [&](const VectorXd& x, VectorXd& y) {
           e.noalias() = E_ * x;
           for (Index i = 0; i < e.size(); ++i) {
@@ -108,14 +103,10 @@ class Pencil {
           }
           y.noalias() = E_.transpose() * e + shift * (M_ * x);
         });
-    return pairs.converged && pairs.values(0) <= 1 + 1e-9;
+    return pairs.converged && !(pairs.values.size() > 0 && pairs.values(0) > 1 + 1e-9);
   }
 
  private:
-  void factor(MixedFactors<double>& factors, const SparseMatrix& A) const {
-    if (!factors.compute(E_, mixed_.compliance(), A) || factors.singular()) refuse_singular();
-  }
-
   struct Square {
     double value, known_to;
   };
@@ -126,7 +117,11 @@ class Pencil {
     constexpr double eps = 2.2e-16;
     const Square seen{1 / value - shift, 4 * eps * largest / (value * value)};
     const VectorXd e = E_ * v, noise = eps * (E_.cwiseAbs() * v.cwiseAbs());
-    double energy = v.dot(G_ * v), lost = 0;
+    // What rounding of the operator mixes into the shape strains it by the square of that.
+    const double mixed_in = eps * largest / value;
+    // It breaks conditions as well, by as much, and what holds them does work on that.
+    double energy = v.dot(G_ * v), lost = mixed_in * mixed_in * largest_;
+    if (mixed_.rigid()) lost += 4 * mixed_in / value;
     for (Index i = 0; i < e.size(); ++i) {
       const double c = mixed_.compliance()(i);
       if (c == 0) continue;
@@ -138,7 +133,32 @@ class Pencil {
 
   const MixedModel& mixed_;
   SparseMatrix E_, M_, G_;
+  double largest_;
 };
+
+/// Modes that rounding of the lowest ones hides, seen anew from their own height.
+void look_closer(const Pencil& pencil, Seen& seen) {
+  constexpr double enough = 1e-11;
+  constexpr int most = 4;
+  const Index n = seen.squares.size();
+  for (int k = 0; k < most; ++k) {
+    Index first = 0;
+    while (first < n &&
+           (seen.squares(first) <= 0 || seen.known_to(first) <= enough * seen.squares(first))) {
+      ++first;
+    }
+    Seen from_there;
+    if (first == n || !pencil.see_from(0.1 * seen.squares(first), n, from_there) ||
+        from_there.squares.size() < n) {
+      return;
+    }
+    const Index n_above = n - first;
+    if (!(from_there.known_to(first) < 0.5 * seen.known_to(first))) return;
+    seen.squares.tail(n_above) = from_there.squares.tail(n_above);
+    seen.known_to.tail(n_above) = from_there.known_to.tail(n_above);
+    seen.shapes.rightCols(n_above) = from_there.shapes.rightCols(n_above);
+  }
+}
 
 }  // namespace
 
@@ -150,9 +170,6 @@ void refuse_singular() {
 
 LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index n_modes) {
   const Pencil pencil(mixed, state);
-  if (n_modes >= mixed.n_coordinates()) {
-    throw Refusal("more modes are asked for than there are coordinates");
-  }
   // Seen from far away modes lie close together; seen from too near, what moves freely drowns the
   // others. From within a factor of a thousand of the lowest that is elastic both keep 13 digits.
   double shift = 1e-16 * pencil.largest();
@@ -160,18 +177,26 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
   Seen seen;
   double free = 0;
   bool settled = false;
-  for (int attempt = 0; attempt < 6 && !settled; ++attempt) {
-    seen = pencil.seen_from(shift, n_modes);
+  const double farthest = 1e-7 * pencil.largest();
+  for (int attempt = 0; attempt < 9 && !settled; ++attempt) {
+    if (!pencil.see_from(shift, n_modes, seen)) {
+      shift *= 1e4;
+      if (shift > farthest) refuse_singular();
+      continue;
+    }
     free = 1e-9 * shift;
     const auto elastic = std::find_if(seen.squares.begin(), seen.squares.end(),
                                       [&](double square) { return std::abs(square) > free; });
-    if (elastic == seen.squares.end()) break;
+    settled = elastic == seen.squares.end();
+    if (settled) break;
     // A negative square seen from near may be all that the free motions have left of another.
     const double lowest = std::abs(*elastic);
     const bool drowned = elastic != seen.squares.begin() || *elastic < 0;
     settled = lowest > 1e-2 * shift && (!drowned || lowest < 1e4 * shift);
     if (!settled) shift = 0.1 * lowest;
   }
+  if (!settled) throw Refusal("the lowest modes were not found: no shift tells them apart");
+  look_closer(pencil, seen);
   LowestModes result;
   result.squares = seen.squares.unaryExpr(
       [&](double square) { return std::abs(square) <= free ? 0.0 : square; });

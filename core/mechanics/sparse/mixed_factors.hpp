@@ -1,36 +1,51 @@
 #pragma once
 
-#include <Eigen/SparseLU>
+#include <Eigen/SparseCholesky>
+#include <memory>
 
 #include "core/mechanics/sparse/mixed_model.hpp"
 
 namespace stillframe {
 
-/// Factors of the mixed form [-c, E; E^T, A] of a sparse model, so that K x + A x = f is solved
-/// without K = E^T c^-1 E. Coordinates and rows are scaled to a largest entry of one, and stresses
-/// to a compliance that is small beside it: what decides whether a pivot is taken from E, which
-/// keeps the digits of E, or from c, which forms K after all.
+/// Solves the mixed form [-c, E; E^T, A] of a sparse model by factors L D L^T of
+/// E^T (c + d)^-1 E + A, where d is small and stands for the compliance of what has none, and by
+/// refinement: what is left over is that of the mixed form, so that neither d nor the rounding of
+/// the stiffness matrix is in the solution. Where rounding of the matrix is more than refinement
+/// makes up for, the factors are those of long double.
 template <class Scalar>
 class MixedFactors {
  public:
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
 
-  /// E: n_rows x n_c; compliance: n_rows; A: n_c x n_c. False for a matrix that is singular
-  /// whatever its values.
+  /// E: n_rows x n_c; compliance: n_rows; A: n_c x n_c, symmetric. False if the matrix is singular,
+  /// or not to be told from one that is.
   bool compute(const SparseMatrix& E, const Vector& compliance,
                const Eigen::SparseMatrix<Scalar>& A);
-  /// Whether rounding is all that keeps the matrix from being singular.
-  bool singular() const;
 
-  /// Solves -c s + E x = e, E^T s + A x = f, refined once by what is left. e: n_rows or empty for
-  /// zero; f: n_c. Writes s and x.
+  /// Solves -c s + E x = e, E^T s + A x = f. e: n_rows or empty for zero; f: n_c. Writes s and x.
   void solve(const Vector& e, const Vector& f, Vector& s, Vector& x) const;
 
  private:
-  Eigen::SparseMatrix<Scalar> matrix_;
-  Eigen::SparseLU<Eigen::SparseMatrix<Scalar>, Eigen::COLAMDOrdering<int>> lu_;
-  Eigen::VectorXd row_scale_, column_scale_;
-  double unit_ = 1;
+  /// What a solution has come to.
+  struct Refined {
+    double rate = 0;    ///< by how much a step is shorter than the one before
+    bool done = false;  ///< to rounding
+  };
+  template <class Real>
+  using Factors = Eigen::SimplicialLDLT<Eigen::SparseMatrix<Real>>;
+
+  template <class Real>
+  std::unique_ptr<Factors<Real>> factors() const;
+  template <class Real>
+  static Vector solved(const Factors<Real>& factors, const Vector& right);
+  Vector step(const Vector& right) const;
+  Refined refine(const Vector& e, const Vector& f, Vector& s, Vector& x) const;
+
+  SparseMatrix E_;
+  Eigen::SparseMatrix<Scalar> A_;
+  Vector compliance_, stiffness_;
+  std::unique_ptr<Factors<double>> double_;
+  std::unique_ptr<Factors<long double>> long_double_;
 };
 
 }  // namespace stillframe

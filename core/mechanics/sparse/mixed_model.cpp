@@ -93,6 +93,7 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
       if (std::abs(stiffness) > least) add(principal.eigenvectors().col(i), 1 / stiffness);
     }
     for (const Index i : conditions) add(LocalDeformation::Unit(n_e, i), 0);
+    rigid_ = rigid_ || (!conditions.empty() && item.parts.size() > 1);
   }
   n_rows_ = static_cast<Index>(compliance.size());
   compliance_ = Eigen::Map<const VectorXd>(compliance.data(), n_rows_);

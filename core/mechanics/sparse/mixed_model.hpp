@@ -16,7 +16,7 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 /// what is rigid is a spring without compliance). K = E^T c^-1 E is never formed: its rounding
 /// costs a chain of n beams some eps n^4 of its softest motion, that of E eps n^2. The model is one
 /// without dofs (free_model): all of its n_c free coordinates are unknown.
-/// Source: deck, sections 2 to 4; docs/decisions/0036-sparse-models.md.
+/// Source: deck, sections 2 to 4; docs/decisions/0035-sparse-models.md.
 class MixedModel {
  public:
   explicit MixedModel(const Model& model);
@@ -24,6 +24,8 @@ class MixedModel {
   Eigen::Index n_rows() const { return n_rows_; }
   Eigen::Index n_coordinates() const { return model_.n_c; }
   const Eigen::VectorXd& compliance() const { return compliance_; }  ///< n_rows
+  /// Whether conditions hold parts together, beside those of unit Euler parameters.
+  bool rigid() const { return rigid_; }
   const Model& model() const { return model_; }
 
   /// x (n_x) of the scene as written with its prescribed displacements, times a factor.
@@ -62,7 +64,7 @@ class MixedModel {
   std::vector<Rows> rows_;
   Eigen::Index n_rows_ = 0;
   Eigen::VectorXd compliance_, damping_time_;
-  bool damped_ = false;
+  bool damped_ = false, rigid_ = false;
 };
 
 }  // namespace stillframe

@@ -24,7 +24,7 @@ SparseBuckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
   }
   const SparseMatrix E = mixed.strain_rows(x);
   MixedFactors<double> K;
-  if (!K.compute(E, c, SparseMatrix(E.cols(), E.cols())) || K.singular()) {
+  if (!K.compute(E, c, SparseMatrix(E.cols(), E.cols()))) {
     throw Refusal(
         "the stiffness matrix of the unloaded scene is not positive definite: it can move "
         "without strain, or has dofs that nothing resists");
@@ -35,13 +35,10 @@ SparseBuckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
   SparseBuckling result;
   if (G.nonZeros() == 0) return result;
   // -G v = v K / lambda: the smallest multipliers are the largest eigenvalues.
-  VectorXd scratch, G_v, e;
+  VectorXd e;
   const LanczosPairs pairs = largest_pairs(
-      E.cols(), n_shapes, Largest::algebraic,
-      [&](const VectorXd& v, VectorXd& y) {
-        G_v.noalias() = -(G * v);
-        K.solve({}, G_v, scratch, y);
-      },
+      SparseMatrix(-G), n_shapes, Largest::algebraic,
+      [&](const VectorXd& f_v, VectorXd& y) { K.solve({}, f_v, s, y); },
       [&](const VectorXd& v, VectorXd& y) {
         e.noalias() = E * v;
         for (Index i = 0; i < e.size(); ++i) e(i) = c(i) != 0 ? e(i) / c(i) : 0;
@@ -50,7 +47,8 @@ SparseBuckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
   if (!pairs.converged) {
     throw Refusal("the load multipliers were not found: the Lanczos method did not converge");
   }
-  const double threshold = 1e-13 * pairs.values.cwiseAbs().maxCoeff();
+  const Index n_found = pairs.values.size();
+  const double threshold = n_found > 0 ? 1e-13 * pairs.values.cwiseAbs().maxCoeff() : 0;
   const Index count = (pairs.values.array() > threshold).count();
   result.load_multipliers = pairs.values.head(count).cwiseInverse();
   result.shapes = pairs.vectors.leftCols(count);

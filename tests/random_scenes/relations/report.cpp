@@ -82,20 +82,20 @@ int count_nulls(const nlohmann::json& value, double rate) {
   // Documented as null where there is none.
   static const std::set<std::string> optional = {"isolates_above_hz",
                                                  "real_time_factor",
-                                                 "limit",
+                                                 "force_limit_n",
                                                  "share",
                                                  "settling_s",
-                                                 "floor",
-                                                 "passive",
-                                                 "active",
-                                                 "active_by_forces",
-                                                 "active_undisturbed"};
+                                                 "floor_rms_m_s2",
+                                                 "passive_rms_m_s2",
+                                                 "active_rms_m_s2",
+                                                 "active_by_forces_m_s2",
+                                                 "active_undisturbed_m_s2"};
   const bool missing = value.is_object() && !value.value("missing", "").empty();
   int n = 0;
   for (const auto& [key, item] : value.items()) {
     // Quotients of numbers that are looked at, null for 0 / 0; what is not known at a frequency.
     if (key.starts_with("ratio_") || key == "transmissibility") continue;
-    if (key == "third_octave_velocity" || key == "cumulative_rms") {
+    if (key == "third_octaves_m_s" || key == "cumulative_rms_m_s2") {
       const auto bands = report::third_octave_bands();
       for (size_t i = 0; i < bands.size(); ++i) {
         n += item.at(i).is_null() && bands[i].upper_hz <= 0.5 * rate;

@@ -34,17 +34,17 @@ function showLevels() {
   fill(at('axes-table'), table('Acceleration from 1 to 80 Hz, and the largest one-third-octave band',
     ['axis', 'signal', 'rms, mm/s\u00b2', 'peak, mm/s\u00b2', 'band, \u00b5m/s', 'at, Hz', 'class', 'rms of floor'],
     signals.map(([axis, signal]) => [axis.axis, axis.floor ? (signal === axis.floor ? 'floor' : 'frame') : '',
-      number(1e3 * signal.rms_acceleration, 4), number(1e3 * signal.peak_acceleration, 4),
-      number(1e6 * signal.largest_band_velocity, 4), number(signal.largest_band_hz), signal.vibration_class,
-      axis.floor && signal === axis.frame ? number(signal.rms_acceleration / axis.floor.rms_acceleration) : '']), 2));
+      number(1e3 * signal.rms_m_s2, 4), number(1e3 * signal.peak_m_s2, 4),
+      number(1e6 * signal.largest_band_m_s, 4), number(signal.largest_band_hz), signal.vibration_class,
+      axis.floor && signal === axis.frame ? number(signal.rms_m_s2 / axis.floor.rms_m_s2) : '']), 2));
 }
 
 function showMinute() {
   const {history: past} = view;
   at('minute').hidden = past.axes.length === 0;
   past.axes.forEach((axis, i) => {
-    const lines = [{name: 'floor', values: axis.floor, colour: 'floor'},
-      {name: 'frame', values: axis.frame, colour: view.run?.loop === 'passive' ? 'passive' : 'active'}];
+    const lines = [{name: 'floor', values: axis.floor_rms_m_s2, colour: 'floor'},
+      {name: 'frame', values: axis.frame_rms_m_s2, colour: view.run?.loop === 'passive' ? 'passive' : 'active'}];
     figure('histories', `fig-history-${i}`, history.make).show(`${axis.axis}: rms of each half second, mm/s\u00b2`, {
       time: past.time_s, scale: 1e3, unit: 'mm/s\u00b2', logarithmic: true,
       lines: lines.filter(({values}) => values.length),
@@ -57,7 +57,7 @@ function showForces() {
   at('forces').hidden = view.legs.length === 0;
   if (!view.legs.length) return;
   figure('efforts', 'fig-force', history.make).show('Largest force of any leg, N', {
-    time: past.time_s, scale: 1, unit: 'N', lines: [{name: 'force', values: past.force, colour: 'active'}],
+    time: past.time_s, scale: 1, unit: 'N', lines: [{name: 'force', values: past.force_n, colour: 'active'}],
     limit: view.force_limit_n,
   });
   if (past.wake_up_us.length) {
@@ -68,7 +68,7 @@ function showForces() {
     });
   }
   fill(at('legs-table'), table('Commanded force over the same window', ['leg', 'rms, N', 'peak, N', 'of the limit'],
-    view.legs.map((leg) => [leg.leg, number(leg.rms), number(leg.peak),
+    view.legs.map((leg) => [leg.leg, number(leg.rms_n), number(leg.peak_n),
       leg.share === null ? '\u2013' : `${number(100 * leg.share)} %`]), 1));
 }
 
@@ -91,7 +91,7 @@ function showMessages() {
   at('messages').hidden = view.channels.length === 0;
   fill(at('channels-table'), table('Since the watch began', ['channel', 'a second', 'messages', 'damaged',
     'other version', 'other size', 'other run', 'quiet for, s'],
-    view.channels.map((c) => [c.channel, c.per_s.toFixed(1), c.n, c.n_broken, c.n_other_version, c.n_wrong_size,
+    view.channels.map((c) => [c.channel, c.per_s.toFixed(1), c.n_messages, c.n_broken, c.n_other_version, c.n_wrong_size,
       c.n_other_run, c.quiet_s > 1 ? c.quiet_s.toFixed(0) : '']), 1));
 }
 

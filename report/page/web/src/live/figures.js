@@ -50,15 +50,15 @@ function bandOption({view, axis, limits}, c, width, height) {
     tooltip: tooltip(c, {trigger: 'axis', formatter: ([{axisValue}]) => {
       const i = nearest(f, 10 ** axisValue);
       return `<b>${number(f[i])} Hz</b>` + rows(signals.map(([name, signal, colour]) =>
-        ({name, colour, values: [signal.band_velocity[i] === null ? '\u2013' : `${number(1e6 * signal.band_velocity[i])} \u00b5m/s`]})));
+        ({name, colour, values: [signal.third_octaves_m_s[i] === null ? '\u2013' : `${number(1e6 * signal.third_octaves_m_s[i])} \u00b5m/s`]})));
     }}),
     series: [
-      ...criteria.map(({name, velocity}) => ({
+      ...criteria.map(({name, velocity_m_s: velocity}) => ({
         ...curveSeries(name, f, micro(velocity), c.muted, {width: 1, z: 1}),
         endLabel: {show: true, formatter: name, color: c.muted, fontSize: 10.5, distance: 3},
       })),
       ...signals.map(([name, signal, colour]) =>
-        ({...curveSeries(name, f, micro(signal.band_velocity), colour, {width: 2}), step: 'middle'})),
+        ({...curveSeries(name, f, micro(signal.third_octaves_m_s), colour, {width: 2}), step: 'middle'})),
     ],
   };
 }
@@ -67,8 +67,8 @@ export const bands = {
   make: (place, id) => figureOf(place, id, 300, bandOption),
   /** Ends of the vertical axis in whole decades, the same for all axes: criteria and signals, at most six. */
   range(view) {
-    const all = view.axes.flatMap(({floor, frame}) => [floor, frame]).filter(Boolean).map((s) => s.band_velocity);
-    const lines = view.history.criteria.map(({velocity}) => velocity);
+    const all = view.axes.flatMap(({floor, frame}) => [floor, frame]).filter(Boolean).map((s) => s.third_octaves_m_s);
+    const lines = view.history.criteria.map((criterion) => criterion.velocity_m_s);
     const [low, high] = extent(...[...all, ...lines].map((velocity) => velocity.map((v) => log10(1e6 * v))));
     const top = Math.ceil(high + 1e-9);
     return [Math.max(Math.floor(low), top - 6), top];

@@ -1,6 +1,6 @@
 // Compiled without contraction (CMakeLists.txt): what is fused here is so by name, and all
 // registers have the same bits.
-#include "core/systems/row_sums.hpp"
+#include "core/numerics/row_sums.hpp"
 
 #include <algorithm>
 #include <cstring>

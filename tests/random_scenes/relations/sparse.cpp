@@ -1,0 +1,89 @@
+#include <limits>
+#include <numbers>
+
+#include "core/mechanics/modes.hpp"
+#include "core/mechanics/partition/free_model.hpp"
+#include "core/mechanics/sparse/damped_modes.hpp"
+#include "core/mechanics/sparse/sparse_equilibrium.hpp"
+#include "tests/random_scenes/answers.hpp"
+
+// The way of large models, displacements and stresses both unknown and no dofs, on small ones.
+namespace stillframe::random_scenes {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// v^T D v / (2 omega) of a mode without damping.
+double damping_ratio(const MixedModel& mixed, const MixedState& state, const VectorXd& v,
+                     double omega) {
+  double d = v.dot(mixed.damping(state.x) * v);
+  const VectorXd e = mixed.strain_rows(state.x) * v;
+  for (Index k = 0; k < e.size(); ++k) {
+    if (mixed.compliance()(k) != 0) {
+      d += mixed.damping_time()(k) * e(k) * e(k) / mixed.compliance()(k);
+    }
+  }
+  return d / (2 * omega);
+}
+
+/// How far the nearest of some values is from one.
+double distance_to_nearest(const Eigen::VectorXcd& values, std::complex<double> value) {
+  return (values.array() - value).abs().minCoeff();
+}
+
+}  // namespace
+
+std::optional<Finding> check_sparse(Case& scene, std::uint64_t) {
+  if (!scene.at_rest() || scene.scene().operating_point != OperatingPoint::equilibrium) {
+    return std::nullopt;
+  }
+  const Model model = free_model(scene.scene());
+  const Modes minimal = modes(scene.linear());
+  if (!model.turning_loads.empty() || minimal.natural_frequencies_hz.size() == 0) {
+    return std::nullopt;
+  }
+  const Index n_d = minimal.natural_frequencies_hz.size();
+  const MixedModel mixed(model);
+  const MixedState state = sparse_equilibrium(mixed).state;
+  // What nothing resists may be anywhere under loads, and the others' frequencies depend on where.
+  const Answers& own = own_answers(scene);
+  const double eps = 10 * static_cast<double>(model.n_c) * std::numeric_limits<double>::epsilon();
+  if (own.squares(0) <= eps * own.squares_rounding(0) && !state.x.isZero(0)) return std::nullopt;
+  const Modes sparse = sparse_modes(mixed, state, n_d);
+  Finding finding;
+  if (sparse.natural_frequencies_hz.size() != n_d) {
+    finding.take(1, 0, "number of natural frequencies");
+    return finding;
+  }
+  const double misplaced = 20 * own.misplaced * own.squares.maxCoeff();
+  const VectorXd omega = 2 * std::numbers::pi * sparse.natural_frequencies_hz;
+  VectorXd bounds(n_d);
+  for (Index i = 0; i < n_d; ++i) {
+    const double known_to = 2 * sparse.known_to(2 * i) * (omega(i) + sparse.known_to(2 * i));
+    bounds(i) = eps * own.squares_rounding(i) + known_to + misplaced;
+    finding.take(std::abs(omega(i) * omega(i) - own.squares(i)), bounds(i),
+                 "natural frequency " + std::to_string(i + 1), own.squares(i));
+  }
+  // A pair about to part, or to meet another, moves by the root of what its matrix does.
+  const double largest = minimal.eigenvalues.cwiseAbs().maxCoeff();
+  for (Index i = 0; i < 2 * n_d; ++i) {
+    const std::complex<double> value = sparse.eigenvalues(i);
+    const double size = std::abs(value);
+    if (std::isnan(size)) {
+      // What damping keeps from ringing lies close together, and may be left out.
+      const VectorXd v = sparse.shapes.col(i / 2);
+      if (damping_ratio(mixed, state, v, omega(i / 2)) < 0.5) {
+        finding.take(1, 0, "no eigenvalue of mode " + std::to_string(i / 2 + 1));
+      }
+      continue;
+    }
+    finding.take(distance_to_nearest(minimal.eigenvalues, value),
+                 std::sqrt(eps) * size + eps * largest + std::sqrt(bounds.minCoeff()),
+                 "eigenvalue with damping", size);
+  }
+  return finding;
+}
+
+}  // namespace stillframe::random_scenes
