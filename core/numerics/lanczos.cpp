@@ -2,6 +2,7 @@
 
 #include <Spectra/SymEigsSolver.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <numeric>
@@ -131,10 +132,12 @@ LanczosPairs by_lanczos(Index n, Index n_pairs, Largest order, const LinearMap& 
   return found;
 }
 
+/// R of A = R R^T, whose rounding is that of each diagonal entry and not of the largest.
 MatrixXd root_of(const MatrixXd& positive) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(positive);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-         solver.eigenvectors().transpose();
+  const Eigen::LDLT<MatrixXd> factors(positive);
+  const MatrixXd L = factors.matrixL();
+  return factors.transpositionsP().transpose() *
+         MatrixXd(L * factors.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal());
 }
 
 /// From S^-1 on the coordinates of A alone.
@@ -156,10 +159,10 @@ LanczosPairs by_few_coordinates(const Eigen::SparseMatrix<double>& A,
     few.col(j) = VectorXd(A.col(coordinates[static_cast<size_t>(j)]))(coordinates);
   }
   const MatrixXd F = columns(coordinates, Eigen::all), symmetric = 0.5 * (F + F.transpose());
-  // R^2 is the one of the two that is positive: the eigenvectors w of R (other) R are those of unit
-  // length, and v = S^-1 A u of the motion u = R^-1 w or R w of these coordinates.
+  // Of A u = R R^T u, or S^-1 = R R^T, the eigenvectors y of R^T (the other) R: R y is the force A
+  // u, or the motion u, and v = S^-1 A u / theta.
   const MatrixXd R = root_of(A_is_metric ? few : symmetric);
-  const MatrixXd product = R * (A_is_metric ? symmetric : few) * R;
+  const MatrixXd product = R.transpose() * (A_is_metric ? symmetric : few) * R;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (product + product.transpose()));
   LanczosPairs found = best(solver.eigenvalues(), solver.eigenvectors(), n_pairs, order);
   // Rounding of the largest is no eigenvalue.

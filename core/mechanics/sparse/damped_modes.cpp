@@ -1,5 +1,6 @@
 #include "core/mechanics/sparse/damped_modes.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -12,6 +13,7 @@
 namespace stillframe {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
@@ -50,29 +52,34 @@ class DampedPencil {
     const Complex small = std::abs(large) > 0 ? k / large : large;
     return std::abs(large - near) < std::abs(small - near) ? large : small;
   }
-  /// Both roots of a real mode.
-  std::pair<Complex, Complex> roots(const VectorXd& v) const {
-    const auto [d, k] = forms(v.cast<Complex>());
-    // What moves freely strains dampers by rounding only.
-    const double rounding = 1e-15 * v.cwiseAbs().dot(D_.cwiseAbs() * v.cwiseAbs());
-    const double half = std::abs(d.real()) > rounding ? 0.5 * d.real() : 0,
-                 square = half * half - k.real();
-    if (square < 0) return {{-half, std::sqrt(-square)}, {-half, -std::sqrt(-square)}};
-    const double large = -half - std::copysign(std::sqrt(square), half);
-    return {large != 0 ? k.real() / large : 0, large};
+  /// D on the modes V (n_c x n) without damping, n x n, without what rounding strains the dampers
+  /// by.
+  MatrixXd projected_damping(const MatrixXd& V) const {
+    const MatrixXd E_V = E_ * V;
+    VectorXd viscosity(E_.rows());
+    for (Index i = 0; i < viscosity.size(); ++i) {
+      const double c = mixed_.compliance()(i);
+      viscosity(i) = c != 0 ? mixed_.damping_time()(i) / c : 0;
+    }
+    MatrixXd D = E_V.transpose() * viscosity.asDiagonal() * E_V + V.transpose() * (D_ * V);
+    const MatrixXd sizes = V.cwiseAbs(),
+                   rounding = 1e-15 * sizes.transpose() * (D_.cwiseAbs() * sizes);
+    return (D.cwiseAbs().array() > rounding.array()).select(D, 0);
   }
 
-  /// From a mode without damping near p to the mode at an eigenvalue.
-  Damped converged(Complex p, const VectorXd& start) const {
-    constexpr double enough = 1e-12;
+  /// From near an eigenvalue p to it.
+  Damped converged(Complex p, const VectorXcd& start) const {
+    constexpr double enough = 1e-12, settled = 1e-7;  // rounding may be all that still changes it
     constexpr int most = 30;
     // From beside the eigenvalue, where the matrix is not singular, and on the side where no others
     // are; each step is shorter by so much over the distance to the next one.
     constexpr double beside = 1e-5;
-    Damped mode{p, start.cast<Complex>()};
-    if (keeps_modes_ || std::abs(p) <= still_) return mode;
+    Damped mode{p, start};
+    if (std::abs(p) <= still_) mode.p = 0;
+    if (keeps_modes_ || mode.p == 0.0) return mode;
     MixedFactors<Complex> factors;
     VectorXcd s, y;
+    double last = 0;
     for (int k = 0; k < most; ++k) {
       const Complex q = mode.p + beside * std::abs(mode.p);
       const Eigen::SparseMatrix<Complex> A =
@@ -82,7 +89,9 @@ class DampedPencil {
       const Complex square = y.transpose() * (M_ * y), before = mode.p;
       mode.v = y / std::sqrt(square);
       mode.p = quotient(mode.v, before);
-      if (std::abs(mode.p - before) <= enough * std::abs(before)) return mode;
+      const double change = std::abs(mode.p - before) / std::abs(before);
+      if (change <= enough || (change <= settled && change >= 0.5 * last)) return mode;
+      last = change;
     }
     mode.p = {not_found, not_found};
     return mode;
@@ -129,6 +138,33 @@ class DampedPencil {
   bool keeps_modes_;
 };
 
+/// The damped modes of what moves in the undamped ones alone, by modulus: of a conjugate pair that
+/// with the positive imaginary part, real ones two by two. With less damping than keeps a mode from
+/// ringing they are near those of the whole.
+std::vector<Damped> ritz_modes(const LowestModes& modes, const MatrixXd& D) {
+  const Index n = modes.squares.size();
+  MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
+  A.topRightCorner(n, n).setIdentity();
+  A.bottomLeftCorner(n, n).diagonal() = -modes.squares;
+  A.bottomRightCorner(n, n) = -D;
+  const Eigen::EigenSolver<MatrixXd> solver(A);
+  std::vector<Damped> found, real;
+  for (Index i = 0; i < 2 * n; ++i) {
+    const Complex p = solver.eigenvalues()(i);
+    if (p.imag() < 0) continue;
+    const VectorXcd y = solver.eigenvectors().col(i).head(n);
+    (p.imag() > 0 ? found : real).push_back({p, modes.shapes * y});
+  }
+  const auto lower = [](const Damped& a, const Damped& b) { return std::abs(a.p) < std::abs(b.p); };
+  std::sort(real.begin(), real.end(), lower);
+  std::stable_sort(found.begin(), found.end(), lower);
+  for (size_t i = 0; i + 1 < real.size(); i += 2) {
+    const auto at = std::upper_bound(found.begin(), found.end(), real[i], lower);
+    found.insert(at, {real[i], real[i + 1]});
+  }
+  return found;
+}
+
 VectorXcd eigenvalues_of(const MixedModel& mixed, const MixedState& state,
                          const LowestModes& modes) {
   const Index n = modes.squares.size();
@@ -146,10 +182,10 @@ VectorXcd eigenvalues_of(const MixedModel& mixed, const MixedState& state,
   }
   const DampedPencil pencil(mixed, state, 1e-7 * std::sqrt(lowest));
   std::vector<Damped> found;
-  const auto add = [&](Complex p, const VectorXd& start) {
-    const Damped mode = pencil.converged(p, start);
+  const auto add = [&](const Damped& start) {
+    const Damped mode = pencil.converged(start.p, start.v);
     for (const Damped& other : found) {
-      if (std::abs(mode.p - other.p) <= 1e-9 * std::abs(mode.p) &&
+      if (mode.p != 0.0 && std::abs(mode.p - other.p) <= 1e-9 * std::abs(mode.p) &&
           std::abs(pencil.overlap(mode.v, other.v)) > 0.5) {
         return Complex(not_found, not_found);
       }
@@ -157,11 +193,12 @@ VectorXcd eigenvalues_of(const MixedModel& mixed, const MixedState& state,
     found.push_back(mode);
     return mode.p;
   };
-  for (Index i = 0; i < n; ++i) {
-    const VectorXd v = modes.shapes.col(i);
-    const auto [upper, lower] = pencil.roots(v);
-    values(2 * i) = add(upper, v);
-    values(2 * i + 1) = upper.imag() != 0 ? std::conj(values(2 * i)) : add(lower, v);
+  const std::vector<Damped> starts = ritz_modes(modes, pencil.projected_damping(modes.shapes));
+  Index at = 0;
+  for (const Damped& start : starts) {
+    const Complex value = add(start);
+    values(at++) = value;
+    if (start.p.imag() != 0) values(at++) = std::conj(value);
   }
   return values;
 }

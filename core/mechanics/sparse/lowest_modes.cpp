@@ -136,15 +136,16 @@ class Pencil {
   double largest_;
 };
 
-/// Modes that rounding of the lowest ones hides, seen anew from their own height.
-void look_closer(const Pencil& pencil, Seen& seen) {
+/// Modes that rounding of the lowest ones hides, seen anew from their own height. free: up to where
+/// a square is that of a free motion.
+void look_closer(const Pencil& pencil, double free, Seen& seen) {
   constexpr double enough = 1e-11;
   constexpr int most = 4;
   const Index n = seen.squares.size();
   for (int k = 0; k < most; ++k) {
     Index first = 0;
     while (first < n &&
-           (seen.squares(first) <= 0 || seen.known_to(first) <= enough * seen.squares(first))) {
+           (seen.squares(first) <= free || seen.known_to(first) <= enough * seen.squares(first))) {
       ++first;
     }
     Seen from_there;
@@ -175,16 +176,22 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
   double shift = 1e-16 * pencil.largest();
   if (!(shift > 0) || !std::isfinite(shift)) throw Refusal("nothing that resists has mass");
   Seen seen;
-  double free = 0;
+  double free = 0, seen_from = 0;
   bool settled = false;
   const double farthest = 1e-7 * pencil.largest();
   for (int attempt = 0; attempt < 9 && !settled; ++attempt) {
     if (!pencil.see_from(shift, n_modes, seen)) {
+      settled = seen_from > 0;  // what was seen from farther is as good as it gets
+      if (settled) {
+        shift = seen_from;
+        break;
+      }
       shift *= 1e4;
       if (shift > farthest) refuse_singular();
       continue;
     }
     free = 1e-9 * shift;
+    seen_from = shift;
     const auto elastic = std::find_if(seen.squares.begin(), seen.squares.end(),
                                       [&](double square) { return std::abs(square) > free; });
     settled = elastic == seen.squares.end();
@@ -196,7 +203,7 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
     if (!settled) shift = 0.1 * lowest;
   }
   if (!settled) throw Refusal("the lowest modes were not found: no shift tells them apart");
-  look_closer(pencil, seen);
+  look_closer(pencil, free, seen);
   LowestModes result;
   result.squares = seen.squares.unaryExpr(
       [&](double square) { return std::abs(square) <= free ? 0.0 : square; });

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "core/mechanics/turning_load.hpp"
 
@@ -78,19 +79,26 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
     const double time = item.damped ? damping_time_of(S, item.S_d, conditions) : 0;
     rows.in_D = time < 0;
     damped_ = damped_ || item.damped;
-    // Principal stiffnesses; a deformation that nothing resists has no row.
-    const Eigen::SelfAdjointEigenSolver<LocalStiffness> principal(S);
+    // Principal stiffnesses of deformations that are scaled by how stiff each is by itself, or what
+    // is soft is known to the rounding of what is stiff. A deformation that nothing resists has no
+    // row.
+    const LocalDeformation scale = S.diagonal().unaryExpr(
+        [](double entry) { return entry != 0 ? std::sqrt(std::abs(entry)) : 1.0; });
+    const LocalDeformation inverse = scale.cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<LocalStiffness> principal(
+        LocalStiffness(inverse.asDiagonal() * S * inverse.asDiagonal()));
     const double least = 1e-14 * principal.eigenvalues().cwiseAbs().maxCoeff();
     rows.Q.resize(n_e, 0);
     const auto add = [&](const LocalDeformation& direction, double c) {
       rows.Q.conservativeResize(n_e, rows.Q.cols() + 1);
-      rows.Q.rightCols(1) = direction;
-      compliance.push_back(c);
+      rows.Q.rightCols(1) = direction.normalized();
+      compliance.push_back(c / direction.squaredNorm());
       damping_time.push_back(c != 0 ? std::max(time, 0.0) : 0);
     };
     for (Index i = 0; i < n_e; ++i) {
       const double stiffness = principal.eigenvalues()(i);
-      if (std::abs(stiffness) > least) add(principal.eigenvectors().col(i), 1 / stiffness);
+      if (std::abs(stiffness) <= least) continue;
+      add(scale.cwiseProduct(principal.eigenvectors().col(i)), 1 / stiffness);
     }
     for (const Index i : conditions) add(LocalDeformation::Unit(n_e, i), 0);
     rigid_ = rigid_ || (!conditions.empty() && item.parts.size() > 1);
