@@ -73,7 +73,7 @@ class DampedPencil {
     constexpr int most = 30;
     // From beside the eigenvalue, where the matrix is not singular, and on the side where no others
     // are; each step is shorter by so much over the distance to the next one.
-    constexpr double beside = 1e-5;
+    constexpr double beside = 1e-4;
     Damped mode{p, start};
     if (std::abs(p) <= still_) mode.p = 0;
     if (keeps_modes_ || mode.p == 0.0) return mode;
