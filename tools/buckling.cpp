@@ -2,8 +2,11 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/sparse/sparse_buckling.hpp"
+#include "core/mechanics/sparse/sparse_scene.hpp"
 #include "report/table.hpp"
 #include "tools/json.hpp"
 #include "tools/largest_parts.hpp"
@@ -38,12 +41,22 @@ void print_page(const Scene& scene, const Buckling& result, Index shown) {
   }
 }
 
+Buckling smallest(const Scene& scene, Index count, Patience& patience) {
+  const std::optional<Model> large = large_scene(scene, count);
+  const bool sparse = large && large->q_r_0.isZero(0);
+  if (sparse) {
+    patience.now("load multipliers");
+    return sparse_buckling(MixedModel(*large), count);
+  }
+  const Model model = make_model(scene);
+  patience.now("load multipliers");
+  return buckling(model);
+}
+
 int run(const BucklingOptions& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
-  const Model model = make_model(scene);
-  patience.now("load multipliers");
-  const Buckling result = buckling(model);
+  const Buckling result = smallest(scene, options.count, patience);
   const Index shown = std::min<Index>(options.count, result.load_multipliers.size());
   if (options.json) {
     print({{"scene", scene.title},
@@ -74,7 +87,10 @@ void add_buckling(cli::Command& app, int& exit_code) {
       "Solves (K + lambda G) v = 0 with K of the unloaded scene and G at the stresses that the "
       "load\n"
       "causes to first order. A load that pulls has no multiplier; one that follows its node is "
-      "refused.\n"
+      "refused. Of a scene with `dofs: auto` and hundreds of beams only those of --count are "
+      "looked "
+      "for,\n"
+      "and dofs are all free coordinates of the nodes.\n"
       "Keys of --json:\n"
       "  scene, scene_hash, dofs\n"
       "  load_multipliers  smallest first\n"

@@ -1,6 +1,7 @@
 #include "core/mechanics/modes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <numbers>
@@ -67,6 +68,10 @@ void print_eigenvalues(const Modes& result) {
     const std::complex<double> value = result.eigenvalues(i);
     // A complex pair is one line, with its positive frequency.
     if (value.imag() < 0) continue;
+    if (std::isnan(value.real())) {
+      if (i % 2 == 0) table.add({report::cell("%td", i / 2 + 1), "not found", "", "", ""});
+      continue;
+    }
     const double known_to = result.known_to(i);
     const auto shown = [&](double part) { return std::abs(part) <= known_to ? 0.0 : part; };
     const double ratio = result.damping_ratios(i / 2);
@@ -223,7 +228,10 @@ void add_modes(cli::Command& app, int& exit_code) {
       "  mode_shapes             a row a dof, a column a natural frequency, mass-normalised\n"
       "With --lowest, of a large scene with `dofs: auto`: dofs are all free coordinates of the "
       "nodes,\n"
-      "and eigenvalues those that the lowest modes turn into when they are damped.\n"
+      "and eigenvalues those that the lowest modes turn into when they are damped, null where one "
+      "is "
+      "not found\n"
+      "(damped so much that many lie close together).\n"
       "Example: stillframe modes config/scenes/metrology_frame.yaml");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }

@@ -56,6 +56,48 @@ TEST_F(ModesVerb, TurningTable) {
   expect_documented_keys("modes", document);
 }
 
+TEST_F(ModesVerb, LowestOfASmallSceneAreTheFirstOfAll) {
+  const auto scene = config("scenes/metrology_frame.yaml");
+  const Json all = json({"modes", scene}), lowest = json({"modes", scene, "--lowest", "2"});
+  ASSERT_EQ(lowest["natural_frequencies_hz"].size(), 2u);
+  EXPECT_EQ(lowest["natural_frequencies_hz"][1], all["natural_frequencies_hz"][1]);
+  EXPECT_EQ(lowest["eigenvalues"].size(), 4u);
+  EXPECT_EQ(lowest["damping_ratios"].size(), 2u);
+  ASSERT_EQ(lowest["mode_shapes"].size(), all["mode_shapes"].size());
+  EXPECT_EQ(lowest["mode_shapes"][0].size(), 2u);
+  EXPECT_EQ(lowest["dofs"], all["dofs"]);
+}
+
+/// Forty beams have 280 coordinates: many enough for the sparse way. A stiffness matrix of n beams
+/// has eps n^4 = 6e-10 of its lowest square wrong.
+TEST_F(ModesVerb, LowestOfALargeSceneAreThoseOfAllModes) {
+  const auto scene = write("chain.yaml", R"(title: chain
+nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+masses: [{node: b, mass: 0.2}]
+elements:
+  beam: {type: beam, nodes: [a, b], EA: 2.1e7, GJ: 112, EI_y: 174.3, EI_z: 252, orientation: [0, 1, 0],
+    mass_per_length: 0.78, inertia_per_length: 1.5834e-5, damping_time: 1e-5, divide: 40}
+dofs: auto
+supports: [{nodes: [a], fix: [x, y, z, rotation]}]
+loads: [{node: b, force: [-40, 0, 3]}]
+)");
+  const Json all = json({"modes", scene}), lowest = json({"modes", scene, "--lowest", "8"});
+  expect_documented_keys("modes", lowest);
+  EXPECT_EQ(lowest["dofs"].size(), 280u);
+  EXPECT_EQ(lowest["mode_shapes"].size(), 280u);
+  for (size_t i = 0; i < 8; ++i) {
+    const double f = all["natural_frequencies_hz"][i];
+    EXPECT_NEAR(lowest["natural_frequencies_hz"][i], f, 1e-9 * f) << i;
+    EXPECT_NEAR(lowest["damping_ratios"][i], all["damping_ratios"][i], 1e-9) << i;
+  }
+  const Json multipliers = json({"buckling", scene, "--count", "3"})["load_multipliers"];
+  const Json of_few = json({"buckling", scene, "--count", "100"})["load_multipliers"];
+  ASSERT_EQ(multipliers.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(multipliers[i], of_few[i].get<double>(), 1e-9 * of_few[i].get<double>()) << i;
+  }
+}
+
 // The state matrix is orthogonal but for 2e-10, and Eigen's QR iteration alone does not end.
 TEST_F(ModesVerb, TableThatHardlyTurnsHasItsPolesAndItsResponse) {
   const auto scene = table("1e-10", "0");

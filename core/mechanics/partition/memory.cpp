@@ -16,7 +16,9 @@ void require_memory(double numbers, const std::string& place, const std::string&
   char text[96];
   std::snprintf(text, sizeof text, " would take about %.3g GB of memory, this machine has %.3g GB",
                 needed / 1e9, there / 1e9);
-  throw InputError(place + ": " + of_what + text + "; divide fewer beams into fewer parts");
+  throw InputError(
+      place + ": " + of_what + text +
+      "; divide fewer beams into fewer parts, or ask for the lowest modes alone (modes --lowest)");
 }
 
 }  // namespace stillframe

@@ -1,6 +1,7 @@
 #include "core/mechanics/sparse/sparse_buckling.hpp"
 
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/sparse/mixed_factors.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
 #include "core/numerics/lanczos.hpp"
@@ -10,7 +11,7 @@ namespace stillframe {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-SparseBuckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
+Buckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
   const VectorXd x = mixed.written(1), c = mixed.compliance();
   const VectorXd f = mixed.forces(x, 1);
   if (f.isZero(0) && mixed.model().preload.isZero(0)) {
@@ -32,7 +33,8 @@ SparseBuckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
   VectorXd s, displacement;
   K.solve({}, f, s, displacement);
   const SparseMatrix G = mixed.geometric_stiffness(x, s, 1);
-  SparseBuckling result;
+  Buckling result;
+  result.q_names = coordinate_names(mixed.model());
   if (G.nonZeros() == 0) return result;
   // -G v = v K / lambda: the smallest multipliers are the largest eigenvalues.
   VectorXd e;
