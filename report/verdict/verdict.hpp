@@ -233,7 +233,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
 ///   checks[]: subject ("record", "effort", "motion", "prediction") what asked found outcome reason
 ///     by_scene
 ///   warnings[], isolates_above_hz (null: unknown), disturbed
-///   runs[]: scene (its title) scene_hash program_version mode loop sample_rate_hz delay_samples n_samples
+///   runs[]: scene (its title) scene_hash program_version mode loop sample_rate_hz delay_samples
+///   n_samples
 ///     judged_from_s judged_to_s n_judged (samples between them, which motion is judged by; the
 ///     times are null if there are none) never_held let_go (why; empty: it did not) n_lost
 ///     n_duplicate n_commands n_commands_given (null: unknown) n_not_finite n_repeats n_saturated
