@@ -92,6 +92,35 @@ TEST(LargeModels, FrequenciesThatRepeatAreAllFound) {
   }
 }
 
+/// Twelve cantilevers that have nothing to do with each other, each a little stiffer than the one
+/// before and as stiff both ways: close pairs, of which rounding alone does not find both.
+TEST(LargeModels, ClosePairsAreAllFound) {
+  const auto EI = [](int i) { return EI_y * (1 + 0.002 * i); };
+  std::string nodes, elements, clamped;
+  for (int i = 0; i < 12; ++i) {
+    const std::string k = std::to_string(i), stiffness = number(EI(i));
+    nodes += "  a" + k + ": {position: [0, " + k + ", 0]}\n  b" + k + ": {position: [1, " + k +
+             ", 0]}\n";
+    elements += "  beam" + k + ": {type: beam, nodes: [a" + k + ", b" + k +
+                "], EA: 2.1e7, GJ: 112, EI_y: " + stiffness + ", EI_z: " + stiffness +
+                ", orientation: [0, 1, 0], mass_per_length: 0.78, inertia_per_length: 1.5834e-5, "
+                "divide: 8}\n";
+    clamped += (i > 0 ? ", a" : "a") + k;
+  }
+  const std::string text = "title: twelve\nnodes:\n" + nodes + "masses: []\nelements:\n" +
+                           elements + "dofs: auto\nsupports:\n  - {nodes: [" + clamped +
+                           "], fix: [x, y, z, rotation]}\n";
+  for (const Index n : {2, 5, 10, 24}) {
+    const VectorXd f = lowest_hz(text, n);
+    ASSERT_EQ(f.size(), n);
+    for (Index i = 0; i < n; ++i) {
+      // The cubic leaves out (1.9 / 8)^4 / 1440 = 2e-6 of each, a hundredth of their distance.
+      EXPECT_NEAR(f(i) / Chain::hz(beam_root(1, -1), EI(static_cast<int>(i / 2))), 1, 3e-6)
+          << i << " of " << n;
+    }
+  }
+}
+
 /// Dense matrices of thirty beams know their lowest squares to eps n^4 = 2e-10 of them, those of
 /// ten to 2e-12.
 void expect_dense(const std::string& text, Index n, double tolerance) {
@@ -160,6 +189,32 @@ TEST(LargeModels, WhatIsNotStableIsRefused) {
   const double f = lowest_hz(loaded(0.999), 4)(0), alone = lowest_hz(Chain{.n = 100}.text(), 4)(0);
   // Near the critical load the square falls as the distance to it.
   EXPECT_NEAR(f / alone, std::sqrt(0.001), 0.1 * std::sqrt(0.001));
+}
+
+/// Six masses on springs swing more slowly than the column falls: what is asked for is stable.
+TEST(LargeModels, WhatIsNotStableIsRefusedWhicheverModesAreAskedFor) {
+  std::string masses, nodes, elements, held;
+  for (int i = 0; i < 6; ++i) {
+    const std::string k = std::to_string(i);
+    nodes += "  m" + k + ": {position: [3, " + k + ", 0]}\n  w" + k + ": {position: [4, " + k +
+             ", 0]}\n";
+    masses += (i > 0 ? ", " : "") + ("{node: m" + k + ", mass: 1}");
+    elements += "  spring" + k + ": {type: truss, nodes: [m" + k + ", w" + k +
+                "], stiffness: " + std::to_string(i + 1) + "}\n";
+    held += "  - {nodes: [w" + k + "], fix: [x, y, z]}\n  - {nodes: [m" + k + "], fix: [y, z]}\n";
+  }
+  const double euler = std::numbers::pi * std::numbers::pi * EI_y / 4;
+  const auto loaded = [&](double part) {
+    std::string text =
+        Chain{.n = 60,
+              .rest = "loads:\n  - {node: b, force: [" + number(-part * euler) + ", 0, 0]}\n"}
+            .text();
+    text = with(text, "masses: []", nodes + "masses: [" + masses + "]");
+    text = with(text, "dofs: auto\nsupports:\n", elements + "dofs: auto\nsupports:\n" + held);
+    return text;
+  };
+  EXPECT_NEAR(lowest_hz(loaded(0.5), 4)(0), 1 / two_pi, 1e-10);
+  EXPECT_THROW(Large(loaded(3)).modes(4), Unstable);
 }
 
 TEST(LargeModels, ColumnsBuckleAtEulersLoads) {
