@@ -231,7 +231,7 @@ void add_modes(cli::Command& app, int& exit_code) {
       "and eigenvalues those that the lowest modes turn into when they are damped, null where one "
       "is "
       "not found\n"
-      "(damped so much that many lie close together).\n"
+      "(mostly of modes damped so much that they do not ring).\n"
       "Example: stillframe modes config/scenes/metrology_frame.yaml");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }

@@ -85,8 +85,9 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
     const LocalDeformation scale = S.diagonal().unaryExpr(
         [](double entry) { return entry != 0 ? std::sqrt(std::abs(entry)) : 1.0; });
     const LocalDeformation inverse = scale.cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<LocalStiffness> principal(
-        LocalStiffness(inverse.asDiagonal() * S * inverse.asDiagonal()));
+    // Of any size: that one is compiled already.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> principal(
+        Eigen::MatrixXd(inverse.asDiagonal() * S * inverse.asDiagonal()));
     const double least = 1e-14 * principal.eigenvalues().cwiseAbs().maxCoeff();
     rows.Q.resize(n_e, 0);
     const auto add = [&](const LocalDeformation& direction, double c) {
