@@ -35,6 +35,24 @@ void first_order_stresses(const Model& model, Data& data, const Columns& columns
 
 }  // namespace
 
+void refuse_without_load() {
+  throw Refusal("there is no load to multiply: add loads, gravity or preloads");
+}
+
+void refuse_free_to_move() {
+  throw Refusal(
+      "the stiffness matrix of the unloaded scene is not positive definite: it can move "
+      "without strain, or has dofs that nothing resists");
+}
+
+void scale_to_largest(MatrixXd& shapes) {
+  for (auto shape : shapes.colwise()) {
+    Index largest = 0;
+    shape.cwiseAbs().maxCoeff(&largest);
+    shape /= shape(largest);
+  }
+}
+
 Buckling buckling(const Model& model) {
   if (!model.q_r_dot_0.isZero(0) || !model.q_r_ddot_0.isZero(0)) {
     throw Refusal(
@@ -53,14 +71,10 @@ Buckling buckling(const Model& model) {
   generalised_forces(model, data, rest.state, VectorXd::Zero(model.n_e));
   complete_accelerations(data, rest.q_d_ddot);
   if (data.f_dd.isZero(0) && data.f.isZero(0) && model.preload.isZero(0)) {
-    throw Refusal("there is no load to multiply: add loads, gravity or preloads");
+    refuse_without_load();
   }
   const Eigen::LLT<MatrixXd> factors(K);
-  if (factors.info() != Eigen::Success) {
-    throw Refusal(
-        "the stiffness matrix of the unloaded scene is not positive definite: it can move "
-        "without strain, or has dofs that nothing resists");
-  }
+  if (factors.info() != Eigen::Success) refuse_free_to_move();
   Columns columns(model, MatrixXd::Zero(model.n_r, 0), {});
   columns.compute(model, data, false);
   first_order_stresses(model, data, columns, factors.solve(data.f_dd));
@@ -82,11 +96,7 @@ Buckling buckling(const Model& model) {
   for (const Model::Dof& dof : model.dofs) result.q_names.push_back(dof.name);
   result.load_multipliers = -mu.head(count).cwiseInverse();
   result.shapes = solver.eigenvectors().leftCols(count);
-  for (auto shape : result.shapes.colwise()) {
-    Index largest = 0;
-    shape.cwiseAbs().maxCoeff(&largest);
-    shape /= shape(largest);
-  }
+  scale_to_largest(result.shapes);
   return result;
 }
 

@@ -13,6 +13,12 @@ struct Buckling {
   Eigen::MatrixXd shapes;            ///< n_d x as many, largest entry 1
 };
 
+/// What both ways to them share: the refusals of a scene without a load and of one whose K is not
+/// positive definite, and the scale of shapes.
+[[noreturn]] void refuse_without_load();
+[[noreturn]] void refuse_free_to_move();
+void scale_to_largest(Eigen::MatrixXd& shapes);
+
 /// Errors: Refusal if the scene has no load, if a prescribed motion has a rate or an acceleration,
 /// if K is not positive definite (the unloaded scene can move freely), or if G is not symmetric (a
 /// load that follows a node, or a torque in space that does not, may cause flutter, which has no

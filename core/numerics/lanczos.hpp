@@ -8,13 +8,14 @@ namespace stillframe {
 /// y = T x, both of length n.
 using LinearMap = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>;
 
+/// Eigenvalues of largest modulus or, algebraically, the largest ones.
 enum class Largest { modulus, algebraic };
 
-/// Eigenvalues of A v = theta S v, best first, and their vectors (n x n_pairs).
+/// Of A v = theta S v.
 struct LanczosPairs {
-  Eigen::VectorXd values;
-  Eigen::MatrixXd vectors;
-  bool converged = false;
+  Eigen::VectorXd values;   ///< n_pairs or fewer, largest first
+  Eigen::MatrixXd vectors;  ///< n x as many
+  bool converged = false;   ///< all that were asked for, or as many as there are
 };
 
 /// The n_pairs largest of A v = theta S v, or as many as there are that are not zero, multiple ones

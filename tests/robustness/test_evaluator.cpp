@@ -56,13 +56,18 @@ std::string replaced_everywhere(std::string text, const std::string& from, const
   return text;
 }
 
+FeedForward random_filter(std::mt19937& engine) {
+  FeedForward filter{.memory = 0.99, .n_taps = 5, .weights = Eigen::MatrixXd(6, 42)};
+  std::normal_distribution<double> normal(0, 50);
+  for (double& value : filter.weights.reshaped()) value = normal(engine);
+  return filter;
+}
+
 // A feed-forward beside the law takes another way to T than one with its states in the loop, and
 // moves no pole.
 TEST(Evaluator, AFeedForwardBesideTheLawIsThatWithinIt) {
-  FeedForward filter{.memory = 0.99, .n_taps = 5, .weights = Eigen::MatrixXd(6, 42)};
   std::mt19937 engine(1);
-  std::normal_distribution<double> normal(0, 50);
-  for (double& value : filter.weights.reshaped()) value = normal(engine);
+  const FeedForward filter = random_filter(engine);
   SceneUncertainty uncertainty;
   uncertainty.stiffness = uncertainty.actuator_gain = 0.1;
   uncertainty.delay_samples = 0.3;
@@ -100,10 +105,8 @@ TEST(Evaluator, AFeedForwardBesideTheLawIsThatWithinIt) {
 // A curve is drawn beside the law as well: each of its points is what the loop with the states of
 // the feed-forward has there, next to the poles too, and it knows the same resonances.
 TEST(Evaluator, ACurveBesideTheLawIsThatOfTheWholeLoop) {
-  FeedForward filter{.memory = 0.99, .n_taps = 5, .weights = Eigen::MatrixXd(6, 42)};
   std::mt19937 engine(2);
-  std::normal_distribution<double> normal(0, 50);
-  for (double& value : filter.weights.reshaped()) value = normal(engine);
+  const FeedForward filter = random_filter(engine);
   SceneUncertainty uncertainty;
   uncertainty.stiffness = 0.1;
   Evaluator::Settings settings{.scene = frame().scene,

@@ -34,32 +34,6 @@ void scale(const Model& model, Eigen::MatrixXd& D) {
 
 }  // namespace
 
-std::vector<FreeCoordinate> free_coordinates(const Model& model, const std::string& place) {
-  std::vector<FreeCoordinate> coordinates;
-  std::set<Index> taken;
-  const auto take = [&](Index column, const std::string& node) -> SceneDof* {
-    if (column < 0 || column >= model.n_c || !taken.insert(column).second) return nullptr;
-    SceneDof& dof = coordinates.emplace_back(column, SceneDof{}).dof;
-    dof.place = place;
-    dof.node = node;
-    return &dof;
-  };
-  for (const ModelNode& node : model.nodes) {
-    for (int i = 0; i < 3; ++i) {
-      if (SceneDof* dof = take(node.translation.column[static_cast<size_t>(i)], node.name)) {
-        dof->direction = node.translation.basis.col(i);
-      }
-    }
-    for (int i = 0; i < node.rotation.size; ++i) {
-      SceneDof* dof = take(node.rotation.column[static_cast<size_t>(i)], node.name);
-      if (!dof) continue;
-      dof->rotation = model.planar;
-      if (!model.planar) dof->euler_parameter = i;
-    }
-  }
-  return coordinates;
-}
-
 std::vector<SceneDof> automatic_dofs(const Scene& scene) {
   const Model model = free_model(scene);
   const Index n_conditions = model.n_e - model.n_redundant, n_free = model.n_c;

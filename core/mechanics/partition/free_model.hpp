@@ -11,6 +11,14 @@ namespace stillframe {
 /// dependent, and nothing is eliminated. What a MixedModel is made of.
 Model free_model(const Scene& scene);
 
+/// A free coordinate of a model without dofs, as the dof that it would be.
+struct FreeCoordinate {
+  Eigen::Index column = 0;
+  SceneDof dof;
+};
+/// All n_c, in the order of the nodes. place: where messages say that they stand.
+std::vector<FreeCoordinate> free_coordinates(const Model& model, const std::string& place);
+
 /// Names of the n_c free coordinates, as dofs have them: "x(tip)", "lambda_1(tip)".
 std::vector<std::string> coordinate_names(const Model& model);
 

@@ -56,11 +56,7 @@ class DampedPencil {
   /// by.
   MatrixXd projected_damping(const MatrixXd& V) const {
     const MatrixXd E_V = E_ * V;
-    VectorXd viscosity(E_.rows());
-    for (Index i = 0; i < viscosity.size(); ++i) {
-      const double c = mixed_.compliance()(i);
-      viscosity(i) = c != 0 ? mixed_.damping_time()(i) / c : 0;
-    }
+    const VectorXd viscosity = mixed_.stiffness().cwiseProduct(mixed_.damping_time());
     MatrixXd D = E_V.transpose() * viscosity.asDiagonal() * E_V + V.transpose() * (D_ * V);
     const MatrixXd sizes = V.cwiseAbs(),
                    rounding = 1e-15 * sizes.transpose() * (D_.cwiseAbs() * sizes);
@@ -107,15 +103,10 @@ class DampedPencil {
   };
   /// v^T D v and v^T (K + G) v, of strains and not of K.
   Forms forms(const VectorXcd& v) const {
+    const VectorXcd e = E_ * v, energies = e.cwiseProduct(e).cwiseProduct(mixed_.stiffness());
     Forms forms{v.transpose() * (D_ * v), v.transpose() * (G_ * v)};
-    const VectorXcd e = E_ * v;
-    for (Index i = 0; i < e.size(); ++i) {
-      const double c = mixed_.compliance()(i);
-      if (c == 0) continue;
-      const Complex energy = e(i) * e(i) / c;
-      forms.k += energy;
-      forms.d += mixed_.damping_time()(i) * energy;
-    }
+    forms.d += energies.cwiseProduct(mixed_.damping_time()).sum();
+    forms.k += energies.sum();
     return forms;
   }
   /// Whether all stiffness has one damping time, and there is nothing else that resists: then the

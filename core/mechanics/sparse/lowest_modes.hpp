@@ -4,13 +4,6 @@
 
 namespace stillframe {
 
-/// A position at rest of a mixed model: displacements (n_x), stresses of its rows (n_rows), and the
-/// share of loads, gravity and preloads that they balance.
-struct MixedState {
-  Eigen::VectorXd x, s;
-  double load_factor = 0;
-};
-
 /// The lowest natural frequencies of (K + G) v = omega^2 M v without damping, and their shapes on
 /// the free coordinates, mass-normalised.
 struct LowestModes {
@@ -23,8 +16,5 @@ struct LowestModes {
 /// the matrix is singular (conditions that are not independent, or a motion without stiffness and
 /// mass); Unstable if a square of a natural frequency is negative.
 LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Eigen::Index n_modes);
-
-/// The refusal of a mixed form that is singular.
-[[noreturn]] void refuse_singular();
 
 }  // namespace stillframe

@@ -3,8 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-
-#include "core/mechanics/turning_load.hpp"
+#include <stdexcept>
 
 namespace stillframe {
 
@@ -53,6 +52,9 @@ void to_node_axes(const std::vector<PartMap>& parts, Local& local) {
 }  // namespace
 
 MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements.size()) {
+  if (model.n_d > 0 || !model.turning_loads.empty()) {
+    throw std::invalid_argument("a mixed model has neither dofs nor loads that turn");
+  }
   std::vector<double> compliance, damping_time;
   for (size_t k = 0; k < model.elements.size(); ++k) {
     const ModelElement& item = model.elements[k];
@@ -107,6 +109,7 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
   n_rows_ = static_cast<Index>(compliance.size());
   compliance_ = Eigen::Map<const VectorXd>(compliance.data(), n_rows_);
   damping_time_ = Eigen::Map<const VectorXd>(damping_time.data(), n_rows_);
+  stiffness_ = compliance_.unaryExpr([](double c) { return c != 0 ? 1 / c : 0.0; });
 }
 
 VectorXd MixedModel::written(double factor) const {
@@ -206,44 +209,20 @@ SparseMatrix MixedModel::geometric_stiffness(const VectorXd& x, const VectorXd& 
       scatter(item.parts, model_.n_c, in_u, 1, entries);
     }
   }
-  for (const ModelLoad& load : model_.turning_loads) {
-    const std::vector<PartMap> parts = parts_of(model_, load);
-    gather(parts, x, u);
-    const Index rotation = u.size() - 3;
-    const TurnedLoad turned(load, u.tail(rotation), model_.planar);
-    LocalHessian L = LocalHessian::Zero(u.size(), u.size());
-    L.topRightCorner(3, rotation) = turned.d_force.leftCols(rotation);
-    L.bottomRightCorner(rotation, rotation) = turned.d_moment.topLeftCorner(rotation, rotation);
-    rows_to_node_axes(parts, L);
-    scatter(parts, model_.n_c, L, -load_factor, entries);
-  }
   return square(model_.n_c, entries);
 }
 
 VectorXd MixedModel::forces(const VectorXd& x, double load_factor) const {
   VectorXd f = load_factor * model_.load.head(model_.n_c);
   LocalVector u;
-  const auto add = [&](const std::vector<PartMap>& parts, LocalVector& local, double factor) {
-    rows_to_node_axes(parts, local);
-    for_each_column(parts, model_.n_c,
-                    [&](Index i, Index column) { f(column) += factor * local(i); });
-  };
-  for (const ModelLoad& load : model_.turning_loads) {
-    const std::vector<PartMap> parts = parts_of(model_, load);
-    gather(parts, x, u);
-    const Index rotation = u.size() - 3;
-    const TurnedLoad turned(load, u.tail(rotation), model_.planar);
-    u.head<3>() = turned.force;
-    u.tail(rotation) = turned.moment.head(rotation);
-    add(parts, u, load_factor);
-  }
   if (!model_.gravity.isZero(0)) {
     for (const ModelInertia& item : model_.inertias) {
       gather(item.parts, x, u);
       const LocalVector rest = LocalVector::Zero(u.size());
       LocalVector F(u.size());
       item.inertia->force(u, rest, rest, load_factor * model_.gravity, F);
-      add(item.parts, F, -1);
+      rows_to_node_axes(item.parts, F);
+      for_each_column(item.parts, model_.n_c, [&](Index i, Index column) { f(column) -= F(i); });
     }
   }
   for (size_t k = 0; k < rows_.size(); ++k) {

@@ -9,6 +9,13 @@ namespace stillframe {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
+/// A position at rest of a mixed model: displacements (n_x), stresses of its rows (n_rows), and the
+/// share of loads, gravity and preloads that they balance.
+struct MixedState {
+  Eigen::VectorXd x, s;
+  double load_factor = 0;
+};
+
 /// A model at rest with nothing eliminated: displacements x^c and stress resultants s are both
 /// unknown, which is the mixed form
 ///   -c s + E x = e_given,   E^T s + (G + K_0) x + M x'' = f,
@@ -19,11 +26,15 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 /// Source: deck, sections 2 to 4; docs/decisions/0035-sparse-models.md.
 class MixedModel {
  public:
+  /// The model has to outlive this one. Errors: std::invalid_argument if it has dofs, or loads that
+  /// turn with their nodes, whose stiffness is not symmetric.
   explicit MixedModel(const Model& model);
 
   Eigen::Index n_rows() const { return n_rows_; }
   Eigen::Index n_coordinates() const { return model_.n_c; }
-  const Eigen::VectorXd& compliance() const { return compliance_; }  ///< n_rows
+  const Eigen::VectorXd& compliance() const { return compliance_; }  ///< n_rows, c
+  /// n_rows, 1 / c, and 0 of conditions: what they bear is no matter of strain.
+  const Eigen::VectorXd& stiffness() const { return stiffness_; }
   /// Whether conditions hold parts together, beside those of unit Euler parameters.
   bool rigid() const { return rigid_; }
   const Model& model() const { return model_; }
@@ -43,7 +54,7 @@ class MixedModel {
   const Eigen::VectorXd& damping_time() const { return damping_time_; }
   SparseMatrix damping(const Eigen::VectorXd& x) const;
   bool damped() const { return damped_; }
-  /// G (n_c x n_c) of the stresses, the weight and the loads that turn.
+  /// G (n_c x n_c) of the stresses and the weight.
   SparseMatrix geometric_stiffness(const Eigen::VectorXd& x, const Eigen::VectorXd& s,
                                    double load_factor) const;
   /// Loads, weight and preloads on x^c (n_c).
@@ -63,7 +74,7 @@ class MixedModel {
   const Model& model_;
   std::vector<Rows> rows_;
   Eigen::Index n_rows_ = 0;
-  Eigen::VectorXd compliance_, damping_time_;
+  Eigen::VectorXd compliance_, stiffness_, damping_time_;
   bool damped_ = false, rigid_ = false;
 };
 

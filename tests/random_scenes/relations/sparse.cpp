@@ -18,13 +18,9 @@ using Eigen::VectorXd;
 /// v^T D v / (2 omega) of a mode without damping.
 double damping_ratio(const MixedModel& mixed, const MixedState& state, const VectorXd& v,
                      double omega) {
-  double d = v.dot(mixed.damping(state.x) * v);
   const VectorXd e = mixed.strain_rows(state.x) * v;
-  for (Index k = 0; k < e.size(); ++k) {
-    if (mixed.compliance()(k) != 0) {
-      d += mixed.damping_time()(k) * e(k) * e(k) / mixed.compliance()(k);
-    }
-  }
+  const double d = v.dot(mixed.damping(state.x) * v) +
+                   e.cwiseAbs2().cwiseProduct(mixed.damping_time()).dot(mixed.stiffness());
   return d / (2 * omega);
 }
 
