@@ -11,23 +11,23 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 
+Complex position_of(Quantity quantity, Complex s) {
+  switch (input_kind(quantity)) {
+    case InputColumns::Kind::velocity:
+      return 1.0 / s;
+    case InputColumns::Kind::acceleration:
+      return 1.0 / (s * s);
+    default:
+      return 1.0;
+  }
+}
+
 MatrixXcd transfer_function(const LinearModel& model, Complex s) {
   const Index n_u = model.B.cols();
-  Eigen::VectorXcd position = Eigen::VectorXcd::Zero(n_u);
+  // Of forces nothing is multiplied by it: their columns of M_r to R_a are zero.
+  Eigen::VectorXcd position(n_u);
   for (Index j = 0; j < n_u; ++j) {
-    switch (input_kind(model.inputs[static_cast<size_t>(j)].quantity)) {
-      case InputColumns::Kind::position:
-        position(j) = 1.0;
-        break;
-      case InputColumns::Kind::velocity:
-        position(j) = 1.0 / s;
-        break;
-      case InputColumns::Kind::acceleration:
-        position(j) = 1.0 / (s * s);
-        break;
-      case InputColumns::Kind::direct:
-        break;
-    }
+    position(j) = position_of(model.inputs[static_cast<size_t>(j)].quantity, s);
   }
   const auto w = position.asDiagonal();
   const MatrixXcd H = s * s * model.M.cast<Complex>() + s * model.damping().cast<Complex>() +

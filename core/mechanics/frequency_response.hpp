@@ -14,6 +14,10 @@ namespace stillframe {
 /// solve. Source: deck, section 10, cases 1 to 3.
 Eigen::MatrixXcd transfer_function(const LinearModel& model, std::complex<double> s);
 
+/// The position of a prescribed motion whose own quantity is 1: 1, 1/s or 1/s^2; 1 for what is no
+/// motion.
+std::complex<double> position_of(Quantity quantity, std::complex<double> s);
+
 /// T = G_11 + G_12 C (I - G_22 C)^-1 G_21 with G partitioned after n_w inputs and n_y outputs, and
 /// the feedback u = C y_sigma (m x m). Source: deck, section 11.2.
 Eigen::MatrixXcd closed_loop(const Eigen::MatrixXcd& G, Eigen::Index n_w, Eigen::Index n_y,

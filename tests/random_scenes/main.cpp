@@ -57,12 +57,20 @@ std::string refusal(Case& scene) {
   return "";
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 /// What is known of one relation after some scenes.
 struct Tally {
   int applied = 0, violations = 0;
   std::int64_t compared = 0, unknown = 0;  ///< numbers, as in Finding
   double seconds = 0, longest = 0;         ///< of all scenes, and of one
   std::map<std::string, int> skipped;      ///< what was too dear to compare, and on how many scenes
+  std::vector<double> shares;  ///< of the bound that each scene used up
   Finding worst;
   std::uint64_t worst_seed = 0, longest_seed = 0;
 };
@@ -154,6 +162,7 @@ class Run {
     tally.compared += finding->compared;
     tally.unknown += finding->unknown;
     if (!finding->holds()) ++tally.violations;
+    tally.shares.push_back(finding->share());
     if (tally.applied == 1 || finding->share() > tally.worst.share()) {
       tally.worst = *finding;
       tally.worst_seed = seed;
@@ -227,19 +236,19 @@ class Run {
         options_.n, static_cast<unsigned long long>(options_.seed), n_refused(), illegal_,
         static_cast<unsigned long long>(slowest_seed_), slowest_);
     for (const auto& [why, n] : refused_) std::printf("  %d: %s...\n", n, why.c_str());
-    std::printf("\n%-14s %8s %10s %9s %9s %8s %10s %10s %9s %9s  %s\n", "relation", "scenes",
-                "violations", "numbers", "not known", "skipped", "worst", "bound", "ms/scene",
-                "longest", "where");
+    std::printf("\n%-14s %8s %10s %9s %9s %8s %10s %10s %8s %9s %9s  %s\n", "relation", "scenes",
+                "violations", "numbers", "not known", "skipped", "worst", "bound", "median",
+                "ms/scene", "longest", "where");
     for (size_t i = 0; i < relations_.size(); ++i) {
       const Tally& t = tallies_[i];
       int skipped = 0;
       for (const auto& [what, n] : t.skipped) skipped += n;
       std::printf(
-          "%-14s %8d %10d %9lld %9lld %8d %10.2e %10.2e %9.1f %7.1f s  %s, scene %llu; "
+          "%-14s %8d %10d %9lld %9lld %8d %10.2e %10.2e %8.1e %9.1f %7.1f s  %s, scene %llu; "
           "longest: %llu\n",
           relations_[i]->name, t.applied, t.violations, static_cast<long long>(t.compared),
           static_cast<long long>(t.unknown), skipped, t.worst.value, t.worst.bound,
-          1e3 * t.seconds / std::max(1, options_.n), t.longest, t.worst.what.c_str(),
+          median(t.shares), 1e3 * t.seconds / std::max(1, options_.n), t.longest, t.worst.what.c_str(),
           static_cast<unsigned long long>(t.worst_seed),
           static_cast<unsigned long long>(t.longest_seed));
     }

@@ -8,6 +8,7 @@ namespace stillframe::random_scenes {
 // Each in its file of relations/.
 std::optional<Finding> check_frequencies(Case& scene, std::uint64_t seed);
 std::optional<Finding> check_sparse(Case& scene, std::uint64_t seed);
+std::optional<Finding> check_reduction(Case& scene, std::uint64_t seed);
 std::optional<Finding> check_placement(Case& scene, std::uint64_t seed);
 std::optional<Finding> check_renumbering(Case& scene, std::uint64_t seed);
 std::optional<Finding> check_units(Case& scene, std::uint64_t seed);
@@ -52,6 +53,8 @@ const std::vector<Relation>& relations() {
       {"frequencies", "minimal dofs against nodal coordinates with constraints", check_frequencies},
       {"sparse", "minimal dofs against displacements and stresses that are both unknown",
        check_sparse},
+      {"reduction", "no further from the whole model than the bound of a reduced one says",
+       check_reduction},
       {"placement", "turned and shifted", check_placement},
       {"renumbering", "another order, other names", check_renumbering},
       {"units", "another metre, kilogram and second", check_units},

@@ -59,17 +59,12 @@ std::string unit_of(Quantity quantity) {
   return "";
 }
 
-namespace {
-
-/// The deformations of a hinge are angles, and its stresses torques.
 std::string unit_of(const Model& model, const SceneSignal& signal) {
   if (signal.element.empty()) return stillframe::unit_of(signal.quantity);
   std::string unit = stillframe::unit_of(signal.quantity);
   if (!is_angle(model, signal)) return unit;
   return unit == "N" ? "N m" : unit.replace(0, 1, "rad");
 }
-
-}  // namespace
 
 struct Lineariser::Work {
   Work(const Model& of, const std::vector<SceneSignal>& scene_inputs,

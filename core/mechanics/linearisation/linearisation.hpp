@@ -105,5 +105,7 @@ LinearModel linearise(const Model& model, const NominalMotion& nominal,
 
 bool is_motion(Quantity quantity);
 std::string unit_of(Quantity quantity);
+/// The same, of a hinge's signals with angles and torques.
+std::string unit_of(const Model& model, const SceneSignal& signal);
 
 }  // namespace stillframe

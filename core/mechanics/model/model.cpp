@@ -50,7 +50,7 @@ std::pair<size_t, Index> Model::owner_of_row(Index row) const {
 }
 
 bool Model::is_elastic(Index row) const {
-  return row >= n_c || conditions[static_cast<size_t>(row)].dof >= 0;
+  return row >= n_e - n_redundant || conditions[static_cast<size_t>(row)].dof >= 0;
 }
 
 Eigen::RowVectorXd Model::full_translation_row(Index node, const Eigen::Vector3d& direction) const {

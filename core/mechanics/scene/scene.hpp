@@ -184,6 +184,15 @@ struct SceneSimulation {
   PlantMethod method = PlantMethod::automatic;
 };
 
+/// `reduce`: on how many of its lowest modes a linear model is to stand. One of the three at least
+/// is said, 0: nothing.
+struct SceneReduction {
+  Eigen::Index n_modes = 0;
+  double modes_to_hz = 0;  ///< all up to there
+  double to_hz = 0;        ///< up to where it is to be right
+  std::string place;
+};
+
 enum class OperatingPoint { equilibrium, as_written };
 
 struct Scene {
@@ -206,6 +215,7 @@ struct Scene {
   std::vector<SceneDisturbance> disturbances;
   std::optional<SceneUncertainty> uncertainty;
   SceneSimulation simulation;
+  std::optional<SceneReduction> reduction;
 };
 
 }  // namespace stillframe

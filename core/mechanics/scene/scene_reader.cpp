@@ -55,6 +55,22 @@ SceneSimulation read_simulation(const YamlReader& block) {
   return simulation;
 }
 
+SceneReduction read_reduction(const YamlReader& block) {
+  block.allow_only({"modes", "modes_to_hz", "to_hz"});
+  SceneReduction reduction;
+  reduction.place = block.place();
+  const auto modes = block.find("modes"), modes_to = block.find("modes_to_hz"),
+             to = block.find("to_hz");
+  if (modes && modes_to) modes_to->fail("'modes' says already how many are kept");
+  if (!modes && !modes_to && !to) {
+    block.fail("nothing says what is kept; write modes, modes_to_hz or to_hz");
+  }
+  if (modes) reduction.n_modes = integer_within(*modes, 1, 100000);
+  if (modes_to) reduction.modes_to_hz = positive_up_to(*modes_to, 1e9);
+  if (to) reduction.to_hz = positive_up_to(*to, 1e9);
+  return reduction;
+}
+
 Scene read_scene_map(const YamlReader& root, const std::string& text,
                      const std::optional<std::filesystem::path>& controller_file,
                      const NamedFrom& named_from) {
@@ -62,7 +78,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
                    "masses",       "elements",    "supports",    "prescribed",      "dofs",
                    "loads",        "inputs",      "outputs",     "monitors",        "compare",
                    "controller",   "instruments", "uncertainty", "floor",           "simulation",
-                   "disturbances", "accept"});
+                   "disturbances", "accept",      "reduce"});
   Scene scene;
   scene.text = text;
   scene.hash = text_hash(text);
@@ -90,6 +106,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   scene.disturbances = read_disturbances(root, scene);
   if (const auto block = root.find("uncertainty")) scene.uncertainty = read_uncertainty(*block);
   if (const auto block = root.find("simulation")) scene.simulation = read_simulation(*block);
+  if (const auto block = root.find("reduce")) scene.reduction = read_reduction(*block);
   if (const auto block = root.find("accept")) read_acceptance(*block, scene);
   return scene;
 }

@@ -37,7 +37,7 @@ class DampedPencil {
         E_(mixed.strain_rows(state.x)),
         M_(mixed.mass(state.x)),
         D_(mixed.damping(state.x)),
-        G_(mixed.geometric_stiffness(state.x, state.s, state.load_factor)),
+        G_(mixed.geometric_stiffness(state)),
         still_(still),
         keeps_modes_(keeps_modes()) {}
 

@@ -43,7 +43,7 @@ class Pencil {
       : mixed_(mixed),
         E_(mixed.strain_rows(state.x)),
         M_(mixed.mass(state.x)),
-        G_(mixed.geometric_stiffness(state.x, state.s, state.load_factor)),
+        G_(mixed.geometric_stiffness(state)),
         largest_(largest_square(E_, mixed.stiffness(), M_)) {}
 
   double largest() const { return largest_; }

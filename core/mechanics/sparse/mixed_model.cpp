@@ -31,14 +31,8 @@ SparseMatrix square(Index n, const Triplets& entries) {
   return matrix;
 }
 
-/// The time that S_d is of S, of deformations that are no conditions; below 0 if it is not a
-/// multiple.
-double damping_time_of(const LocalStiffness& S, LocalStiffness S_d,
-                       const std::vector<Index>& conditions) {
-  for (const Index i : conditions) {
-    S_d.row(i).setZero();
-    S_d.col(i).setZero();
-  }
+/// The time that S_d is of S; below 0 if it is not a multiple.
+double damping_time_of(const LocalStiffness& S, const LocalStiffness& S_d) {
   const double time = S.isZero(0) ? 0 : S.cwiseProduct(S_d).sum() / S.squaredNorm();
   return (S_d - time * S).norm() <= 1e-14 * S_d.norm() ? time : -1;
 }
@@ -73,12 +67,16 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
       if (prescribed >= 0) rows.prescribed(i) = model.q_r_0(model.n_rx + prescribed);
     }
     rows.given = S * rows.prescribed;
+    if (item.damped) rows.S_d = item.S_d;
     for (const Index i : conditions) {
-      S.row(i).setZero();
-      S.col(i).setZero();
       rows.given(i) = 0;
+      for (LocalStiffness* law : {&S, &rows.S_d}) {
+        if (law->size() == 0) continue;
+        law->row(i).setZero();
+        law->col(i).setZero();
+      }
     }
-    const double time = item.damped ? damping_time_of(S, item.S_d, conditions) : 0;
+    const double time = item.damped ? damping_time_of(S, rows.S_d) : 0;
     rows.in_D = time < 0;
     damped_ = damped_ || item.damped;
     // Principal stiffnesses of deformations that are scaled by how stiff each is by itself, or what
@@ -112,6 +110,10 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
   stiffness_ = compliance_.unaryExpr([](double c) { return c != 0 ? 1 / c : 0.0; });
 }
 
+Index MixedModel::size(Of of) const {
+  return of == Of::free ? model_.n_c : model_.n_x + model_.n_0;
+}
+
 VectorXd MixedModel::written(double factor) const {
   VectorXd x = VectorXd::Zero(model_.n_x);
   x.tail(model_.n_rx) = factor * model_.q_r_0.head(model_.n_rx);
@@ -142,22 +144,24 @@ VectorXd MixedModel::strains(const VectorXd& x, double load_factor) const {
   return strains;
 }
 
-SparseMatrix MixedModel::strain_rows(const VectorXd& x) const {
+SparseMatrix MixedModel::strain_rows(const VectorXd& x, Of of) const {
+  const Index n = size(of);
   Triplets entries;
   for (size_t k = 0; k < rows_.size(); ++k) {
     const LocalJacobian D = rows_[k].Q.transpose() * local_jacobian(k, x);
-    for_each_column(model_.elements[k].parts, model_.n_c, [&](Index j, Index column) {
+    for_each_column(model_.elements[k].parts, n, [&](Index j, Index column) {
       for (Index i = 0; i < D.rows(); ++i) {
         if (D(i, j) != 0.0) entries.emplace_back(rows_[k].first + i, column, D(i, j));
       }
     });
   }
-  SparseMatrix E(n_rows_, model_.n_c);
+  SparseMatrix E(n_rows_, n);
   E.setFromTriplets(entries.begin(), entries.end());
   return E;
 }
 
-SparseMatrix MixedModel::mass(const VectorXd& x) const {
+SparseMatrix MixedModel::mass(const VectorXd& x, Of of) const {
+  const Index n = size(of);
   Triplets entries;
   LocalVector u;
   for (const ModelInertia& item : model_.inertias) {
@@ -165,38 +169,40 @@ SparseMatrix MixedModel::mass(const VectorXd& x) const {
     LocalHessian M(u.size(), u.size());
     item.inertia->mass(u, M);
     to_node_axes(item.parts, M);
-    scatter(item.parts, model_.n_c, M, 1, entries);
+    scatter(item.parts, n, M, 1, entries);
   }
-  return square(model_.n_c, entries);
+  return square(n, entries);
 }
 
-SparseMatrix MixedModel::damping(const VectorXd& x) const {
+SparseMatrix MixedModel::damping(const VectorXd& x, Of of) const {
+  const Index n = size(of);
   Triplets entries;
   for (size_t k = 0; k < rows_.size(); ++k) {
     const ModelElement& item = model_.elements[k];
     if (!rows_[k].in_D) continue;
     const LocalJacobian D = local_jacobian(k, x);
-    const LocalHessian damping = D.transpose() * item.S_d * D;
-    scatter(item.parts, model_.n_c, damping, 1, entries);
+    const LocalHessian damping = D.transpose() * rows_[k].S_d * D;
+    scatter(item.parts, n, damping, 1, entries);
   }
-  return square(model_.n_c, entries);
+  return square(n, entries);
 }
 
-SparseMatrix MixedModel::geometric_stiffness(const VectorXd& x, const VectorXd& s,
-                                             double load_factor) const {
+SparseMatrix MixedModel::geometric_stiffness(const MixedState& state, Of of) const {
+  const auto& [x, s, load_factor] = state;
+  const Index n = size(of);
   Triplets entries;
   LocalVector u;
   for (size_t k = 0; k < rows_.size(); ++k) {
     const ModelElement& item = model_.elements[k];
     const Rows& rows = rows_[k];
     const LocalDeformation sigma =
-        load_factor * (rows.preload + rows.given) + rows.Q * s.segment(rows.first, rows.Q.cols());
+        load_factor * given(rows) + rows.Q * s.segment(rows.first, rows.Q.cols());
     if (sigma.isZero(0)) continue;
     gather(item.parts, x, u);
     LocalHessian H(u.size(), u.size());
     item.element->hessian(u, sigma, H);
     to_node_axes(item.parts, H);
-    scatter(item.parts, model_.n_c, H, 1, entries);
+    scatter(item.parts, n, H, 1, entries);
   }
   if (!model_.gravity.isZero(0)) {
     for (const ModelInertia& item : model_.inertias) {
@@ -206,14 +212,17 @@ SparseMatrix MixedModel::geometric_stiffness(const VectorXd& x, const VectorXd& 
       item.inertia->tangents(u, rest, rest, load_factor * model_.gravity, in_v, in_u);
       if (in_u.isZero(0)) continue;
       to_node_axes(item.parts, in_u);
-      scatter(item.parts, model_.n_c, in_u, 1, entries);
+      scatter(item.parts, n, in_u, 1, entries);
     }
   }
-  return square(model_.n_c, entries);
+  return square(n, entries);
 }
 
-VectorXd MixedModel::forces(const VectorXd& x, double load_factor) const {
-  VectorXd f = load_factor * model_.load.head(model_.n_c);
+VectorXd MixedModel::forces(const VectorXd& x, double load_factor, Of of) const {
+  const Index n = size(of);
+  VectorXd f(model_.n_x + model_.n_0);
+  f << load_factor * model_.load, load_factor * model_.fixed_load;
+  f.conservativeResize(n);
   LocalVector u;
   if (!model_.gravity.isZero(0)) {
     for (const ModelInertia& item : model_.inertias) {
@@ -222,18 +231,75 @@ VectorXd MixedModel::forces(const VectorXd& x, double load_factor) const {
       LocalVector F(u.size());
       item.inertia->force(u, rest, rest, load_factor * model_.gravity, F);
       rows_to_node_axes(item.parts, F);
-      for_each_column(item.parts, model_.n_c, [&](Index i, Index column) { f(column) -= F(i); });
+      for_each_column(item.parts, n, [&](Index i, Index column) { f(column) -= F(i); });
     }
   }
   for (size_t k = 0; k < rows_.size(); ++k) {
-    const LocalDeformation sigma = load_factor * (rows_[k].preload + rows_[k].given);
+    const LocalDeformation sigma = load_factor * given(rows_[k]);
     if (sigma.isZero(0)) continue;
     const LocalJacobian D = local_jacobian(k, x);
     LocalVector F = D.transpose() * sigma;
-    for_each_column(model_.elements[k].parts, model_.n_c,
+    for_each_column(model_.elements[k].parts, n,
                     [&](Index i, Index column) { f(column) -= F(i); });
   }
   return f;
+}
+
+double MixedModel::deformation(size_t k, Index i, const VectorXd& x) const {
+  const ModelElement& item = model_.elements[k];
+  LocalVector u;
+  gather(item.parts, x, u);
+  LocalDeformation e(item.element->n_deformations());
+  item.element->deformations(u, e);
+  return e(i);
+}
+
+VectorXd MixedModel::deformation_row(size_t k, Index i, const VectorXd& x) const {
+  VectorXd row = VectorXd::Zero(size(Of::all));
+  const LocalJacobian D = local_jacobian(k, x);
+  for_each_column(model_.elements[k].parts, row.size(),
+                  [&](Index j, Index column) { row(column) += D(i, j); });
+  return row;
+}
+
+VectorXd MixedModel::viscous_row(size_t k, Index i, const VectorXd& x) const {
+  VectorXd row = VectorXd::Zero(size(Of::all));
+  if (!rows_[k].in_D) return row;
+  const LocalVector S_d_D = (rows_[k].S_d.row(i) * local_jacobian(k, x)).transpose();
+  for_each_column(model_.elements[k].parts, row.size(),
+                  [&](Index j, Index column) { row(column) += S_d_D(j); });
+  return row;
+}
+
+VectorXd MixedModel::stress_row(size_t k, Index i) const {
+  VectorXd row = VectorXd::Zero(n_rows_);
+  row.segment(rows_[k].first, rows_[k].Q.cols()) = rows_[k].Q.row(i);
+  return row;
+}
+
+auto MixedModel::prescribed(const VectorXd& pattern, const VectorXd& x) const -> Prescribed {
+  Prescribed driven{VectorXd::Zero(n_rows_), VectorXd::Zero(size(Of::all)),
+                    VectorXd::Zero(size(Of::all))};
+  for (size_t j = 0; j < model_.prescribed_rows.size(); ++j) {
+    const double amount = pattern(model_.n_rx + static_cast<Index>(j));
+    if (amount == 0) continue;
+    const auto [k, i] = model_.owner_of_row(model_.prescribed_rows[j]);
+    const ModelElement& item = model_.elements[k];
+    const Rows& rows = rows_[k];
+    driven.e.segment(rows.first, rows.Q.cols()) += amount * rows.Q.row(i).transpose();
+    const auto add = [&](const LocalStiffness& S, VectorXd& forces) {
+      LocalDeformation sigma = amount * S.col(i);
+      for (Index row = 0; row < sigma.size(); ++row) {
+        if (!model_.is_elastic(item.row[static_cast<size_t>(row)])) sigma(row) = 0;
+      }
+      const LocalVector F = local_jacobian(k, x).transpose() * sigma;
+      for_each_column(item.parts, forces.size(),
+                      [&](Index column_of, Index column) { forces(column) += F(column_of); });
+    };
+    if (item.S.size() > 0) add(item.S, driven.K);
+    if (item.damped) add(item.S_d, driven.D);
+  }
+  return driven;
 }
 
 }  // namespace stillframe

@@ -26,6 +26,10 @@ struct MixedState {
 /// Source: deck, sections 2 to 4; docs/decisions/0035-sparse-models.md.
 class MixedModel {
  public:
+  /// Of which coordinates matrices are wanted: those that move freely (n_c), or the prescribed and
+  /// the fixed ones behind them as well (n_x + n_0), for what drives and supports exert.
+  enum class Of { free, all };
+
   /// The model has to outlive this one. Errors: std::invalid_argument if it has dofs, or loads that
   /// turn with their nodes, whose stiffness is not symmetric.
   explicit MixedModel(const Model& model);
@@ -44,21 +48,36 @@ class MixedModel {
 
   /// What is strained at x (n_x), less what is prescribed: E's integral, n_rows.
   Eigen::VectorXd strains(const Eigen::VectorXd& x, double load_factor) const;
-  /// E (n_rows x n_c).
-  SparseMatrix strain_rows(const Eigen::VectorXd& x) const;
-  SparseMatrix mass(const Eigen::VectorXd& x) const;  ///< M (n_c x n_c)
+  /// E (n_rows x n).
+  SparseMatrix strain_rows(const Eigen::VectorXd& x, Of of = Of::free) const;
+  SparseMatrix mass(const Eigen::VectorXd& x, Of of = Of::free) const;  ///< M (n x n)
 
   /// Where damping is a time times the stiffness of an element it is in its compliance,
   /// c / (1 + time p) of motions e^(p t): n_rows, 0 where it is not. What is damped otherwise is in
-  /// D = E^T S_d E (n_c x n_c).
+  /// D = E^T S_d E (n x n).
   const Eigen::VectorXd& damping_time() const { return damping_time_; }
-  SparseMatrix damping(const Eigen::VectorXd& x) const;
+  SparseMatrix damping(const Eigen::VectorXd& x, Of of = Of::free) const;
   bool damped() const { return damped_; }
-  /// G (n_c x n_c) of the stresses and the weight.
-  SparseMatrix geometric_stiffness(const Eigen::VectorXd& x, const Eigen::VectorXd& s,
-                                   double load_factor) const;
-  /// Loads, weight and preloads on x^c (n_c).
-  Eigen::VectorXd forces(const Eigen::VectorXd& x, double load_factor) const;
+  /// G (n x n) of the stresses and the weight.
+  SparseMatrix geometric_stiffness(const MixedState& state, Of of = Of::free) const;
+  /// Loads, weight and preloads on the coordinates (n).
+  Eigen::VectorXd forces(const Eigen::VectorXd& x, double load_factor, Of of = Of::free) const;
+
+  /// One deformation of element k, and its D_x e (n_x + n_0).
+  double deformation(size_t k, Eigen::Index i, const Eigen::VectorXd& x) const;
+  Eigen::VectorXd deformation_row(size_t k, Eigen::Index i, const Eigen::VectorXd& x) const;
+  /// Its stress resultant is stress_row s + viscous_row x' + stress_given: n_rows, n_x + n_0, and
+  /// N or N m. The second is that of an element whose damping is in D.
+  Eigen::VectorXd stress_row(size_t k, Eigen::Index i) const;
+  Eigen::VectorXd viscous_row(size_t k, Eigen::Index i, const Eigen::VectorXd& x) const;
+  double stress_given(size_t k, Eigen::Index i) const { return given(rows_[k])(i); }
+  /// What prescribed deformations of a pattern of q^r (n_r) strain: the right-hand side of the rows
+  /// (n_rows), and the forces that the stresses which do not follow from s exert on all coordinates
+  /// (n_x + n_0), of the deformations and of their rates.
+  struct Prescribed {
+    Eigen::VectorXd e, K, D;
+  };
+  Prescribed prescribed(const Eigen::VectorXd& pattern, const Eigen::VectorXd& x) const;
 
  private:
   /// Of one element: sigma = sigma_given + Q s.
@@ -67,8 +86,11 @@ class MixedModel {
     LocalStiffness Q;                 ///< n_e x rows
     LocalDeformation preload, given;  ///< n_e: sigma_0 and the stress of prescribed deformations
     LocalDeformation prescribed;      ///< n_e: prescribed deformations, 0 of the others
+    LocalStiffness S_d;               ///< n_e x n_e, without conditions; empty where not damped
     bool in_D = false;                ///< damped, and not as its stiffness
   };
+  Eigen::Index size(Of of) const;
+  static LocalDeformation given(const Rows& rows) { return rows.preload + rows.given; }
   LocalJacobian local_jacobian(size_t k, const Eigen::VectorXd& x) const;
 
   const Model& model_;

@@ -18,7 +18,7 @@ Buckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
   if (!K.compute(E, mixed.compliance(), SparseMatrix(E.cols(), E.cols()))) refuse_free_to_move();
   VectorXd s, displacement;
   K.solve({}, f, s, displacement);
-  const SparseMatrix G = mixed.geometric_stiffness(x, s, 1);
+  const SparseMatrix G = mixed.geometric_stiffness({x, s, 1});
   Buckling result;
   result.q_names = coordinate_names(mixed.model());
   if (G.nonZeros() == 0) return result;

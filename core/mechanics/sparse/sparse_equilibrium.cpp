@@ -37,7 +37,7 @@ class MixedBalance {
       return true;
     }
     if (!factors_.compute(E_, mixed_.compliance(),
-                          mixed_.geometric_stiffness(at_.x, at_.s, at_.load_factor))) {
+                          mixed_.geometric_stiffness(at_))) {
       return false;
     }
     factors_.solve(strained_, out_, s_step_, x_step_);
