@@ -27,8 +27,8 @@ SampledPlant plant_between(const LoopDesign& design, const std::vector<SceneSign
     in.push_back(leg);
     out.push_back(leg);
   }
-  const LoopPlant plant =
-      loop_plant(linearise(design.model, in, out), std::ssize(inputs), std::ssize(outputs));
+  const LoopPlant plant = loop_plant(linearise(design.scene, design.model, in, out),
+                                     std::ssize(inputs), std::ssize(outputs));
   return sample_and_hold(plant, design.gains.sampling());
 }
 

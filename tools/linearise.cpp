@@ -1,10 +1,16 @@
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
+#include <numbers>
 #include <optional>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/certificate.hpp"
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "report/table.hpp"
 #include "tools/given_files.hpp"
@@ -108,15 +114,77 @@ void print_certificates(const std::vector<BlockCertificate>& certificates) {
   std::cout << table.print();
 }
 
+/// What a reduced model is off by at most, over the band that it is for.
+struct Bounds {
+  explicit Bounds(const ReducedModel& reduced)
+      : frequencies_hz(logarithmic_frequencies(reduced.to_hz / 100, reduced.to_hz, 9)),
+        at_most(frequencies_hz.size()),
+        largest(frequencies_hz.size()) {
+    for (Index i = 0; i < frequencies_hz.size(); ++i) {
+      const double omega = 2 * std::numbers::pi * frequencies_hz(i);
+      at_most(i) = reduced.bound(omega);
+      largest(i) = singular_values(transfer_function(reduced.linear, {0, omega}))(0);
+    }
+  }
+  Eigen::VectorXd frequencies_hz, at_most, largest;
+};
+
+std::optional<Bounds> bounds_of(const ReducedModel& reduced) {
+  if (reduced.linear.inputs.empty() || reduced.linear.outputs.empty()) return std::nullopt;
+  return Bounds(reduced);
+}
+
+Json json_of(const ReducedModel& reduced) {
+  Json document{{"n_modes", reduced.n_modes},
+                {"n_corrections", reduced.n_corrections},
+                {"to_hz", reduced.to_hz},
+                {"first_left_out_hz", reduced.first_left_out_hz},
+                {"bounds", Json::array()}};
+  if (const auto bounds = bounds_of(reduced)) {
+    for (Index i = 0; i < bounds->at_most.size(); ++i) {
+      document["bounds"].push_back({{"hz", bounds->frequencies_hz(i)},
+                                    {"at_most", bounds->at_most(i)},
+                                    {"largest_singular_value", bounds->largest(i)}});
+    }
+  }
+  return document;
+}
+
+void print_reduction(const ReducedModel& reduced) {
+  std::cout << report::cell("\nReduced: %td modes and %td corrections, for up to %.4g Hz; ",
+                            reduced.n_modes, reduced.n_corrections, reduced.to_hz)
+            << (std::isfinite(reduced.first_left_out_hz)
+                    ? report::cell("the first mode that is left out is at %.4g Hz\n",
+                                   reduced.first_left_out_hz)
+                    : std::string("no mode is left out\n"));
+  const auto bounds = bounds_of(reduced);
+  if (!bounds) return;
+  report::Table table({"Hz", "largest singular value", "of the difference, at most"}, 0);
+  for (Index i = 0; i < bounds->at_most.size(); ++i) {
+    table.add({report::cell("%.4g", bounds->frequencies_hz(i)),
+               report::cell("%.4e", bounds->largest(i)), report::cell("%.1e", bounds->at_most(i))});
+  }
+  std::cout << table.print();
+}
+
 int run(const LineariseOptions& options) {
   require_own_places({{"the scene", options.scene}}, {{"--mat", options.mat}});
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
-  const Model model = make_model(scene);
+  if (scene.reduction && options.certify) {
+    throw InputError(
+        scene.reduction->place +
+        ": --certify compares the blocks of the whole model; take 'reduce' out for it");
+  }
+  const Model model = scene.reduction ? free_model(scene) : make_model(scene);
   patience.now("linearising");
-  const LinearModel linear = linearise(model, scene.inputs, scene.outputs);
+  std::optional<ReducedModel> reduced;
+  if (scene.reduction) reduced = reduced_model(scene, scene.inputs, scene.outputs);
+  const LinearModel linear =
+      reduced ? reduced->linear : linearise(model, scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);
-  const Json stable = warn_unless_stable(model, linear);
+  // What is not stable is not reduced.
+  const Json stable = reduced ? Json(true) : warn_unless_stable(model, linear);
   std::vector<BlockCertificate> certificates;
   if (options.certify) {
     certificates = certify(scene, [&](double share) { patience.now("certifying", 100 * share); });
@@ -129,10 +197,12 @@ int run(const LineariseOptions& options) {
                   {"stable", stable}};
     document.update(to_json(linear, system));
     document["nodal_displacements"] = to_json(model, node_displacements(model, linear.x_0));
+    document["reduction"] = reduced ? json_of(*reduced) : Json();
     document["certificates"] = options.certify ? json_of(certificates) : Json();
     print(document);
   } else {
     print_page(scene, linear, system);
+    if (reduced) print_reduction(*reduced);
     if (options.certify) print_certificates(certificates);
   }
   if (std::all_of(certificates.begin(), certificates.end(), is_certified)) return exit_done;
@@ -159,6 +229,12 @@ constexpr const char* linearise_footer =
     "  state_space   A, B, C, D\n"
     "  x0, u0, y0    state, inputs and outputs of the operating point\n"
     "  nodal_displacements  {node, displacement (m), rotation (rad, angle times axis)}\n"
+    "  reduction     of a scene with `reduce`: {n_modes, n_corrections, to_hz, first_left_out_hz "
+    "(null:\n"
+    "                no mode is left out), bounds: [{hz, at_most, largest_singular_value}]}: "
+    "at_most "
+    "is\n"
+    "                above the largest singular value of the difference from the whole model\n"
     "  certificates  with --certify: {block, difference, known_to, size}; C_y and D_y are C and D "
     "of the\n"
     "                state space, C and D those of the second-order form\n"

@@ -13,7 +13,7 @@ Json warn_unless_stable(const Model& model, const LinearModel& linear) {
   if (!*found.stable) {
     std::cerr << "stillframe: warning: the operating point is not stable, and nothing stays there: "
               << found.why_not;
-    if (found.shape.size() > 0) {
+    if (found.shape.size() > 0 && found.shape.size() == model.n_d) {
       const NodeParts parts = node_parts(model, linear.x_0);
       std::cerr << ", which moves "
                 << largest_parts(parts.names,

@@ -3,6 +3,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/stationarity.hpp"
 
 namespace stillframe {
@@ -50,6 +51,13 @@ LinearModel linearise(const Model& model, const std::vector<SceneSignal>& inputs
     require_stationary(model, nominal, inputs, outputs);
   }
   return linearise(model, nominal, inputs, outputs);
+}
+
+LinearModel linearise(const Scene& scene, const Model& model,
+                      const std::vector<SceneSignal>& inputs,
+                      const std::vector<SceneSignal>& outputs) {
+  if (scene.reduction) return reduced_model(scene, inputs, outputs).linear;
+  return linearise(model, inputs, outputs);
 }
 
 }  // namespace stillframe

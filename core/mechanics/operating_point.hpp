@@ -16,4 +16,10 @@ NominalMotion nominal_motion(const Model& model);
 LinearModel linearise(const Model& model, const std::vector<SceneSignal>& inputs,
                       const std::vector<SceneSignal>& outputs);
 
+/// The same of model = make_model(scene), or on the lowest modes where the scene says `reduce`.
+/// Errors: those too of reduced_model (core/mechanics/sparse/sparse_scene.hpp).
+LinearModel linearise(const Scene& scene, const Model& model,
+                      const std::vector<SceneSignal>& inputs,
+                      const std::vector<SceneSignal>& outputs);
+
 }  // namespace stillframe

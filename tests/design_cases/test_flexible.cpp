@@ -45,6 +45,29 @@ TEST(FlexibleFrame, FirstInternalModeIsNear150Hz) {
   EXPECT_NEAR(found.natural_frequencies_hz(6), first_internal_hz, 0.05);
 }
 
+/// Corrections hold what the legs do at rest, and so the compliance of the legs to the order s^2,
+/// which is all that the gains of static shapes know. No number of modes changes them.
+TEST(FlexibleFrame, GainsOfReducedModelsAreThoseOfTheWhole) {
+  const Scene scene = case_scene("frame_flexible");
+  const ControlLoop whole = make_control_loop(scene, make_model(scene));
+  for (const int n_modes : {1, 3, 5}) {
+    Scene some = scene;
+    some.reduction = SceneReduction{.n_modes = n_modes};
+    const ControlLoop loop = make_control_loop(some, make_model(some));
+    EXPECT_LT(loop.plant.M.rows(), whole.plant.M.rows()) << n_modes;
+    // As above; 5e-16 was seen.
+    EXPECT_LT((loop.gains.K_P - whole.gains.K_P).norm(), 1e-9 * whole.gains.K_P.norm()) << n_modes;
+    EXPECT_LT((loop.gains.K_I - whole.gains.K_I).norm(), 1e-9 * whole.gains.K_I.norm()) << n_modes;
+    // Well within the band of half the first mode left out the closed loop is the whole's as well.
+    const double first_left_out = modes(whole.plant).natural_frequencies_hz(n_modes);
+    for (const double share : {0.01, 0.1}) {
+      const std::complex<double> s(0, two_pi * share * first_left_out);
+      const Eigen::MatrixXcd T = whole.closed(s);
+      EXPECT_LT((loop.closed(s) - T).norm(), 1e-4 * T.norm()) << n_modes << ", " << share;
+    }
+  }
+}
+
 TEST(FlexibleFrame, StaticShapesAreTheRigidFrameHoweverSoftTheArms) {
   const Case rigid = make_case(case_scene("metrology_frame"));
   for (const double f : {1500.0, first_internal_hz, 30.0}) {

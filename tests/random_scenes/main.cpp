@@ -70,7 +70,7 @@ struct Tally {
   std::int64_t compared = 0, unknown = 0;  ///< numbers, as in Finding
   double seconds = 0, longest = 0;         ///< of all scenes, and of one
   std::map<std::string, int> skipped;      ///< what was too dear to compare, and on how many scenes
-  std::vector<double> shares;  ///< of the bound that each scene used up
+  std::vector<double> shares;              ///< of the bound that each scene used up
   Finding worst;
   std::uint64_t worst_seed = 0, longest_seed = 0;
 };
@@ -248,8 +248,8 @@ class Run {
           "longest: %llu\n",
           relations_[i]->name, t.applied, t.violations, static_cast<long long>(t.compared),
           static_cast<long long>(t.unknown), skipped, t.worst.value, t.worst.bound,
-          median(t.shares), 1e3 * t.seconds / std::max(1, options_.n), t.longest, t.worst.what.c_str(),
-          static_cast<unsigned long long>(t.worst_seed),
+          median(t.shares), 1e3 * t.seconds / std::max(1, options_.n), t.longest,
+          t.worst.what.c_str(), static_cast<unsigned long long>(t.worst_seed),
           static_cast<unsigned long long>(t.longest_seed));
     }
     for (size_t i = 0; i < relations_.size(); ++i) {

@@ -56,6 +56,26 @@ TEST_F(LineariseVerb, OperatingPointIsTheEquilibrium) {
   EXPECT_NEAR(model["nodal_displacements"][1]["displacement"][2].get<double>(), -down, 1e-14);
 }
 
+TEST_F(LineariseVerb, ReducedModelSaysWhatItLeavesOut) {
+  std::ifstream file(config("scenes/cantilever.yaml"));
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string scene = write("scene.yaml", text + "\nreduce: {modes: 2}\n");
+  const Json model = json({"linearise", scene});
+  expect_documented_keys("linearise", model);
+  const Json& reduction = model["reduction"];
+  EXPECT_EQ(reduction["n_modes"], 2);
+  EXPECT_EQ(model["dofs"].size(), 2 + reduction["n_corrections"].get<size_t>());
+  EXPECT_GT(reduction["first_left_out_hz"].get<double>(), reduction["to_hz"].get<double>());
+  ASSERT_EQ(reduction["bounds"].size(), 9);
+  for (const Json& row : reduction["bounds"]) {
+    EXPECT_LT(row["at_most"].get<double>(), row["largest_singular_value"].get<double>());
+  }
+  EXPECT_NE(run({"linearise", scene}).output.find("of the difference, at most"), std::string::npos);
+  const Said said = run({"linearise", scene, "--certify"});
+  EXPECT_EQ(said.exit_code, 2);
+  EXPECT_NE(said.error.find("take 'reduce' out"), std::string::npos) << said.error;
+}
+
 /// Variables of a MATLAB file, by name.
 class ReadMat {
  public:

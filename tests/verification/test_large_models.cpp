@@ -6,6 +6,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/buckling.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/node_displacements.hpp"
 #include "core/mechanics/partition/free_model.hpp"
@@ -13,6 +14,7 @@
 #include "core/mechanics/sparse/damped_modes.hpp"
 #include "core/mechanics/sparse/sparse_buckling.hpp"
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
+#include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/unstable.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/verification/closed_forms.hpp"
@@ -264,6 +266,82 @@ TEST(LargeModels, WhatHasNoAnswerIsRefused) {
               .mixed,
           2),
       Refusal);
+}
+
+constexpr const char* tip_signals =
+    "inputs:\n  - {name: push, force: b, along: y}\noutputs:\n  - {name: tip, position: b, along: "
+    "y}\n"
+    "  - {name: moment, reaction_moment: a, along: z}\n";
+
+/// Cantilever: L^3 / 3 EI of the force at its end and a moment L, on any number of modes.
+TEST(ReducedModels, AreExactAtRest) {
+  for (const int modes : {1, 4, 12}) {
+    const Scene scene = parse_scene(
+        Chain{.n = 30,
+              .rest = tip_signals + std::string("reduce: {modes: ") + std::to_string(modes) + "}\n"}
+            .text(),
+        "s");
+    const ReducedModel reduced = reduced_model(scene, scene.inputs, scene.outputs);
+    EXPECT_EQ(reduced.n_modes, modes);
+    const Eigen::MatrixXcd G = transfer_function(reduced.linear, 0);
+    // Bending does not mix with the rest: rounding of a solution and of the modes beside it.
+    EXPECT_NEAR(G(0, 0).real() * 3 * EI_z, 1, 1e-10);
+    EXPECT_NEAR(std::abs(G(1, 0).real()), 1, 1e-10);
+  }
+}
+
+/// The closed form of a cantilever driven at its end, by Bernoulli: no model of ours.
+TEST(ReducedModels, AreWithinTheirBoundOfTheContinuousBeam) {
+  const Scene scene = parse_scene(
+      Chain{.n = 60, .rest = tip_signals + std::string("reduce: {modes: 6}\n")}.text(), "s");
+  const ReducedModel reduced = reduced_model(scene, scene.inputs, scene.outputs);
+  for (const double share : {0.02, 0.1, 0.3, 0.6, 1.0}) {
+    const double omega = share * two_pi * reduced.to_hz,
+                 b = std::sqrt(omega * std::sqrt(mu / EI_z)),
+                 exact = (std::sin(b) * std::cosh(b) - std::cos(b) * std::sinh(b)) /
+                         (EI_z * b * b * b * (1 + std::cos(b) * std::cosh(b)));
+    const double difference = std::abs(transfer_function(reduced.linear, {0, omega})(0, 0) - exact);
+    // Sixty elements of third order are off by (b / 60)^4 / 720 a mode, less than 1e-8 here, and
+    // the rotary inertia of the sections by b^2 r^2 / 2.
+    const double of_the_elements = (1e-8 + b * b * 1.5834e-5 / mu) * std::abs(exact) * 10;
+    EXPECT_LE(difference, reduced.bound(omega) + of_the_elements) << share;
+  }
+}
+
+TEST(ReducedModels, KeepWhatTheyAreAskedFor) {
+  const auto reduced = [](const std::string& reduce) {
+    const Scene scene =
+        parse_scene(Chain{.n = 30, .rest = tip_signals + ("reduce: " + reduce + "\n")}.text(), "s");
+    return reduced_model(scene, scene.inputs, scene.outputs);
+  };
+  const VectorXd hz = lowest_hz(Chain{.n = 30}.text(), 12);
+  const ReducedModel three = reduced("{modes: 3}");
+  EXPECT_NEAR(three.first_left_out_hz / hz(3), 1, 1e-10);
+  EXPECT_DOUBLE_EQ(three.to_hz, three.first_left_out_hz / 2);
+  EXPECT_TRUE(std::isinf(three.bound(two_pi * 1.001 * three.first_left_out_hz)));
+  EXPECT_EQ(reduced("{modes_to_hz: " + number((hz(6) + hz(7)) / 2) + "}").n_modes, 7);
+  // Twice the band.
+  EXPECT_EQ(reduced("{to_hz: " + number((hz(4) + hz(5)) / 4) + "}").n_modes, 5);
+}
+
+TEST(ReducedModels, OfWhatDoesNotRestAreRefusedAtTheKey) {
+  const auto refusal = [](const std::string& rest) {
+    const Scene scene = parse_scene(
+        Chain{.n = 30, .rest = tip_signals + std::string("reduce: {modes: 3}\n") + rest}.text(),
+        "s");
+    try {
+      reduced_model(scene, scene.inputs, scene.outputs);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refusal("operating_point: as_written\n").find("reduced model stands about"),
+            std::string::npos);
+  EXPECT_NE(refusal("loads:\n  - {node: b, force: [0, 0.1, 0], follows: true}\n")
+                .find("turns with its node"),
+            std::string::npos);
+  EXPECT_EQ(refusal(""), "");
 }
 
 }  // namespace

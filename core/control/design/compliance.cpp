@@ -21,9 +21,9 @@ std::vector<SceneSignal> at_outputs(const Scene& scene, Quantity quantity) {
 LoopPlant compliance_plant(const Scene& scene, const Model& model) {
   require_loop_signals(scene);
   const auto n = static_cast<Index>(scene.outputs.size());
-  return loop_plant(
-      linearise(model, at_outputs(scene, Quantity::force), at_outputs(scene, Quantity::position)),
-      n, n);
+  return loop_plant(linearise(scene, model, at_outputs(scene, Quantity::force),
+                              at_outputs(scene, Quantity::position)),
+                    n, n);
 }
 
 }  // namespace stillframe

@@ -57,7 +57,7 @@ void require_loop_signals(const Scene& scene) {
 LinearModel loop_model(const Scene& scene, const Model& model) {
   require_loop_signals(scene);
   const auto legs = leg_signals(*scene.controller);
-  return linearise(model, joined(scene.inputs, legs), joined(scene.outputs, legs));
+  return linearise(scene, model, joined(scene.inputs, legs), joined(scene.outputs, legs));
 }
 
 std::vector<ModeTarget> mode_targets(const SceneController& controller, Index n_modes) {

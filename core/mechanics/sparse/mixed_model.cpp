@@ -239,8 +239,7 @@ VectorXd MixedModel::forces(const VectorXd& x, double load_factor, Of of) const 
     if (sigma.isZero(0)) continue;
     const LocalJacobian D = local_jacobian(k, x);
     LocalVector F = D.transpose() * sigma;
-    for_each_column(model_.elements[k].parts, n,
-                    [&](Index i, Index column) { f(column) -= F(i); });
+    for_each_column(model_.elements[k].parts, n, [&](Index i, Index column) { f(column) -= F(i); });
   }
   return f;
 }

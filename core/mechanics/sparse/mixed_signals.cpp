@@ -122,7 +122,8 @@ class Resolver {
     const auto [k, mode] = model_.owner_of_row(output.row);
     const ModelElement& item = model_.elements[k];
     found_.S.row(i) = mixed_.stress_row(k, mode).transpose();
-    found_.y_0(i) = found_.S.row(i).dot(state_.s) + state_.load_factor * mixed_.stress_given(k, mode);
+    found_.y_0(i) =
+        found_.S.row(i).dot(state_.s) + state_.load_factor * mixed_.stress_given(k, mode);
     if (output.is_reaction) return;
     add_motion_row(mixed_.viscous_row(k, mode, state_.x), Quantity::velocity, i);
     for (size_t j = 0; j < inputs_.size(); ++j) {
@@ -158,17 +159,17 @@ class Resolver {
     found_.R_v.row(i) = t.transpose() * D_w_;
     found_.R_a.row(i) = t.transpose() * M_w_;
     found_.D_u.row(i) = -t.transpose() * F_;
-    found_.y_0(i) = t.dot(E_.transpose() * state_.s -
-                          mixed_.forces(state_.x, state_.load_factor, Of::all));
+    found_.y_0(i) =
+        t.dot(E_.transpose() * state_.s - mixed_.forces(state_.x, state_.load_factor, Of::all));
   }
 
   const MixedModel& mixed_;
   const Model& model_;
   const MixedState& state_;
-  SparseMatrix E_, M_, D_, G_;               ///< of all coordinates
-  MatrixXd F_, M_w_, D_w_, K_w_, X_w_;       ///< (n_x + n_0) x n_u
+  SparseMatrix E_, M_, D_, G_;          ///< of all coordinates
+  MatrixXd F_, M_w_, D_w_, K_w_, X_w_;  ///< (n_x + n_0) x n_u
   std::vector<ResolvedSignal> inputs_;
-  std::vector<VectorXd> patterns_;           ///< of each input, n_r
+  std::vector<VectorXd> patterns_;  ///< of each input, n_r
   MixedSignals found_;
 };
 

@@ -30,9 +30,9 @@ constexpr double little = 1e-6;
 /// The equations and signals in x alone, beside the motion psi w that prescribed motions lead to at
 /// rest: M x'' + D x' + K x = F u - M_w w'' - D_w w' - K_w w.
 struct Forms {
-  MatrixXd F, M_w, D_w, K_w;      ///< n_c x n_u
-  MatrixXd Y_p, Y_v, Y_a;         ///< n_c x n_y, transposed
-  MatrixXd R_p, R_v, R_a, D_u;    ///< n_y x n_u
+  MatrixXd F, M_w, D_w, K_w;    ///< n_c x n_u
+  MatrixXd Y_p, Y_v, Y_a;       ///< n_c x n_y, transposed
+  MatrixXd R_p, R_v, R_a, D_u;  ///< n_y x n_u
 };
 
 class Reducer {
@@ -127,8 +127,8 @@ class Reducer {
 /// out.
 void Reducer::find_modes(const SceneReduction& asked) {
   const bool counted = asked.n_modes > 0;
-  const double top = 2 * std::numbers::pi *
-                     (asked.modes_to_hz > 0 ? asked.modes_to_hz : 2 * asked.to_hz);
+  const double top =
+      2 * std::numbers::pi * (asked.modes_to_hz > 0 ? asked.modes_to_hz : 2 * asked.to_hz);
   Index n = std::min<Index>(counted ? asked.n_modes + 1 : 20, M_.rows());
   LowestModes found;
   const auto enough = [&](Index n_found) {
@@ -142,9 +142,8 @@ void Reducer::find_modes(const SceneReduction& asked) {
     n = std::min(2 * n, M_.rows());
   }
   const Index n_found = found.squares.size();
-  while (n_m_ < n_found &&
-         (found.squares(n_m_) == 0 ||
-          (counted ? n_m_ < asked.n_modes : found.squares(n_m_) <= top * top))) {
+  while (n_m_ < n_found && (found.squares(n_m_) == 0 ||
+                            (counted ? n_m_ < asked.n_modes : found.squares(n_m_) <= top * top))) {
     ++n_m_;
   }
   squares_ = found.squares.head(n_m_);
@@ -152,13 +151,11 @@ void Reducer::find_modes(const SceneReduction& asked) {
   const bool all = n_m_ == n_found;
   first_left_out_ = all ? std::numeric_limits<double>::infinity() : std::sqrt(found.squares(n_m_));
   const double highest = n_m_ > 0 ? found.natural_frequencies_hz(n_m_ - 1) : 0;
-  to_hz_ = asked.to_hz > 0 ? asked.to_hz
-           : all           ? highest
-                           : first_left_out_ / (4 * std::numbers::pi);
+  to_hz_ = asked.to_hz > 0 ? asked.to_hz : all ? highest : first_left_out_ / (4 * std::numbers::pi);
   // What moves freely makes the stiffness singular: seen from a tenth below what does not.
   if (n_found == 0 || found.squares(0) > 0) return;
   const auto elastic = std::find_if(found.squares.begin(), found.squares.end(),
-                                       [](double square) { return square > 0; });
+                                    [](double square) { return square > 0; });
   shift_ = elastic == found.squares.end() ? 1 : 0.1 * *elastic;
 }
 
@@ -184,9 +181,8 @@ double Reducer::largest_damping() const {
   const SparseMatrix D = D_ + SparseMatrix(E_.transpose() * (viscosity_.asDiagonal() * E_));
   if (D.nonZeros() == 0 || D.cwiseAbs().sum() == 0) return 0;
   VectorXd s;
-  const LanczosPairs found =
-      largest_pairs(D, 1, Largest::modulus,
-                    [&](const VectorXd& f, VectorXd& y) { factors_.solve({}, f, s, y); });
+  const LanczosPairs found = largest_pairs(
+      D, 1, Largest::modulus, [&](const VectorXd& f, VectorXd& y) { factors_.solve({}, f, s, y); });
   // Converged to far more than one per cent.
   return found.converged && found.values.size() > 0 ? 1.01 * std::abs(found.values(0))
                                                     : std::numeric_limits<double>::infinity();
@@ -261,17 +257,25 @@ void Reducer::find_corrections() {
   Z_ = K_Z_ = MatrixXd::Zero(M_.rows(), 0);
   if (n == 0) return;
   const VectorXd lengths = gram.diagonal()(used).cwiseSqrt();
-  const MatrixXd cosines = lengths.cwiseInverse().asDiagonal() * gram(used, used) *
-                           lengths.cwiseInverse().asDiagonal();
+  const MatrixXd cosines =
+      lengths.cwiseInverse().asDiagonal() * gram(used, used) * lengths.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> independent(cosines);
   Index n_z = 0;
   while (n_z < n && independent.eigenvalues()(n - 1 - n_z) > 1e-9) ++n_z;
-  const MatrixXd combine = lengths.cwiseInverse().asDiagonal() *
-                           independent.eigenvectors().rightCols(n_z) *
-                           independent.eigenvalues().tail(n_z).cwiseSqrt().cwiseInverse().asDiagonal();
-  const MatrixXd x_used = x(Eigen::all, used), f_used = f(Eigen::all, used);
-  Z_ = x_used * combine;
-  K_Z_ = f_used * combine;
+  const MatrixXd combine =
+      lengths.cwiseInverse().asDiagonal() * independent.eigenvectors().rightCols(n_z) *
+      independent.eigenvalues().tail(n_z).cwiseSqrt().cwiseInverse().asDiagonal();
+  // Differences of nearly the same answers are rounded: those to differences of the forces are not.
+  K_Z_ = without_modes(f(Eigen::all, used) * combine);
+  Z_ = solved(K_Z_);
+  for (int i = 0; i < 2; ++i) {
+    const MatrixXd part = M_V_m_.transpose() * Z_;
+    Z_ -= V_m_ * part;
+    K_Z_ -= K_V_m_ * part;
+  }
+  const Eigen::LLT<MatrixXd> lengths_left(Z_.transpose() * K_Z_);
+  lengths_left.matrixU().solveInPlace<Eigen::OnTheRight>(Z_);
+  lengths_left.matrixU().solveInPlace<Eigen::OnTheRight>(K_Z_);
   // z^T K_s z is 1 of each, z^T M z the eigenvalue: the heaviest first.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> apart(Z_.transpose() * (M_ * Z_));
   Z_ = (Z_ * apart.eigenvectors().rowwise().reverse()).eval();
@@ -329,8 +333,9 @@ LinearModel Reducer::with_unit_masses(const LinearModel& V) const {
   VectorXd masses = V.M.diagonal();
   for (Index i = 0; i < masses.size(); ++i) {
     const bool light = i >= n_m_ && masses(i) < least;
-    const bool held = omega * V.D(i, i) > little || omega * V.Y_v.col(i).norm() +
-                          omega * omega * V.Y_a.col(i).norm() > little * V.Y_p.col(i).norm();
+    const bool held = omega * V.D(i, i) > little ||
+                      omega * V.Y_v.col(i).norm() + omega * omega * V.Y_a.col(i).norm() >
+                          little * V.Y_p.col(i).norm();
     if (light) masses(i) = least;
     (light && !held ? follows : moves).push_back(i);
   }
@@ -350,8 +355,8 @@ LinearModel Reducer::with_unit_masses(const LinearModel& V) const {
   for (MatrixXd* square : {&model.D, &model.G, &model.C, &model.N}) {
     *square = scaled(*square);
   }
-  for (MatrixXd* of : {&model.B, &model.M_r, &model.D_r, &model.K_r, &model.C_r, &model.N_r,
-                       &model.G_r}) {
+  for (MatrixXd* of :
+       {&model.B, &model.M_r, &model.D_r, &model.K_r, &model.C_r, &model.N_r, &model.G_r}) {
     *of = rows(*of);
   }
   for (MatrixXd* of : {&model.Y_p, &model.Y_v, &model.Y_a}) *of = columns(*of);
@@ -379,6 +384,14 @@ ReductionBound Reducer::bound(LinearModel V) const {
   ReductionBound bound;
   W = without_modes(W);
   bound.gram = W.transpose() * solved_beside(W);
+  // As much as it is not symmetric, and what sums of so many terms have at least.
+  const VectorXd shorter = bound.gram.diagonal().cwiseMax(0).cwiseSqrt().cwiseInverse();
+  const MatrixXd skew =
+      shorter.asDiagonal() * (bound.gram - bound.gram.transpose()) * shorter.asDiagonal();
+  bound.rounding = std::numeric_limits<double>::epsilon() * static_cast<double>(W.cols());
+  for (const double part : skew.reshaped()) {
+    if (std::isfinite(part)) bound.rounding = std::max(bound.rounding, std::abs(part));
+  }
   bound.gram = (0.5 * (bound.gram + bound.gram.transpose())).eval();
   bound.n_modes = n_m_;
   bound.damping = largest_damping();

@@ -26,14 +26,13 @@ struct Measured {
   double norm = 0, sizes = 0;  ///< the largest there is, and what rounding of its sum is of
 };
 
-Measured measured(const MatrixXcd& C, const MatrixXd& gram) {
+Measured measured(const MatrixXcd& C, const MatrixXd& gram, double rounding) {
   const MatrixXcd square = C.adjoint() * (gram * C);
-  const double largest =
-      Eigen::SelfAdjointEigenSolver<MatrixXcd>(square, Eigen::EigenvaluesOnly).eigenvalues()(
-          square.rows() - 1);
+  const double largest = Eigen::SelfAdjointEigenSolver<MatrixXcd>(square, Eigen::EigenvaluesOnly)
+                             .eigenvalues()(square.rows() - 1);
   const Eigen::VectorXd lengths = gram.diagonal().cwiseMax(0).cwiseSqrt();
   const double sizes = (C.cwiseAbs().transpose() * lengths).norm();
-  const double hidden = eps * static_cast<double>(C.rows()) * sizes * sizes;
+  const double hidden = rounding * sizes * sizes;
   return {std::sqrt(std::max(largest, 0.0) + hidden), sizes};
 }
 
@@ -77,9 +76,9 @@ Residuals residuals(const ReductionBound& bound, Complex s) {
   y = (V.Y_p + s * V.Y_v + square * V.Y_a).transpose();
   take(q, left.in);
   take(solver.solve(y), left.out);
-  left.rounding = 10 * eps * static_cast<double>(n) *
-                  ((y.cwiseAbs().transpose() * q.cwiseAbs()).norm() +
-                   transfer_function(V, s).norm());
+  left.rounding =
+      10 * eps * static_cast<double>(n) *
+      ((y.cwiseAbs().transpose() * q.cwiseAbs()).norm() + transfer_function(V, s).norm());
   return left;
 }
 
@@ -111,10 +110,11 @@ double ReductionBound::operator()(double omega, const LinearModel& reduced) cons
   if (!(alpha > 0)) return none;
   const Complex s(0, omega);
   const Residuals left = residuals(*this, s);
-  const Measured in = measured(left.in, gram), out = measured(left.out, gram);
-  const double both = in.norm * out.norm;
+  const Measured in = measured(left.in, gram, rounding), out = measured(left.out, gram, rounding);
   const double at_rest = singular_values(MatrixXcd(left.out.transpose() * (gram * left.in)))(0) +
-                         eps * static_cast<double>(gram.rows()) * in.sizes * out.sizes;
+                         rounding * in.sizes * out.sizes;
+  // A norm is the root of what has cancelled, and has half of the digits that at_rest has.
+  const double both = std::max(in.norm * out.norm, at_rest);
   const double parted =
       0.5 * (1 + 1 / undamped) * at_rest +
       (0.5 * (1 / undamped - 1) + (omega * damping + delta) / (undamped * alpha)) * both;

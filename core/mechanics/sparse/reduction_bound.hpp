@@ -9,8 +9,8 @@ namespace stillframe {
 /// How far a reduced model is from the whole one, at a frequency, without a response of the whole
 /// one. Residual forces R of the inputs and R_l of the outputs have no part on the modes and
 /// corrections V, and the difference is R_l^T H^-1 R, H = K + j w D - w^2 M where the kept modes
-/// V_m have no part. There, in the norm of K_s = K + shift M, and with w_c the lowest frequency that
-/// was left out, the undamped H is between alpha_0 and 1 and the whole one at least alpha:
+/// V_m have no part. There, in the norm of K_s = K + shift M, and with w_c the lowest frequency
+/// that was left out, the undamped H is between alpha_0 and 1 and the whole one at least alpha:
 ///   alpha_0 = (w_c^2 - w^2) / (w_c^2 + shift),   alpha = alpha_0 - delta,
 /// where delta is what dampers carry there and back through the kept modes,
 /// w^2 |S^1/2 (V_m^T H V_m)^-1 S^1/2|, S = V_m^T D K_s^-1 D V_m. With mu the largest D over K_s,
@@ -25,6 +25,7 @@ struct ReductionBound {
   /// W^T K_s^-1 W where the kept modes have no part. Columns of W, n_c each: forces of the inputs
   /// (F, and of w'', w' and w), M V, D V, K_s V, and rows of the outputs (of x, x' and x'').
   Eigen::MatrixXd gram;
+  double rounding = 0;  ///< of its entries, over the lengths of both columns
   Eigen::Index n_modes = 0;
   double shift = 0;           ///< (rad/s)^2
   double first_left_out = 0;  ///< w_c, rad/s; infinite if nothing with mass was left out

@@ -36,8 +36,7 @@ class MixedBalance {
       x_step_.setZero(out_.size());
       return true;
     }
-    if (!factors_.compute(E_, mixed_.compliance(),
-                          mixed_.geometric_stiffness(at_))) {
+    if (!factors_.compute(E_, mixed_.compliance(), mixed_.geometric_stiffness(at_))) {
       return false;
     }
     factors_.solve(strained_, out_, s_step_, x_step_);

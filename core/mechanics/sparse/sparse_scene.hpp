@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/mechanics/model/model.hpp"
+#include "core/mechanics/sparse/reduced_model.hpp"
 
 namespace stillframe {
 
@@ -10,5 +11,11 @@ namespace stillframe {
 /// choice of dofs to the program (`dofs: auto`), nothing of it moves, no load turns with its node,
 /// and of its coordinates there are many, beside how many modes or shapes are asked for.
 std::optional<Model> large_scene(const Scene& scene, Eigen::Index n_asked);
+
+/// The reduced model that a scene asks for with `reduce`, of free_model(scene). Errors: InputError
+/// at that key where no such model is to be had: the scene moves, asks for a snapshot, or has a
+/// load that turns with its node; as sparse_equilibrium and reduced_model.
+ReducedModel reduced_model(const Scene& scene, const std::vector<SceneSignal>& inputs,
+                           const std::vector<SceneSignal>& outputs);
 
 }  // namespace stillframe

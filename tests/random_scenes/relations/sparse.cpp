@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -5,6 +6,7 @@
 #include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/sparse/damped_modes.hpp"
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
+#include "core/mechanics/sparse/sparse_response.hpp"
 #include "tests/random_scenes/answers.hpp"
 
 // The way of large models, displacements and stresses both unknown and no dofs, on small ones.
@@ -27,6 +29,30 @@ double damping_ratio(const MixedModel& mixed, const MixedState& state, const Vec
 /// How far the nearest of some values is from one.
 double distance_to_nearest(const Eigen::VectorXcd& values, std::complex<double> value) {
   return (values.array() - value).abs().minCoeff();
+}
+
+/// At damped places, where the dense response says what rounding may do to it.
+void compare_responses(Case& scene, const MixedModel& mixed, const MixedState& state, double eps,
+                       Finding& finding) {
+  const Answers& own = own_answers(scene);
+  const auto at = places(scene);
+  const SparseResponse response(
+      mixed, state, mixed_signals(mixed, state, scene.scene().inputs, scene.scene().outputs));
+  for (size_t i = 0; i < std::min(at.size(), own.responses.size()); ++i) {
+    const Response& dense = own.responses[i];
+    const Eigen::MatrixXcd G = response(at[i]);
+    for (Index j = 0; j < G.rows(); ++j) {
+      for (Index k = 0; k < G.cols(); ++k) {
+        // Where motions of one output cancel, those of its other inputs are what is rounded.
+        const double rounding = eps * dense.rounding.row(j).maxCoeff(),
+                     largest = dense.G.row(j).cwiseAbs().maxCoeff();
+        // Dense or sparse, a matrix that is singular to rounding has no response.
+        if (rounding > largest) continue;
+        finding.take(std::abs(G(j, k) - dense.G(j, k)), rounding + 20 * own.misplaced * largest,
+                     "sparse response", std::abs(dense.G(j, k)));
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -79,6 +105,7 @@ std::optional<Finding> check_sparse(Case& scene, std::uint64_t) {
                  std::sqrt(eps) * size + eps * largest + std::sqrt(bounds.minCoeff()),
                  "eigenvalue with damping", size);
   }
+  compare_responses(scene, mixed, state, eps, finding);
   if (n_not_found > 0) finding.skipped.push_back("an eigenvalue that was not found");
   finding.take(static_cast<double>(n_not_found), 2, "values that were not found");
   return finding;
