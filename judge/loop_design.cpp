@@ -7,6 +7,7 @@
 #include "controller/law.hpp"
 #include "core/control/feed_forward_design.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
@@ -178,7 +179,7 @@ ControlLoop take_design_of(const std::filesystem::path& file, LoopDesign& design
     throw InputError(file.string() + ": inputs: a feed-forward of its model needs the inputs of " +
                      design.scene.file + ", by the same names and in the same order");
   }
-  const Model model = make_model(scene);
+  const Model model = model_of(scene);
   const ControlLoop other = make_control_loop(scene, model);
   design.loop.design = other.design;
   design.loop.gains = other.gains;
@@ -212,7 +213,7 @@ namespace {
 LoopDesign designed(Scene scene, const std::optional<std::filesystem::path>& design_scene) {
   LoopDesign design;
   design.scene = std::move(scene);
-  design.model = make_model(design.scene);
+  design.model = model_of(design.scene);
   design.loop = make_control_loop(design.scene, design.model);
   std::optional<ControlLoop> other;
   if (design_scene && design.scene.controller->law) {

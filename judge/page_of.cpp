@@ -23,7 +23,8 @@ page::PageData page_of(const RunAnalyses& runs, const report::Verdict& verdict) 
   if (design) {
     page.gains = gain_tables(design->gains);
     try {
-      page.modes = mode_shapes(design->scene, design->model);
+      // Of the whole frame, which is what the plant runs.
+      page.modes = mode_shapes(design->scene, make_model(design->scene));
     } catch (const std::exception& error) {
       page.warnings.push_back(
           {page::Severity::note, std::string("Mode shapes cannot be drawn: ") + error.what()});

@@ -8,6 +8,7 @@
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/yaml/load.hpp"
 #include "judge/loop_between.hpp"
@@ -127,7 +128,7 @@ LoopDesign loop_design_of(const std::string& scene_text, const controller::Gains
     throw InputError(source_name + ": the scene is no YAML: " + error.what());
   }
   design.scene.hash = gains.scene_hash;
-  design.model = make_model(design.scene);
+  design.model = model_of(design.scene);
   design.loop.plant = loop_model(design.scene, design.model);
   design.loop.n_w = static_cast<Eigen::Index>(design.scene.inputs.size());
   design.loop.n_y = static_cast<Eigen::Index>(design.scene.outputs.size());

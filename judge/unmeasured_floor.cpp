@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/mechanics/model/model.hpp"
+#include "core/mechanics/operating_point.hpp"
 #include "core/numerics/singular_values.hpp"
 #include "judge/directions.hpp"
 #include "judge/response_prediction.hpp"
@@ -45,7 +46,7 @@ std::vector<double> sizes(const LoopDesign& design, const std::vector<SceneSigna
   LoopDesign other;
   other.scene = design.scene;
   other.scene.inputs = inputs;
-  other.model = make_model(other.scene);
+  other.model = model_of(other.scene);
   other.loop = design.loop;
   other.gains = design.gains;
   other.gains.forget_floor();  // which hears what is measured alone

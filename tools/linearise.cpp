@@ -8,9 +8,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/certificate.hpp"
 #include "core/mechanics/frequency_response.hpp"
-#include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "report/table.hpp"
 #include "tools/given_files.hpp"
@@ -176,10 +174,10 @@ int run(const LineariseOptions& options) {
         scene.reduction->place +
         ": --certify compares the blocks of the whole model; take 'reduce' out for it");
   }
-  const Model model = scene.reduction ? free_model(scene) : make_model(scene);
+  const Model model = model_of(scene);
   patience.now("linearising");
   std::optional<ReducedModel> reduced;
-  if (scene.reduction) reduced = reduced_model(scene, scene.inputs, scene.outputs);
+  if (scene.reduction) reduced = stable_reduced_model(scene);
   const LinearModel linear =
       reduced ? reduced->linear : linearise(model, scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);

@@ -12,13 +12,13 @@
 #include "core/mechanics/sparse/damped_modes.hpp"
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
-#include "core/mechanics/unstable.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
 #include "report/table.hpp"
 #include "tools/largest_parts.hpp"
 #include "tools/node_parts.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
+#include "tools/stability_note.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -117,21 +117,6 @@ void print_json(const Scene& scene, const Found& found) {
          {"mode_shapes", to_json(result.shapes)}});
 }
 
-/// Errors: those of `solve`, with the nodes that move where the configuration is not stable.
-/// displacements: of a shape that Unstable carries.
-template <class Solve, class Displacements>
-auto with_what_moves(const NodeParts& parts, const Solve& solve,
-                     const Displacements& displacements) {
-  try {
-    return solve();
-  } catch (const Unstable& error) {
-    throw Refusal(
-        std::string(error.what()) + ", which moves " +
-        largest_parts(parts.names, parts.of_displacements * displacements(error.shape())) +
-        " (m and rad over the largest)");
-  }
-}
-
 Found all_modes(const Scene& scene, Patience& patience) {
   const Model model = make_model(scene);
   patience.now("linearising");
@@ -142,8 +127,8 @@ Found all_modes(const Scene& scene, Patience& patience) {
   found.parts = node_parts(model, linear.x_0);
   const Eigen::MatrixXd DF = displacements_of_dofs(model, linear.x_0);
   found.modes = with_what_moves(
-      found.parts, [&] { return modes(linear); },
-      [&](const Eigen::VectorXd& shape) -> Eigen::VectorXd { return DF * shape; });
+      [&] { return modes(linear); },
+      [&](const Eigen::VectorXd& shape) { return what_moves(model, linear, shape); });
   found.displacements = DF * found.modes.shapes;
   found.damped = !linear.D.isZero(0);
   if (!found.modes.moving) found.why_not_symmetric = unsymmetric_load(model);
@@ -172,15 +157,11 @@ Found lowest_of_many(const Model& model, Index n_modes, Patience& patience) {
   found.sparse = true;
   found.coordinates = coordinate_names(model);
   found.parts = node_parts(model, state.x);
-  const auto displacements = [&](const Eigen::MatrixXd& shapes) {
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(model.n_x, shapes.cols());
-    all.topRows(model.n_c) = shapes;
-    return all;
-  };
   found.modes = with_what_moves(
-      found.parts, [&] { return sparse_modes(mixed, state, n_modes); },
-      [&](const Eigen::VectorXd& shape) -> Eigen::VectorXd { return displacements(shape); });
-  found.displacements = displacements(found.modes.shapes);
+      [&] { return sparse_modes(mixed, state, n_modes); },
+      [&](const Eigen::VectorXd& shape) { return what_moves(model, state.x, shape); });
+  found.displacements.setZero(model.n_x, found.modes.shapes.cols());
+  found.displacements.topRows(model.n_c) = found.modes.shapes;
   found.damped = mixed.damped();
   return found;
 }

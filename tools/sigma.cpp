@@ -8,10 +8,7 @@
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
-#include "core/mechanics/own_values.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/mechanics/state_space.hpp"
-#include "core/systems/frequency_sweep.hpp"
 #include "judge/loop_design.hpp"
 #include "judge/loop_peaks.hpp"
 #include "report/plots/plots.hpp"
@@ -19,7 +16,7 @@
 #include "tools/design_warnings.hpp"
 #include "tools/given_files.hpp"
 #include "tools/json.hpp"
-#include "tools/operating_point.hpp"
+#include "tools/open_response.hpp"
 #include "tools/patience.hpp"
 #include "tools/stability_note.hpp"
 #include "tools/verbs.hpp"
@@ -38,10 +35,11 @@ struct SigmaOptions {
 
 /// A row a frequency. With a controller, closed is the loop that runs and open the frame left
 /// alone, sampled as it is, both NaN above half its rate, and continuous its law without sampling,
-/// delay and instruments.
+/// delay and instruments. difference_at_most is of a scene with `reduce` and no controller.
 struct Curves {
   Eigen::VectorXd frequencies_hz;
   Eigen::MatrixXd open, closed, continuous;
+  Eigen::VectorXd difference_at_most;
 };
 
 Eigen::MatrixXd rows_of(const Eigen::VectorXd& frequencies_hz,
@@ -56,27 +54,12 @@ Eigen::MatrixXd rows_of(const Eigen::VectorXd& frequencies_hz,
   return rows;
 }
 
-/// The scene about its operating point.
-struct OpenSystem {
-  Model model;
-  LinearModel linear;
-  StateSpace system;
-};
-
-OpenSystem open_system(const Scene& scene) {
-  if (scene.inputs.empty() || scene.outputs.empty()) {
-    throw InputError(scene.file +
-                     ": singular values need at least one of 'inputs' and of 'outputs'");
-  }
-  Model model = make_model(scene);
-  LinearModel linear = linearise(model, scene.inputs, scene.outputs);
-  StateSpace system = state_space(linear);
-  return {std::move(model), std::move(linear), std::move(system)};
-}
-
-Curves without_controller(const StateSpace& system, const Eigen::VectorXd& frequencies_hz) {
-  const Eigen::VectorXd omega = 2 * std::numbers::pi * frequencies_hz;
-  return {frequencies_hz, singular_values_over(system, omega).transpose(), {}, {}};
+Curves without_controller(OpenResponse& open, const Eigen::VectorXd& frequencies_hz) {
+  return {frequencies_hz,
+          open.singular_values(frequencies_hz),
+          {},
+          {},
+          open.difference_at_most(frequencies_hz)};
 }
 
 Curves with_controller(const judge::LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
@@ -84,9 +67,11 @@ Curves with_controller(const judge::LoopDesign& design, const Eigen::VectorXd& f
       frequencies_hz,
       rows_of(frequencies_hz, [&](double omega) { return transfer(design.open, omega); }),
       rows_of(frequencies_hz, [&](double omega) { return transfer(design.closed, omega); }),
-      rows_of(frequencies_hz, [&](double omega) {
-        return design.loop.closed({0.0, omega});
-      })};
+      rows_of(frequencies_hz,
+              [&](double omega) {
+                return design.loop.closed({0.0, omega});
+              }),
+      {}};
   for (Index i = 0; i < frequencies_hz.size(); ++i) {
     // Half the rate itself is one of them, but for the rounding of its logarithm.
     if (frequencies_hz(i) <= (1 + 1e-9) * design.gains.sample_rate_hz / 2) continue;
@@ -109,6 +94,8 @@ void print_table(const std::string& title, const Curves& curves,
     for (Index i = 0; i < curves.open.cols(); ++i)
       header.push_back(report::cell("%s %td", kind, i + 1));
   }
+  const bool reduced = curves.difference_at_most.size() > 0;
+  if (reduced) header.push_back("off by at most");
   if (!peaks.empty()) header.push_back("peak of");
   report::Table table(header, 0);
   for (Index f = 0; f < curves.frequencies_hz.size(); ++f) {
@@ -131,12 +118,20 @@ void print_table(const std::string& title, const Curves& curves,
         }
       }
     }
+    if (reduced) {
+      const double at_most = curves.difference_at_most(f);
+      row.push_back(std::isfinite(at_most) ? report::cell("%.1e", at_most) : "-");
+    }
     if (!peaks.empty()) {
       row.push_back(peak == peaks.end() ? "" : judge::name_of(peak->of) + std::string(" 1"));
     }
     table.add(row);
   }
   std::cout << table.print();
+  if (reduced) {
+    std::cout << "Off by at most: the largest singular value of the difference from the whole "
+                 "model; -: no bound, from the first mode that is left out\n";
+  }
 }
 
 Eigen::VectorXd with_peaks(const Eigen::VectorXd& frequencies_hz,
@@ -156,6 +151,8 @@ void print_json(const std::string& title, const Json& stable, const Curves& curv
   const bool closed = curves.closed.size() > 0;
   document["closed_singular_values"] = closed ? to_json(curves.closed) : Json();
   document["continuous_singular_values"] = closed ? to_json(curves.continuous) : Json();
+  const bool reduced = curves.difference_at_most.size() > 0;
+  document["difference_at_most"] = reduced ? to_json(curves.difference_at_most) : Json();
   document["peaks"] = Json::array();
   for (const judge::PeakRow& row : peaks) {
     document["peaks"].push_back(
@@ -204,27 +201,35 @@ int run(const SigmaOptions& options) {
   Patience patience("linearising");
   const Scene scene = read_scene(options.scene, options.controller);
   std::optional<judge::LoopDesign> design;
-  std::optional<OpenSystem> open;
+  std::optional<OpenResponse> open;
   if (scene.controller) {
     design = judge::make_loop_design(options.scene, options.controller);
   } else {
-    open = open_system(scene);
+    open.emplace(scene, patience);
   }
-  const Json stable = design ? warn_unless_stable(design->model, design->loop.plant)
-                             : warn_unless_stable(open->model, open->linear);
-  const FrequencyRange range =
-      range_of(options, design ? judge::axis_of(*design, scene.controller->target_hz)
-                               : frequency_range(own_frequencies_hz(open->linear), {}, 0));
-  judge::LoopGains gains =
-      design ? judge::gains_of(*design) : judge::LoopGains{LargestGain(open->system), {}, {}};
+  const Json stable =
+      design ? warn_unless_stable(design->model, design->loop.plant) : open->stable();
+  const FrequencyRange range = range_of(
+      options, design ? judge::axis_of(*design, scene.controller->target_hz) : open->range());
+  std::optional<judge::LoopGains> gains;
+  if (design) {
+    gains = judge::gains_of(*design);
+  } else if (std::optional<LargestGain> peaks = open->peaks()) {
+    gains = {std::move(*peaks), {}, {}};
+  }
   const auto grid = [&](int points) {
     return logarithmic_frequencies(range.lowest_hz, range.highest_hz, points);
   };
   const auto curves_of = [&](const Eigen::VectorXd& frequencies) {
     patience.now("singular values");
-    return design ? with_controller(*design, frequencies)
-                  : without_controller(open->system, frequencies);
+    return design ? with_controller(*design, frequencies) : without_controller(*open, frequencies);
   };
+  if (open && open->is_large() && gains && range.highest_hz > open->peaks_to_hz()) {
+    std::cerr << report::cell(
+        "stillframe: note: peaks between the rows are looked for up to %.4g Hz; of so large a "
+        "scene not more modes are computed\n",
+        open->peaks_to_hz());
+  }
   if (design) {
     const std::string left_out = left_out_of_analysis(design->scene.instruments);
     if (!left_out.empty()) std::cerr << "stillframe: note: " << left_out << "\n";
@@ -233,13 +238,23 @@ int run(const SigmaOptions& options) {
     std::cerr << "stillframe: note: above half the sample rate what is sampled has no curve\n";
   }
   if (options.plot) {
-    const Eigen::VectorXd fine =
-        judge::with_resonances_of(gains, grid(std::max(options.points, 1000)));
-    plot(scene.title, curves_of(fine), scene, *options.plot);
+    const Eigen::VectorXd fine = grid(std::max(options.points, 1000));
+    plot(scene.title, curves_of(gains ? judge::with_resonances_of(*gains, fine) : fine), scene,
+         *options.plot);
   }
   const Eigen::VectorXd rows = grid(options.points);
   const double rate = design ? design->gains.sample_rate_hz : 0;
-  std::vector<judge::PeakRow> peaks = judge::peak_rows(rows, gains, rate);
+  std::vector<judge::PeakRow> peaks;
+  if (gains) peaks = judge::peak_rows(rows, *gains, rate);
+  if (open && open->is_large()) {
+    // The corrections of the reduced model swing too, above its modes.
+    std::erase_if(peaks,
+                  [&](const judge::PeakRow& row) { return row.peak.hz >= open->peaks_to_hz(); });
+    for (judge::PeakRow& row : peaks) {
+      if (std::isinf(row.peak.value)) continue;
+      row.peak.value = open->singular_values(Eigen::VectorXd::Constant(1, row.peak.hz))(0, 0);
+    }
+  }
   if (options.json) {
     print_json(scene.title, stable, curves_of(rows), peaks);
   } else {
@@ -290,6 +305,12 @@ void add_sigma(cli::Command& app, int& exit_code) {
       "  closed_singular_values       with a controller: the loop that runs, likewise\n"
       "  continuous_singular_values   with a controller: its law without sampling, delay and\n"
       "                               instruments\n"
+      "  difference_at_most           of a scene with `reduce` and no controller: a number a "
+      "frequency,\n"
+      "                               above the largest singular value of the difference from "
+      "the whole\n"
+      "                               model; null: no bound, from the first mode that is left "
+      "out\n"
       "  peaks                        of, hz, singular_value: between two of frequencies_hz the\n"
       "                               highest point of the open, closed or continuous curve,\n"
       "                               where it is more than 1 dB above both; the table has rows "

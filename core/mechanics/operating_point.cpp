@@ -3,6 +3,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/stationarity.hpp"
 
@@ -51,6 +52,10 @@ LinearModel linearise(const Model& model, const std::vector<SceneSignal>& inputs
     require_stationary(model, nominal, inputs, outputs);
   }
   return linearise(model, nominal, inputs, outputs);
+}
+
+Model model_of(const Scene& scene) {
+  return scene.reduction ? free_model(scene) : make_model(scene);
 }
 
 LinearModel linearise(const Scene& scene, const Model& model,

@@ -16,7 +16,11 @@ NominalMotion nominal_motion(const Model& model);
 LinearModel linearise(const Model& model, const std::vector<SceneSignal>& inputs,
                       const std::vector<SceneSignal>& outputs);
 
-/// The same of model = make_model(scene), or on the lowest modes where the scene says `reduce`.
+/// The model of a scene that is linearised: make_model(scene), or, where it says `reduce`,
+/// free_model(scene), of which nobody chooses dofs. Errors: likewise.
+Model model_of(const Scene& scene);
+
+/// The same of model = model_of(scene), on the lowest modes where the scene says `reduce`.
 /// Errors: those too of reduced_model (core/mechanics/sparse/sparse_scene.hpp).
 LinearModel linearise(const Scene& scene, const Model& model,
                       const std::vector<SceneSignal>& inputs,

@@ -4,6 +4,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/mechanics/frequency_response.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/singular_values.hpp"
 #include "tests/tools/verb.hpp"
 
 namespace stillframe::test {
@@ -261,6 +265,96 @@ TEST_F(SigmaVerb, APeakBetweenTheFrequenciesHasARow) {
   EXPECT_TRUE(json({"sigma", undamped})["peaks"][0]["singular_value"].is_null());
   const std::string without = run({"sigma", undamped}).output;
   EXPECT_NE(without.find("no bound"), std::string::npos) << without;
+}
+
+const char* const two_by_two = R"(inputs:
+  - {name: push, force: b, along: z}
+  - {name: shove, force: b, along: y}
+outputs:
+  - {name: moved, position: b, along: z}
+  - {name: shaken, acceleration: b, along: y}
+)";
+
+/// Largest singular value of the dense way, which forms all matrices.
+double dense_gain(const LinearModel& linear, double hz) {
+  return singular_values(transfer_function(linear, {0, 2 * M_PI * hz}))(0);
+}
+
+LinearModel dense_model(const std::filesystem::path& file) {
+  const Scene scene = read_scene(file);
+  return linearise(make_model(scene), scene.inputs, scene.outputs);
+}
+
+/// A stiffness matrix of n beams has eps n^4 = 6e-10 of its lowest square wrong, and a resonance
+/// that is damped by 3e-4 makes 1e-6 of it.
+TEST_F(SigmaVerb, OfALargeSceneIsThatOfItsMatrices) {
+  const auto scene = write("chain.yaml", large_chain(two_by_two));
+  const Json document = json({"sigma", scene, "--from", "1", "--to", "500", "--points", "7"});
+  const LinearModel linear = dense_model(scene);
+  EXPECT_EQ(document["stable"], true);
+  ASSERT_EQ(document["singular_values"].size(), 7u);
+  for (size_t i = 0; i < 7; ++i) {
+    const double expected = dense_gain(linear, document["frequencies_hz"][i]);
+    EXPECT_NEAR(document["singular_values"][i][0], expected, 1e-7 * expected) << i;
+  }
+  ASSERT_GE(document["peaks"].size(), 2u);
+  for (const Json& peak : document["peaks"]) {
+    const double expected = dense_gain(linear, peak["hz"]);
+    EXPECT_NEAR(peak["singular_value"], expected, 1e-6 * expected) << peak;
+    // The highest of its surroundings: half a per cent beside it is lower.
+    EXPECT_LT(dense_gain(linear, peak["hz"].get<double>() * 1.005), expected) << peak;
+    EXPECT_LT(dense_gain(linear, peak["hz"].get<double>() * 0.995), expected) << peak;
+  }
+}
+
+TEST_F(SigmaVerb, OfALargeSceneThatIsNotStableHasNoPeaks) {
+  const auto scene = write("chain.yaml", large_chain("loads: [{node: b, force: [-3000, 0, 0]}]\n" +
+                                                     std::string(two_by_two)));
+  const Said said = run({"sigma", scene, "--json"});
+  EXPECT_EQ(said.exit_code, 0) << said.error;
+  EXPECT_NE(said.error.find("not stable"), std::string::npos) << said.error;
+  EXPECT_NE(said.error.find("which moves b "), std::string::npos) << said.error;
+  const Json document = Json::parse(said.output);
+  EXPECT_EQ(document["stable"], false);
+  EXPECT_EQ(document["peaks"].size(), 0u);
+  const double expected = dense_gain(dense_model(scene), document["frequencies_hz"][3]);
+  EXPECT_NEAR(document["singular_values"][3][0], expected, 1e-7 * expected);
+}
+
+/// The values are those of the reduced model, and the difference from the whole is within the bound
+/// (beside what both are known to).
+TEST_F(SigmaVerb, OfAReducedSceneComesWithABound) {
+  const std::vector<std::string> range{"--from", "1", "--to", "1000", "--points", "25"};
+  const auto sigma = [&](const std::string& reduce) {
+    std::vector<std::string> call{
+        "sigma", write("chain.yaml", large_chain(std::string(two_by_two) + reduce))};
+    call.insert(call.end(), range.begin(), range.end());
+    return json(call);
+  };
+  const Json whole = sigma(""), reduced = sigma("reduce: {modes: 4}\n");
+  expect_documented_keys("sigma", reduced);
+  EXPECT_TRUE(whole["difference_at_most"].is_null());
+  int n_bounds = 0, n_apart = 0;
+  for (size_t i = 0; i < 25; ++i) {
+    const Json& at_most = reduced["difference_at_most"][i];
+    if (at_most.is_null()) continue;
+    ++n_bounds;
+    for (size_t k = 0; k < 2; ++k) {
+      const double exact = whole["singular_values"][i][k],
+                   off = std::abs(reduced["singular_values"][i][k].get<double>() - exact);
+      EXPECT_LE(off, at_most.get<double>() + 1e-7 * whole["singular_values"][i][0].get<double>())
+          << i;
+      n_apart += off > 1e-6 * exact;
+    }
+  }
+  // Modes beyond the fourth are where no bound is, and below them the model is seen to be reduced.
+  EXPECT_GT(n_bounds, 10);
+  EXPECT_LT(n_bounds, 25);
+  EXPECT_GT(n_apart, 3);
+  const Said page = run(
+      {"sigma", write("chain.yaml", large_chain(std::string(two_by_two) + "reduce: {modes: 4}\n")),
+       "--points", "5"});
+  EXPECT_NE(page.output.find("off by at most"), std::string::npos) << page.output;
 }
 
 TEST_F(SigmaVerb, PictureOfAnyScene) {

@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/linearisation/linearisation.hpp"
+#include "core/mechanics/node_displacements.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/tools/verb.hpp"
 
 namespace stillframe::test {
@@ -111,6 +115,91 @@ dofs: [{node: mass, along: x}, {node: mass, along: y}, {node: mass, along: z}]
   text.replace(text.find("mass: 10}"), 9, "mass: 1e-14}");
   const std::string tiny = run({"equilibrium", write("scene.yaml", text)}).output;
   EXPECT_NE(tiny.find("-6.54e-18\n"), std::string::npos) << tiny;
+}
+
+/// What the dense way has to say of the same scene.
+struct DenseEquilibrium {
+  Model model;
+  Equilibrium found;
+  Lineariser lineariser;
+  explicit DenseEquilibrium(const std::filesystem::path& scene)
+      : model(make_model(read_scene(scene))),
+        found(solve_equilibrium(model)),
+        lineariser(model, {}, {}, {.mass = false, .damping = false, .stiffness = false}) {
+    lineariser.about(found.motion);
+  }
+};
+
+/// Two Newton's methods that stop at 1e-7 of the loads, each a square of that away: of the
+/// displacements 1e-8 is left, and of the resultants, some of which are differences, 1e-7.
+TEST_F(EquilibriumVerb, OfALargeSceneIsThatOfItsDofs) {
+  const auto scene = write("chain.yaml", large_chain("loads: [{node: b, force: [-40, 5, 3]}]\n"
+                                                     "gravity: [0, 0, -9.81]\n"));
+  const Json document = json({"equilibrium", scene});
+  expect_documented_keys("equilibrium", document);
+  EXPECT_EQ(document["dofs"].size(), 280u);
+  EXPECT_EQ(document["q"].size(), 280u);
+  EXPECT_EQ(document["dof_units"].size(), 280u);
+  EXPECT_EQ(document["stable"], true);
+  const DenseEquilibrium dense(scene);
+  const auto nodes = node_displacements(dense.model, dense.found.motion.x);
+  ASSERT_EQ(document["nodal_displacements"].size(), nodes.size());
+  double largest = 0;
+  for (const auto& node : nodes) largest = std::max(largest, node.displacement.norm());
+  EXPECT_GT(largest, 1e-3);
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    const Json& node = document["nodal_displacements"][i];
+    EXPECT_EQ(node["node"], nodes[i].node);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const auto entry = static_cast<size_t>(k);
+      EXPECT_NEAR(node["displacement"][entry], nodes[i].displacement(k), 1e-8 * largest) << i;
+      EXPECT_NEAR(node["rotation"][entry], nodes[i].rotation(k), 1e-8) << i;
+    }
+  }
+  ASSERT_EQ(document["elements"].size(), 40u);
+  const auto& data = dense.lineariser.data();
+  for (const Json& element : document["elements"]) {
+    const auto& item = dense.model.elements[static_cast<size_t>(
+        dense.model.element_index(element["element"].get<std::string>()))];
+    for (size_t i = 0; i < element["stress_resultants"].size(); ++i) {
+      EXPECT_NEAR(element["stress_resultants"][i], data.sigma(item.row[i]), 1e-7 * 50) << element;
+      EXPECT_NEAR(element["deformations"][i], data.e(item.row[i]), 1e-8 * largest) << element;
+    }
+  }
+}
+
+/// Forces and moments about the clamp, without any model: what is pushed is borne.
+TEST_F(EquilibriumVerb, SupportsOfALargeSceneBearItsLoads) {
+  const auto scene = write("chain.yaml", large_chain("loads: [{node: b, force: [-40, 5, 3]}]\n"));
+  const Json document = json({"equilibrium", scene});
+  const Json& tip = document["nodal_displacements"];
+  Eigen::Vector3d arm(1, 0, 0), force, moment;
+  for (const Json& node : tip) {
+    if (node["node"] != "b") continue;
+    for (size_t k = 0; k < 3; ++k) {
+      arm(static_cast<Eigen::Index>(k)) += node["displacement"][k].get<double>();
+    }
+  }
+  const Eigen::Vector3d load(-40, 5, 3);
+  ASSERT_EQ(document["reactions"].size(), 6u);
+  for (size_t i = 0; i < 3; ++i) {
+    force(static_cast<Eigen::Index>(i)) = document["reactions"][i]["value"];
+    moment(static_cast<Eigen::Index>(i)) = document["reactions"][i + 3]["value"];
+    EXPECT_EQ(document["reactions"][i]["unit"], "N");
+    EXPECT_EQ(document["reactions"][i + 3]["unit"], "N m");
+  }
+  // The residual of 40 N is 1e-7 of it squared by the last step.
+  EXPECT_LT((force + load).norm(), 1e-9 * load.norm()) << force;
+  EXPECT_LT((moment + arm.cross(load)).norm(), 1e-9 * load.norm()) << moment;
+}
+
+TEST_F(EquilibriumVerb, OfALargeSceneThatIsNotStableIsPrintedWithAWarning) {
+  const auto scene = write("chain.yaml", large_chain("loads: [{node: b, force: [-3000, 0, 0]}]\n"));
+  const Said said = run({"equilibrium", scene, "--json"});
+  EXPECT_EQ(said.exit_code, 0) << said.error;
+  EXPECT_NE(said.error.find("not stable"), std::string::npos) << said.error;
+  EXPECT_NE(said.error.find("which moves b "), std::string::npos) << said.error;
+  EXPECT_EQ(Json::parse(said.output)["stable"], false);
 }
 
 TEST_F(EquilibriumVerb, NothingThatHoldsIsRefused) {

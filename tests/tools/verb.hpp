@@ -45,6 +45,19 @@ inline Eigen::MatrixXd matrix_of(const nlohmann::json& rows, Eigen::Index n_colu
   return matrix;
 }
 
+/// Forty beams in a row, clamped at a: 280 coordinates, many enough for the sparse way.
+inline std::string large_chain(const std::string& rest) {
+  return R"(title: chain
+nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}}
+masses: [{node: b, mass: 0.2}]
+elements:
+  beam: {type: beam, nodes: [a, b], EA: 2.1e7, GJ: 112, EI_y: 174.3, EI_z: 252, orientation: [0, 1, 0],
+    mass_per_length: 0.78, inertia_per_length: 1.5834e-5, damping_time: 1e-5, divide: 40}
+dofs: auto
+supports: [{nodes: [a], fix: [x, y, z, rotation]}]
+)" + rest;
+}
+
 /// A mass of 2 kg that hangs on a spring of 800 N/m.
 inline const char* hanging_mass = R"(title: A hanging mass
 gravity: [0, 0, -9.81]

@@ -11,6 +11,7 @@
 #include "core/control/design/control_loop.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/model/model.hpp"
+#include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/golden_section.hpp"
@@ -126,7 +127,7 @@ SampledPlant Evaluator::plant_of(const VectorXd& values) const {
       perturbed(settings_.scene, settings_.sampling, settings_.parameters, values);
   const auto n_w = static_cast<Index>(plant.scene.inputs.size());
   const auto n_y = static_cast<Index>(plant.scene.outputs.size());
-  const LinearModel model = loop_model(plant.scene, make_model(plant.scene));
+  const LinearModel model = loop_model(plant.scene, model_of(plant.scene));
   return sample_and_hold(loop_plant(model, n_w, n_y), plant.sampling);
 }
 

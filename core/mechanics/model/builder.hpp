@@ -23,6 +23,7 @@ struct NodePlan {
 /// "x(tip)", "lambda_1(tip)": the name of a dof that is a coordinate of a node, the i-th of them
 /// all from 0.
 std::string coordinate_name(const SceneDof& dof, size_t i);
+std::string coordinate_unit(const SceneDof& dof);
 
 /// Builds a model step by step; make_model calls build().
 class ModelBuilder {

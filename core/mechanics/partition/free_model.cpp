@@ -47,4 +47,12 @@ std::vector<std::string> coordinate_names(const Model& model) {
   return names;
 }
 
+std::vector<std::string> coordinate_units(const Model& model) {
+  std::vector<std::string> units(static_cast<size_t>(model.n_c));
+  for (const FreeCoordinate& coordinate : free_coordinates(model, "")) {
+    units[static_cast<size_t>(coordinate.column)] = coordinate_unit(coordinate.dof);
+  }
+  return units;
+}
+
 }  // namespace stillframe

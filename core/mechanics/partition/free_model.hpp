@@ -21,5 +21,7 @@ std::vector<FreeCoordinate> free_coordinates(const Model& model, const std::stri
 
 /// Names of the n_c free coordinates, as dofs have them: "x(tip)", "lambda_1(tip)".
 std::vector<std::string> coordinate_names(const Model& model);
+/// m, of planar rotations rad, of Euler parameters 1.
+std::vector<std::string> coordinate_units(const Model& model);
 
 }  // namespace stillframe

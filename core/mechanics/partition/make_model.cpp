@@ -222,6 +222,10 @@ std::string coordinate_name(const SceneDof& dof, size_t i) {
   return "x(" + dof.node + ")" + std::to_string(i + 1);
 }
 
+std::string coordinate_unit(const SceneDof& dof) {
+  return dof.rotation ? "rad" : dof.euler_parameter >= 0 ? "1" : "m";
+}
+
 void ModelBuilder::resolve_dofs() {
   model_.n_d = static_cast<Index>(scene_.dofs.size());
   for (size_t i = 0; i < scene_.dofs.size(); ++i) {
@@ -231,7 +235,7 @@ void ModelBuilder::resolve_dofs() {
         std::any_of(scene_.elements.begin(), scene_.elements.end(), [&](const SceneElement& e) {
           return e.name == dof.element && e.kind == Kind::hinge;
         });
-    const std::string unit = dof.rotation || hinge ? "rad" : dof.euler_parameter >= 0 ? "1" : "m";
+    const std::string unit = hinge ? "rad" : coordinate_unit(dof);
     model_.dofs.push_back({dof_name(dof, i), unit, !dof.element.empty(), dof_index_[i]});
   }
 }

@@ -100,17 +100,25 @@ struct With<Real, std::complex<Double>> {
 
 template <class Scalar>
 template <class Real>
-auto MixedFactors<Scalar>::factors() const -> std::unique_ptr<Factors<Real>> {
+bool MixedFactors<Scalar>::factorise(Factors<Real>& factors) const {
   using Entry = typename With<Real, Scalar>::type;
   using Matrix = Eigen::SparseMatrix<Entry>;
   const Matrix E = E_.template cast<Entry>();
   const Eigen::Matrix<Entry, Eigen::Dynamic, 1> stiffness = stiffness_.template cast<Entry>();
-  Matrix K = Matrix(E.transpose()) * stiffness.asDiagonal() * E;
-  K += A_.template cast<Entry>();
-  auto found = std::make_unique<Factors<Real>>();
-  found->compute(as_real(K));
-  if (found->info() != Eigen::Success || !found->vectorD().allFinite()) return nullptr;
-  return found;
+  Matrix sum = Matrix(E.transpose()) * stiffness.asDiagonal() * E;
+  sum += A_.template cast<Entry>();
+  const auto K = as_real(std::move(sum));
+  const auto n_starts = static_cast<size_t>(K.outerSize() + 1),
+             n_rows = static_cast<size_t>(K.nonZeros());
+  const std::vector<int> starts(K.outerIndexPtr(), K.outerIndexPtr() + n_starts),
+      rows(K.innerIndexPtr(), K.innerIndexPtr() + n_rows);
+  if (starts != factors.starts || rows != factors.rows) {
+    factors.of.analyzePattern(K);
+    factors.starts = starts;
+    factors.rows = rows;
+  }
+  factors.of.factorize(K);
+  return factors.of.info() == Eigen::Success && factors.of.vectorD().allFinite();
 }
 
 template <class Scalar>
@@ -118,7 +126,7 @@ template <class Real>
 auto MixedFactors<Scalar>::solved(const Factors<Real>& factors, const Vector& right) -> Vector {
   using RealVector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
   if constexpr (std::is_same_v<Scalar, double>) {
-    const RealVector x = factors.solve(RealVector(right.template cast<Real>()));
+    const RealVector x = factors.of.solve(RealVector(right.template cast<Real>()));
     return x.template cast<double>();
   } else {
     RealVector parts(2 * right.size());
@@ -126,7 +134,7 @@ auto MixedFactors<Scalar>::solved(const Factors<Real>& factors, const Vector& ri
       parts(2 * i) = right(i).real();
       parts(2 * i + 1) = right(i).imag();
     }
-    const RealVector x = factors.solve(parts);
+    const RealVector x = factors.of.solve(parts);
     Vector found(right.size());
     for (Index i = 0; i < right.size(); ++i) {
       found(i) = {static_cast<double>(x(2 * i)), -static_cast<double>(x(2 * i + 1))};
@@ -137,7 +145,7 @@ auto MixedFactors<Scalar>::solved(const Factors<Real>& factors, const Vector& ri
 
 template <class Scalar>
 auto MixedFactors<Scalar>::step(const Vector& right) const -> Vector {
-  return long_double_ ? solved(*long_double_, right) : solved(*double_, right);
+  return in_long_double_ ? solved(long_double_, right) : solved(double_, right);
 }
 
 template <class Scalar>
@@ -183,29 +191,38 @@ auto MixedFactors<Scalar>::refine(const Vector& e, const Vector& f, Vector& s, V
 }
 
 template <class Scalar>
+void MixedFactors<Scalar>::take_rows(const SparseMatrix& E, const Vector& compliance) {
+  const auto same = [](const auto& a, const auto& b) {
+    return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros();
+  };
+  const auto zeros = [](const Vector& c) { return (c.array() == Scalar(0)).eval(); };
+  const bool known = independent_ && same(E, E_) && (E - E_).norm() == 0 &&
+                     (zeros(compliance) == zeros(compliance_)).all();
+  E_ = E;
+  compliance_ = compliance;
+  if (!known) independent_ = independent(E, compliance);
+}
+
+template <class Scalar>
 bool MixedFactors<Scalar>::compute(const SparseMatrix& E, const Vector& compliance,
                                    const Eigen::SparseMatrix<Scalar>& A) {
-  E_ = E;
+  take_rows(E, compliance);
   A_ = A;
-  compliance_ = compliance;
   stiffness_ = stiffness_of(compliance);
-  double_.reset();
-  long_double_.reset();
-  if (!independent(E, compliance)) return false;
+  if (!independent_) return false;
   // What moves most easily has most of a solution, and is least known to the factors.
   Vector force(E.cols()), s, x;
   for (Index i = 0; i < force.size(); ++i)
     force(i) = 1 + 0.5 * std::sin(1.7 * static_cast<double>(i));
   // Two more steps of a solution cost less than factors of long double.
   constexpr double fast = 0.02;
-  double_ = factors<double>();
-  if (double_) {
+  in_long_double_ = false;
+  if (factorise(double_)) {
     const Refined refined = refine({}, force, s, x);
     if (refined.done && refined.rate <= fast) return true;
   }
-  double_.reset();
-  long_double_ = factors<long double>();
-  return long_double_ && refine({}, force, s, x).done;
+  in_long_double_ = true;
+  return factorise(long_double_) && refine({}, force, s, x).done;
 }
 
 template <class Scalar>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCholesky>
-#include <memory>
+#include <vector>
 
 #include "core/mechanics/sparse/mixed_model.hpp"
 
@@ -11,7 +11,8 @@ namespace stillframe {
 /// E^T (c + d)^-1 E + A, where d is small and stands for the compliance of what has none, and by
 /// refinement: what is left over is that of the mixed form, so that neither d nor the rounding of
 /// the stiffness matrix is in the solution. Where rounding of the matrix is more than refinement
-/// makes up for, the factors are those of long double.
+/// makes up for, the factors are those of long double. What depends on E and on the pattern alone
+/// is kept from one compute to the next.
 template <class Scalar>
 class MixedFactors {
  public:
@@ -32,10 +33,14 @@ class MixedFactors {
     bool done = false;  ///< to rounding
   };
   template <class Real>
-  using Factors = Eigen::SimplicialLDLT<Eigen::SparseMatrix<Real>>;
+  struct Factors {
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<Real>> of;
+    std::vector<int> starts, rows;  ///< the pattern that was analysed
+  };
 
+  void take_rows(const SparseMatrix& E, const Vector& compliance);
   template <class Real>
-  std::unique_ptr<Factors<Real>> factors() const;
+  bool factorise(Factors<Real>& factors) const;
   template <class Real>
   static Vector solved(const Factors<Real>& factors, const Vector& right);
   Vector step(const Vector& right) const;
@@ -44,8 +49,10 @@ class MixedFactors {
   SparseMatrix E_;
   Eigen::SparseMatrix<Scalar> A_;
   Vector compliance_, stiffness_;
-  std::unique_ptr<Factors<double>> double_;
-  std::unique_ptr<Factors<long double>> long_double_;
+  bool independent_ = false;  ///< the rows of E_ without compliance
+  Factors<double> double_;
+  Factors<long double> long_double_;
+  bool in_long_double_ = false;
 };
 
 }  // namespace stillframe

@@ -132,14 +132,9 @@ LocalJacobian MixedModel::local_jacobian(size_t k, const VectorXd& x) const {
 
 VectorXd MixedModel::strains(const VectorXd& x, double load_factor) const {
   VectorXd strains(n_rows_);
-  LocalVector u;
   for (size_t k = 0; k < rows_.size(); ++k) {
-    const ModelElement& item = model_.elements[k];
-    gather(item.parts, x, u);
-    LocalDeformation e(item.element->n_deformations());
-    item.element->deformations(u, e);
     strains.segment(rows_[k].first, rows_[k].Q.cols()) =
-        rows_[k].Q.transpose() * (e - load_factor * rows_[k].prescribed);
+        rows_[k].Q.transpose() * (deformations(k, x) - load_factor * rows_[k].prescribed);
   }
   return strains;
 }
@@ -188,15 +183,13 @@ SparseMatrix MixedModel::damping(const VectorXd& x, Of of) const {
 }
 
 SparseMatrix MixedModel::geometric_stiffness(const MixedState& state, Of of) const {
-  const auto& [x, s, load_factor] = state;
+  const VectorXd& x = state.x;
   const Index n = size(of);
   Triplets entries;
   LocalVector u;
   for (size_t k = 0; k < rows_.size(); ++k) {
     const ModelElement& item = model_.elements[k];
-    const Rows& rows = rows_[k];
-    const LocalDeformation sigma =
-        load_factor * given(rows) + rows.Q * s.segment(rows.first, rows.Q.cols());
+    const LocalDeformation sigma = stresses(k, state);
     if (sigma.isZero(0)) continue;
     gather(item.parts, x, u);
     LocalHessian H(u.size(), u.size());
@@ -209,7 +202,7 @@ SparseMatrix MixedModel::geometric_stiffness(const MixedState& state, Of of) con
       gather(item.parts, x, u);
       const LocalVector rest = LocalVector::Zero(u.size());
       LocalHessian in_v(u.size(), u.size()), in_u(u.size(), u.size());
-      item.inertia->tangents(u, rest, rest, load_factor * model_.gravity, in_v, in_u);
+      item.inertia->tangents(u, rest, rest, state.load_factor * model_.gravity, in_v, in_u);
       if (in_u.isZero(0)) continue;
       to_node_axes(item.parts, in_u);
       scatter(item.parts, n, in_u, 1, entries);
@@ -244,13 +237,18 @@ VectorXd MixedModel::forces(const VectorXd& x, double load_factor, Of of) const 
   return f;
 }
 
-double MixedModel::deformation(size_t k, Index i, const VectorXd& x) const {
+LocalDeformation MixedModel::deformations(size_t k, const VectorXd& x) const {
   const ModelElement& item = model_.elements[k];
   LocalVector u;
   gather(item.parts, x, u);
   LocalDeformation e(item.element->n_deformations());
   item.element->deformations(u, e);
-  return e(i);
+  return e;
+}
+
+LocalDeformation MixedModel::stresses(size_t k, const MixedState& state) const {
+  const Rows& rows = rows_[k];
+  return state.load_factor * given(rows) + rows.Q * state.s.segment(rows.first, rows.Q.cols());
 }
 
 VectorXd MixedModel::deformation_row(size_t k, Index i, const VectorXd& x) const {

@@ -63,14 +63,15 @@ class MixedModel {
   /// Loads, weight and preloads on the coordinates (n).
   Eigen::VectorXd forces(const Eigen::VectorXd& x, double load_factor, Of of = Of::free) const;
 
-  /// One deformation of element k, and its D_x e (n_x + n_0).
-  double deformation(size_t k, Eigen::Index i, const Eigen::VectorXd& x) const;
+  /// D_x e (n_x + n_0) of one deformation of element k.
   Eigen::VectorXd deformation_row(size_t k, Eigen::Index i, const Eigen::VectorXd& x) const;
-  /// Its stress resultant is stress_row s + viscous_row x' + stress_given: n_rows, n_x + n_0, and
-  /// N or N m. The second is that of an element whose damping is in D.
+  /// Its stress resultant is stress_row s + viscous_row x', beside what is given: n_rows and
+  /// n_x + n_0. The second is that of an element whose damping is in D.
   Eigen::VectorXd stress_row(size_t k, Eigen::Index i) const;
   Eigen::VectorXd viscous_row(size_t k, Eigen::Index i, const Eigen::VectorXd& x) const;
-  double stress_given(size_t k, Eigen::Index i) const { return given(rows_[k])(i); }
+  /// All of element k at rest: its deformations at x, and its stress resultants.
+  LocalDeformation deformations(size_t k, const Eigen::VectorXd& x) const;
+  LocalDeformation stresses(size_t k, const MixedState& state) const;
   /// What prescribed deformations of a pattern of q^r (n_r) strain: the right-hand side of the rows
   /// (n_rows), and the forces that the stresses which do not follow from s exert on all coordinates
   /// (n_x + n_0), of the deformations and of their rates.

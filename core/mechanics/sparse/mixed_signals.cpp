@@ -25,6 +25,11 @@ int derivative(Quantity quantity) {
   }
 }
 
+/// What supports and drives exert on all coordinates (n_x + n_0) at rest.
+VectorXd forces_borne(const MixedModel& mixed, const MixedState& state, const SparseMatrix& E) {
+  return E.transpose() * state.s - mixed.forces(state.x, state.load_factor, MixedModel::Of::all);
+}
+
 class Resolver {
  public:
   Resolver(const MixedModel& mixed, const MixedState& state)
@@ -34,7 +39,8 @@ class Resolver {
         E_(mixed.strain_rows(state.x, Of::all)),
         M_(mixed.mass(state.x, Of::all)),
         D_(mixed.damping(state.x, Of::all)),
-        G_(mixed.geometric_stiffness(state, Of::all)) {}
+        G_(mixed.geometric_stiffness(state, Of::all)),
+        borne_(forces_borne(mixed, state, E_)) {}
 
   MixedSignals resolve(const std::vector<SceneSignal>& inputs,
                        const std::vector<SceneSignal>& outputs) {
@@ -98,7 +104,7 @@ class Resolver {
       const auto [k, mode] = model_.owner_of_row(output.row);
       add_motion_row(mixed_.deformation_row(k, mode, state_.x), signal.quantity, i);
       if (derivative(signal.quantity) == 0) {
-        found_.y_0(i) = mixed_.deformation(k, mode, state_.x);
+        found_.y_0(i) = mixed_.deformations(k, state_.x)(mode);
       }
     } else {
       const VectorXd row = unit_force(model_, state_.x, output);
@@ -122,8 +128,7 @@ class Resolver {
     const auto [k, mode] = model_.owner_of_row(output.row);
     const ModelElement& item = model_.elements[k];
     found_.S.row(i) = mixed_.stress_row(k, mode).transpose();
-    found_.y_0(i) =
-        found_.S.row(i).dot(state_.s) + state_.load_factor * mixed_.stress_given(k, mode);
+    found_.y_0(i) = mixed_.stresses(k, state_)(mode);
     if (output.is_reaction) return;
     add_motion_row(mixed_.viscous_row(k, mode, state_.x), Quantity::velocity, i);
     for (size_t j = 0; j < inputs_.size(); ++j) {
@@ -159,14 +164,14 @@ class Resolver {
     found_.R_v.row(i) = t.transpose() * D_w_;
     found_.R_a.row(i) = t.transpose() * M_w_;
     found_.D_u.row(i) = -t.transpose() * F_;
-    found_.y_0(i) =
-        t.dot(E_.transpose() * state_.s - mixed_.forces(state_.x, state_.load_factor, Of::all));
+    found_.y_0(i) = t.dot(borne_);
   }
 
   const MixedModel& mixed_;
   const Model& model_;
   const MixedState& state_;
   SparseMatrix E_, M_, D_, G_;          ///< of all coordinates
+  VectorXd borne_;                      ///< n_x + n_0
   MatrixXd F_, M_w_, D_w_, K_w_, X_w_;  ///< (n_x + n_0) x n_u
   std::vector<ResolvedSignal> inputs_;
   std::vector<VectorXd> patterns_;  ///< of each input, n_r
@@ -179,6 +184,19 @@ MixedSignals mixed_signals(const MixedModel& mixed, const MixedState& state,
                            const std::vector<SceneSignal>& inputs,
                            const std::vector<SceneSignal>& outputs) {
   return Resolver(mixed, state).resolve(inputs, outputs);
+}
+
+VectorXd reactions_at_rest(const MixedModel& mixed, const MixedState& state,
+                           const std::vector<SceneSignal>& reactions) {
+  const VectorXd borne =
+      forces_borne(mixed, state, mixed.strain_rows(state.x, MixedModel::Of::all));
+  VectorXd y_0(std::ssize(reactions));
+  for (Index i = 0; i < y_0.size(); ++i) {
+    const ResolvedSignal reaction =
+        resolve_output(mixed.model(), reactions[static_cast<size_t>(i)]);
+    y_0(i) = virtual_motion(mixed.model(), state.x, reaction).dot(borne);
+  }
+  return y_0;
 }
 
 }  // namespace stillframe

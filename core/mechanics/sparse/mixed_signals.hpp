@@ -31,4 +31,8 @@ MixedSignals mixed_signals(const MixedModel& mixed, const MixedState& state,
                            const std::vector<SceneSignal>& inputs,
                            const std::vector<SceneSignal>& outputs);
 
+/// y_0 (n_y) of reactions alone, N or N m. Errors: likewise.
+Eigen::VectorXd reactions_at_rest(const MixedModel& mixed, const MixedState& state,
+                                  const std::vector<SceneSignal>& reactions);
+
 }  // namespace stillframe

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/mechanics/frequency_response.hpp"
-#include "core/mechanics/sparse/mixed_factors.hpp"
 
 namespace stillframe {
 
@@ -31,7 +30,7 @@ SparseResponse::SparseResponse(const MixedModel& mixed, const MixedState& state,
       damped_(mixed.damped() || !signals_.D_w.isZero(0)) {}
 
 template <class Scalar>
-MatrixXcd SparseResponse::at(Complex s) const {
+MatrixXcd SparseResponse::at(Complex s, MixedFactors<Scalar>& factors) const {
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
   const Scalar p = as(Scalar(), s), square = as(Scalar(), s * s);
   Eigen::SparseMatrix<Scalar> A = square * M_.cast<Scalar>() + G_.cast<Scalar>();
@@ -42,7 +41,6 @@ MatrixXcd SparseResponse::at(Complex s) const {
   }
   const Index n_u = signals_.n_inputs(), n_y = signals_.n_outputs();
   MatrixXcd G = MatrixXcd::Constant(n_y, n_u, std::numeric_limits<double>::quiet_NaN());
-  MixedFactors<Scalar> factors;
   if (!factors.compute(E_, compliance, A)) return G;
   const auto of = [s](const Eigen::MatrixXd& p_, const Eigen::MatrixXd& v, const Eigen::MatrixXd& a,
                       Index j) -> Eigen::VectorXcd {
@@ -64,9 +62,9 @@ MatrixXcd SparseResponse::at(Complex s) const {
   return G;
 }
 
-MatrixXcd SparseResponse::operator()(Complex s) const {
+MatrixXcd SparseResponse::operator()(Complex s) {
   const bool real = !damped_ && (s.real() == 0 || s.imag() == 0);
-  return real ? at<double>(s) : at<Complex>(s);
+  return real ? at(s, real_) : at(s, complex_);
 }
 
 }  // namespace stillframe

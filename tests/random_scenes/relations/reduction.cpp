@@ -69,7 +69,7 @@ std::optional<Finding> check_reduction(Case& scene, std::uint64_t seed) {
   }
   const auto& inputs = scene.scene().inputs;
   const auto& outputs = scene.scene().outputs;
-  const SparseResponse whole(mixed, state, mixed_signals(mixed, state, inputs, outputs));
+  SparseResponse whole(mixed, state, mixed_signals(mixed, state, inputs, outputs));
   Finding finding;
   std::mt19937_64 random(seed);
   const ReducedModel reduced =

@@ -36,8 +36,8 @@ void compare_responses(Case& scene, const MixedModel& mixed, const MixedState& s
                        Finding& finding) {
   const Answers& own = own_answers(scene);
   const auto at = places(scene);
-  const SparseResponse response(
-      mixed, state, mixed_signals(mixed, state, scene.scene().inputs, scene.scene().outputs));
+  SparseResponse response(mixed, state,
+                          mixed_signals(mixed, state, scene.scene().inputs, scene.scene().outputs));
   for (size_t i = 0; i < std::min(at.size(), own.responses.size()); ++i) {
     const Response& dense = own.responses[i];
     const Eigen::MatrixXcd G = response(at[i]);
