@@ -130,7 +130,7 @@ class Pinger {
   std::normal_distribution<double> noise_;
 };
 
-run_info_t run_of(const controller::Gains& gains) {
+run_info_t run_of(const controller::Gains& gains, const Options& options) {
   run_info_t info{};
   info.run_id = 1;
   info.plant_instance = 1;
@@ -141,7 +141,7 @@ run_info_t run_of(const controller::Gains& gains) {
   info.loop = "active";
   info.sample_rate_hz = gains.sample_rate_hz;
   info.delay_samples = gains.delay_samples;
-  info.n_samples = 1'000'000'000;
+  info.n_samples = static_cast<std::int64_t>(options.n_blocks) * options.n_pings;
   info.n_legs = static_cast<std::int32_t>(gains.legs.size());
   info.leg_names = gains.legs;
   info.n_floor = info.n_frame = 6;
@@ -217,7 +217,7 @@ void print_ratios(const std::vector<Times>& echo, const std::vector<Times>& own)
 }
 
 void run(const Options& options) {
-  const run_info_t info = run_of(controller::read_gains(options.gains));
+  const run_info_t info = run_of(controller::read_gains(options.gains), options);
   const pid_t children[] = {start_echo(options.priority), start_controller(options)};
   use_fifo(options.priority);
   Pinger to_echo(echo_url, info), to_own(controller_url, info);

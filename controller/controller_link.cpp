@@ -1,7 +1,10 @@
 #include "controller/controller_link.hpp"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <future>
+#include <utility>
 
 #include "controller/realtime.hpp"
 #include "msgs/channels.hpp"
@@ -37,10 +40,16 @@ std::unique_ptr<lcm::LCM> open_served(const std::string& url, const Policy& poli
 }  // namespace
 
 ControllerLink::ControllerLink(const std::string& url, const Policy& policy)
-    : lcm_(open_served(url, policy)),
+    : url_(url),
+      policy_(policy),
       instance_(new_instance()),
       command_channel_(channels::command),
       last_heard_ns_(monotonic_ns()) {
+  hear_lcm();
+}
+
+void ControllerLink::hear_lcm() {
+  lcm_ = open_served(url_, policy_);
   lcm_->subscribe(channels::run_info, &ControllerLink::on_run_info, this);
   lcm_->subscribe(channels::run_state, &ControllerLink::on_run_state, this);
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
@@ -60,8 +69,47 @@ void ControllerLink::stop_measurements() {
 
 Heard ControllerLink::take(int timeout_ms) noexcept {
   heard_ = {};
-  heard_.message = handle_one(*lcm_, timeout_ms);
+  if (!line_) {
+    heard_.message = handle_one(*lcm_, timeout_ms);
+    return heard_;
+  }
+  if (!direct_) {
+    pollfd ready[] = {{.fd = line_->descriptor(), .events = POLLIN, .revents = 0},
+                      {.fd = lcm_->getFileno(), .events = POLLIN, .revents = 0}};
+    poll(ready, 2, timeout_ms);
+    timeout_ms = 0;
+    if (ready[0].revents == 0) {
+      heard_.message = handle_one(*lcm_, 0);
+      return heard_;
+    }
+  }
+  try {
+    take_line(timeout_ms);
+  } catch (const std::exception&) {
+    // LCM is not to be had any more: nothing is heard, and the run ends for that.
+  }
   return heard_;
+}
+
+void ControllerLink::take_line(int timeout_ms) {
+  switch (line_->take(timeout_ms)) {
+    case DirectLine::Came::nothing:
+      return;
+    case DirectLine::Came::end:
+      line_.reset();
+      if (std::exchange(direct_, false)) hear_lcm();
+      return;
+    case DirectLine::Came::message:
+      break;
+  }
+  if (!std::exchange(direct_, true)) {
+    measurement_subscription_ = nullptr;
+    lcm_ = open_lcm(url_);
+  }
+  heard_.message = true;
+  const lcm::ReceiveBuffer buffer = buffer_of(line_->bytes());
+  if (line_->channel() == channels::measurement) on_measurement(&buffer, command_channel_);
+  if (line_->channel() == channels::run_state) on_run_state(&buffer, command_channel_);
 }
 
 void ControllerLink::follow(const stillframe_msgs::run_info_t& info) {
@@ -73,6 +121,7 @@ void ControllerLink::follow(const stillframe_msgs::run_info_t& info) {
   command_.n_legs = info.n_legs;
   command_.force.assign(static_cast<size_t>(info.n_legs), 0.0);
   command_bytes_.resize(static_cast<size_t>(command_.getEncodedSize()));
+  if (info.mode == "lock_step") line_ = DirectLine::to(info.plant_instance);
   following_ = true;
 }
 
@@ -85,6 +134,10 @@ void ControllerLink::publish_command() noexcept {
 void ControllerLink::repeat_command() noexcept {
   if (n_command_bytes_ <= 0) return;
   lcm_->publish(command_channel_, command_bytes_.data(), static_cast<unsigned>(n_command_bytes_));
+  // A plant that does not read it is gone, which the next take finds out.
+  if (direct_) {
+    line_->send(channels::command, command_bytes_.data(), static_cast<size_t>(n_command_bytes_));
+  }
 }
 
 void ControllerLink::publish_state(std::int64_t run_id, std::int32_t state,
@@ -98,6 +151,10 @@ void ControllerLink::publish_state(std::int64_t run_id, std::int32_t state,
                             .start_monotonic_ns = 0,
                             .text = text};
   lcm_->publish(channels::run_state, &message);
+  if (!direct_) return;
+  std::vector<std::uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  line_->send(channels::run_state, bytes.data(), bytes.size());
 }
 
 void ControllerLink::publish_timing(timing_t counters) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "controller/policy.hpp"
 #include "controller/requests.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/direct_line.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -45,10 +47,13 @@ class ControllerLink {
   Heard take(int timeout_ms) noexcept;
 
   /// Fixes run and plant: from now on only its messages are heard, measurements among them. A
-  /// run_info is heard at all only while its plant says where it is. Set-up.
+  /// run_info is heard at all only while its plant says where it is. In lock-step it comes to the
+  /// direct line that its plant offers, and hears nothing else from the first message there on,
+  /// until that line ends. Set-up.
   void follow(const stillframe_msgs::run_info_t& info);
   /// Lets go of the run, so that the next one may be followed. Set-up.
   void forget() noexcept { following_ = false; }
+  bool is_direct() const noexcept { return direct_; }
   /// Leaves the measurements to somebody else. Set-up.
   void stop_measurements();
 
@@ -88,6 +93,8 @@ class ControllerLink {
   std::int64_t n_malformed() const noexcept { return n_malformed_; }
 
  private:
+  void hear_lcm();
+  void take_line(int timeout_ms);
   void on_run_info(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_run_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_measurement(const lcm::ReceiveBuffer* buffer, const std::string& channel);
@@ -98,7 +105,11 @@ class ControllerLink {
   bool is_announced(const stillframe_msgs::run_info_t& info) const;
   bool is_followed(std::int64_t run_id, std::int64_t plant_instance) const noexcept;
 
-  std::unique_ptr<lcm::LCM> lcm_;
+  const std::string url_;
+  const Policy policy_;
+  std::unique_ptr<lcm::LCM> lcm_;  ///< while direct_ it only publishes, and has no thread
+  std::optional<DirectLine> line_;
+  bool direct_ = false;  ///< the plant has spoken on the line
   lcm::Subscription* measurement_subscription_ = nullptr;
   std::int64_t instance_;
   bool following_ = false;

@@ -31,6 +31,11 @@ inline std::string_view bytes_of(const lcm::ReceiveBuffer& buffer) noexcept {
   return {static_cast<const char*>(buffer.data), buffer.data_size};
 }
 
+/// The same the other way, for handlers.
+inline lcm::ReceiveBuffer buffer_of(std::string_view bytes) noexcept {
+  return {const_cast<char*>(bytes.data()), static_cast<std::uint32_t>(bytes.size()), 0};
+}
+
 /// Decodes a message, false if its bytes are not of that type. LCM runs handlers from C, which no
 /// exception may cross.
 template <class Message>

@@ -8,9 +8,12 @@ namespace stillframe {
 
 namespace {
 
-// lcm-logger drops what comes while 30 messages wait in its queue; sixteen leave room for those
-// that are on their way.
-constexpr std::int64_t messages_behind = 16;
+// lcm-logger drops what comes while 30 messages wait in its queue; these leave room for those that
+// are on their way.
+constexpr std::int64_t messages_behind = 16, most_behind = 24;
+// It writes by blocks, if messages are large enough that one fills before they are too many, or
+// else what a flush or a nudge makes it write.
+constexpr std::int64_t block_bytes = 4096, messages_beside_block = 6;
 // Event header of an LCM log: sync word, number, time, two lengths.
 constexpr std::int64_t header_bytes = 28;
 constexpr std::int64_t pause_ns = 50'000, nudge_ns = 1'500'000;
@@ -59,9 +62,11 @@ bool LogPacer::wait() noexcept {
   // A logger that does not get the processor would lose its queue to nudges in even steps: doubled
   // steps make eleven of them before the patience is out.
   std::int64_t nudged = begin, pause = nudge_ns;
-  // In whole numbers: behind * messages > limit * sent, with the mean size sent / messages of a
-  // message.
-  while ((sent_ - (size() - base_)) * messages_ > messages_behind * sent_) {
+  if (messages_ == 0) return true;
+  const std::int64_t mean = sent_ / messages_,
+                     by_blocks = block_bytes / mean + messages_beside_block;
+  const std::int64_t behind = mean * (by_blocks <= most_behind ? by_blocks : messages_behind);
+  while (sent_ - (size() - base_) > behind) {
     const std::int64_t now = monotonic_ns();
     if (now - begin > patience_ns) return false;
     if (now - nudged > pause) {

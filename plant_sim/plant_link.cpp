@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "msgs/channels.hpp"
@@ -17,18 +18,39 @@ namespace stillframe {
 using namespace stillframe_msgs;
 
 PlantLink::PlantLink(const std::string& url, run_info_t info)
-    : lcm_(open_lcm(url)),
+    : url_(url),
+      lcm_(open_lcm(url)),
       info_(std::move(info)),
       last_allowed_(info_.mode == "wall_clock" ? -1 : std::numeric_limits<std::int64_t>::max()),
       commands_(info_.n_legs) {
   command_.n_legs = info_.n_legs;
   command_.force.assign(static_cast<size_t>(info_.n_legs), 0.0);
   command_size_ = static_cast<std::size_t>(command_.getEncodedSize());
+  hear_lcm();
+  if (info_.mode == "lock_step") offer_.emplace(info_.plant_instance);
+}
+
+void PlantLink::hear_lcm() {
   require_hearing(*lcm_);
   // A full queue drops the newest message, not the oldest: leave room for a stall of a second or
   // so.
   lcm_->subscribe(channels::command, &PlantLink::on_command, this)->setQueueCapacity(4096);
   lcm_->subscribe(channels::run_state, &PlantLink::on_state, this);
+}
+
+void PlantLink::go_direct() {
+  if (offer_) line_ = offer_->accepted();
+  if (line_) lcm_ = open_lcm(url_);
+  offer_.reset();
+}
+
+void PlantLink::end_line() noexcept {
+  line_.reset();
+  try {
+    hear_lcm();
+  } catch (const std::exception&) {
+    // Nobody is heard, and the run ends as one without an answer.
+  }
 }
 
 template <class Message>
@@ -41,6 +63,9 @@ void PlantLink::publish(const char* channel, const Message& message) {
 void PlantLink::send(const char* channel, const std::vector<std::uint8_t>& bytes) {
   lcm_->publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
   if (pacer_) pacer_->sent(bytes.size(), std::strlen(channel));
+  const std::string_view name(channel);
+  const bool for_controller = name == channels::measurement || name == channels::run_state;
+  if (line_ && for_controller && !line_->send(channel, bytes.data(), bytes.size())) end_line();
 }
 
 void PlantLink::pace_by(const std::filesystem::path& log) {
@@ -81,7 +106,22 @@ void PlantLink::publish_measurement(std::int64_t k, const Reading& reading) {
 
 void PlantLink::repeat_measurement() { send(channels::measurement, measurement_bytes_); }
 
-bool PlantLink::listen(int timeout_ms) noexcept { return handle_one(*lcm_, timeout_ms); }
+bool PlantLink::listen(int timeout_ms) noexcept {
+  if (!line_) return handle_one(*lcm_, timeout_ms);
+  switch (line_->take(timeout_ms)) {
+    case DirectLine::Came::nothing:
+      return false;
+    case DirectLine::Came::end:
+      end_line();
+      return false;
+    case DirectLine::Came::message:
+      break;
+  }
+  const lcm::ReceiveBuffer buffer = buffer_of(line_->bytes());
+  if (line_->channel() == channels::command) on_command(&buffer, channels::command);
+  if (line_->channel() == channels::run_state) on_state(&buffer, channels::run_state);
+  return true;
+}
 
 void PlantLink::set_clock(std::int64_t start_ns, double period_ns) {
   start_ns_ = start_ns;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "msgs/direct_line.hpp"
 #include "plant_sim/command_track.hpp"
 #include "plant_sim/log_pacer.hpp"
 #include "plant_sim/plant.hpp"
@@ -35,6 +36,12 @@ class PlantLink {
   /// Publishes a measurement, and again the same bytes.
   void publish_measurement(std::int64_t k, const Reading& reading);
   void repeat_measurement();
+
+  /// In lock-step, once a controller is ready: from here on measurements and states go to it by a
+  /// direct line too, and what it says is heard from there alone, if it has come to the one that
+  /// this plant offers; if that line ends, LCM is heard again. Set-up.
+  void go_direct();
+  bool is_direct() const { return line_.has_value(); }
 
   /// In lock-step: keeps the run from outrunning the logger that writes this file.
   void pace_by(const std::filesystem::path& log);
@@ -81,8 +88,13 @@ class PlantLink {
   template <class Message>
   void publish(const char* channel, const Message& message);
   void send(const char* channel, const std::vector<std::uint8_t>& bytes);
+  void hear_lcm();
+  void end_line() noexcept;
 
-  std::unique_ptr<lcm::LCM> lcm_;
+  const std::string url_;
+  std::unique_ptr<lcm::LCM> lcm_;  ///< with a line it only publishes, and has no thread
+  std::optional<LineOffer> offer_;
+  std::optional<DirectLine> line_;
   std::optional<LogPacer> pacer_;
   stillframe_msgs::run_info_t info_;
   stillframe_msgs::measurement_t measurement_;

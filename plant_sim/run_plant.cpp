@@ -143,6 +143,7 @@ std::string await_controller(PlantLink& link, double timeout_s) {
 PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions& options) {
   Run run(plant, link, options);
   const bool answer_first = run.queue().needs_answer();
+  link.go_direct();
   run.begin(0);
   if (!link.begin_pacing()) return run.fail(unwritten);
   for (std::int64_t k = 0; k < run.n(); ++k) {

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
 #include <optional>
+#include <thread>
 
+#include "msgs/clock.hpp"
 #include "plant_sim/log_pacer.hpp"
 
 namespace stillframe {
@@ -21,7 +24,7 @@ class LogPacerTest : public testing::Test {
 
 constexpr size_t nudge_bytes = 28 + 15;  // event header, "SF_LOGGER_CHECK", no payload
 
-TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanSixteenMessagesAreMissing) {
+TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanSixteenSmallMessagesAreMissing) {
   int nudges = 0;
   std::optional<LogPacer> pacer;
   // A logger that writes every nudge at once, and with the tenth what it held besides.
@@ -37,6 +40,46 @@ TEST_F(LogPacerTest, WaitsOnlyWhileMoreThanSixteenMessagesAreMissing) {
   for (int i = 0; i < 20; ++i) pacer->sent(58, 14);
   EXPECT_TRUE(pacer->wait());
   EXPECT_EQ(nudges, 10);
+}
+
+// As lcm-logger does with messages of a frame: what does not fill a block is not seen.
+TEST_F(LogPacerTest, ALoggerThatKeepsUpByBlocksNeedsNoNudgeAndNeverHasThirtyToTake) {
+  for (const size_t bytes : {250u, 300u, 444u, 1000u, 5000u}) {
+    SetUp();
+    std::atomic<int> nudges = 0;
+    std::optional<LogPacer> pacer;
+    pacer.emplace(log_, [&] {
+      pacer->sent(0, 15);
+      grow(nudge_bytes);
+      ++nudges;
+    });
+    ASSERT_TRUE(pacer->begin());
+    size_t sent = 0, written = 0;
+    const auto send = [&] {
+      pacer->sent(bytes - 28 - 14, 14);
+      sent += bytes;
+    };
+    for (int i = 0; i < 100; ++i) {
+      send();
+      const size_t blocks = sent / 4096 * 4096;
+      grow(blocks - written);
+      written = blocks;
+      ASSERT_TRUE(pacer->wait());
+    }
+    EXPECT_EQ(nudges.load(), 1) << bytes;
+    // And of one that does not, it is the pacer who waits, and nudges, before thirty are missing.
+    int missing = 0;
+    for (; missing < 30 && nudges == 1; ++missing) {
+      send();
+      std::thread late([&] {
+        sleep_until(monotonic_ns() + 3'000'000);
+        grow(nudges > 1 ? sent - written : 0);
+      });
+      EXPECT_TRUE(pacer->wait());
+      late.join();
+    }
+    EXPECT_LE(missing, 25) << bytes;
+  }
 }
 
 TEST_F(LogPacerTest, BeginsOnlyWhenOlderMessagesAreWritten) {
