@@ -17,6 +17,7 @@
 #include "tools/robustness_file.hpp"
 #include "tools/robustness_spread.hpp"
 #include "tools/robustness_text.hpp"
+#include "tools/shard_option.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -42,18 +43,6 @@ struct RobustnessOptions {
 using WorstCases = std::vector<WorstCase>;
 
 constexpr const char* worst_keys[] = {"spectral_radius", "least_damping_ratio", "peak"};
-
-Shard parse_shard(const std::string& text) {
-  if (text.empty()) return {};
-  unsigned long long number = 0, of = 0;
-  int end = 0;
-  const bool reads = std::sscanf(text.c_str(), "%llu/%llu%n", &number, &of, &end) == 2 &&
-                     static_cast<size_t>(end) == text.size() && text.find('-') == text.npos;
-  if (!reads || number < 1 || number > of) {
-    throw InputError("--shard: found '" + text + "', allowed is I/N with I from 1 to N");
-  }
-  return {number, of};
-}
 
 SceneUncertainty uncertainty_of(const RobustnessOptions& options, const Scene& scene) {
   if (options.uncertainty) return read_uncertainty(YamlReader::from_file(*options.uncertainty));

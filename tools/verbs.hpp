@@ -27,6 +27,7 @@ void add_feedback(cli::Command& app, int& exit_code);
 void add_budget(cli::Command& app, int& exit_code);
 void add_robustness(cli::Command& app, int& exit_code);
 void add_merge(cli::Command& app, int& exit_code);
+void add_sweep(cli::Command& app, int& exit_code);
 void add_run(cli::Command& app, int& exit_code);
 void add_identify(cli::Command& app, int& exit_code);
 void add_report(cli::Command& app, int& exit_code);

@@ -289,6 +289,8 @@ def loops(run):
     run.check("feedback", write("slow.yaml", slow), "--curve")
     run.check("feedback", leg, "--disk", 1.9)
 
+    run.check("sweep", leg, "--set", "controller.delay_samples=-1,1", "--at", "20,600", codes=(4,))
+    run.check("sweep", frame, "--set", "controller.delay_samples=0,1,7", "--at", 20)
     run.check("budget", leg, "--duration", 4)
     run.check("budget", leg, "--floor", write("still.yaml", "still: {duration_s: 1}\n"))
     run.check("budget", frame, "--duration", 4, "--controller", run.controller("feed_forward_1khz"))

@@ -6,6 +6,7 @@
 
 #include "core/mechanics/scene/acceptance.hpp"
 #include "core/mechanics/scene/controller_block.hpp"
+#include "core/mechanics/scene/scene_blocks.hpp"
 #include "core/mechanics/scene/signals.hpp"
 #include "core/mechanics/scene/structure.hpp"
 #include "core/yaml/instruments_block.hpp"
@@ -71,9 +72,9 @@ SceneReduction read_reduction(const YamlReader& block) {
   return reduction;
 }
 
+/// given: a controller block in the place of the scene's.
 Scene read_scene_map(const YamlReader& root, const std::string& text,
-                     const std::optional<std::filesystem::path>& controller_file,
-                     const NamedFrom& named_from) {
+                     const std::optional<Block>& given) {
   root.allow_only({"title",        "planar",      "gravity",     "operating_point", "nodes",
                    "masses",       "elements",    "supports",    "prescribed",      "dofs",
                    "loads",        "inputs",      "outputs",     "monitors",        "compare",
@@ -87,11 +88,9 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   // Whoever names the scene, on a page, in a table or in JSON, says what its figures are of.
   if (scene.operating_point == OperatingPoint::as_written) scene.title += " (snapshot)";
   read_signals(root, scene);
-  std::optional<Block> controller;
-  if (controller_file) {
-    controller = read_block_file(*controller_file, named_from.controller);
-  } else if (const auto block = root.find("controller")) {
-    controller = read_block(*block);
+  std::optional<Block> controller = given;
+  if (!given) {
+    if (const auto block = root.find("controller")) controller = read_block(*block);
   }
   if (controller) {
     scene.controller = read_controller(controller->reader, scene);
@@ -117,14 +116,35 @@ Scene read_scene(const std::filesystem::path& file,
                  const std::optional<std::filesystem::path>& controller_file,
                  const NamedFrom& named_from) {
   const auto [root, text] = read_block_file(file, named_from.scene);
-  Scene scene = read_scene_map(root, text, controller_file, named_from);
+  std::optional<Block> controller;
+  if (controller_file) controller = read_block_file(*controller_file, named_from.controller);
+  Scene scene = read_scene_map(root, text, controller);
   scene.file = file.string();
   return scene;
 }
 
 Scene parse_scene(const std::string& text, const std::string& source_name) {
-  Scene scene = read_scene_map(YamlReader::from_text(text, source_name), text, std::nullopt, {});
+  Scene scene = read_scene_map(YamlReader::from_text(text, source_name), text, std::nullopt);
   scene.file = source_name;
+  return scene;
+}
+
+SceneBlocks read_scene_blocks(const std::filesystem::path& file,
+                              const std::optional<std::filesystem::path>& controller_file) {
+  SceneBlocks blocks{file.string(), YamlReader::from_file(file), std::nullopt};
+  if (controller_file) {
+    blocks.controller = YamlReader::from_file(*controller_file);
+  } else if (const auto value = blocks.scene.find("controller"); value && !value->is_map()) {
+    blocks.controller = read_block(*value).reader;
+  }
+  return blocks;
+}
+
+Scene scene_of(const SceneBlocks& blocks) {
+  std::optional<Block> controller;
+  if (blocks.controller) controller = {*blocks.controller, blocks.controller->source_text()};
+  Scene scene = read_scene_map(blocks.scene, blocks.scene.source_text(), controller);
+  scene.file = blocks.file;
   return scene;
 }
 
