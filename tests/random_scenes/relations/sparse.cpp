@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "core/mechanics/modes.hpp"
+#include "core/mechanics/node_moves.hpp"
 #include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/sparse/damped_modes.hpp"
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
@@ -52,6 +53,61 @@ void compare_responses(Case& scene, const MixedModel& mixed, const MixedState& s
                      "sparse response", std::abs(dense.G(j, k)));
       }
     }
+  }
+}
+
+/// What supports and drives of a scene hold: forces along their directions.
+std::vector<SceneSignal> held_directions(const Scene& scene) {
+  std::vector<SceneSignal> held;
+  for (const auto* constraints : {&scene.supports, &scene.prescribed}) {
+    for (const SceneConstraint& constraint : *constraints) {
+      if (constraint.node.empty()) continue;
+      for (const Eigen::Vector3d& direction : constraint.directions) {
+        SceneSignal& signal = held.emplace_back();
+        signal.node = constraint.node;
+        signal.place = constraint.place;
+        signal.quantity = Quantity::reaction;
+        signal.direction = direction;
+      }
+    }
+  }
+  return held;
+}
+
+/// What `equilibrium` prints: deformations, stress resultants and reactions. Both are as far from
+/// the truth as their positions, which a stiff element makes forces of, and stresses as the largest
+/// that they balance.
+void compare_equilibria(Case& scene, const MixedModel& mixed, const MixedState& state, double eps,
+                        Finding& finding) {
+  const auto held = held_directions(scene.scene());
+  Lineariser dense(scene.model(), {}, held, {.mass = false, .damping = false, .stiffness = false});
+  const VectorXd y_0 = dense.about(scene.operating_point()).y_0,
+                 reactions = reactions_at_rest(mixed, state, held);
+  const Data& data = dense.data();
+  const double moved = own_answers(scene).misplaced * shortest_element(scene.scene()) +
+                       eps * scene_size(scene.model());
+  double stiffest = 0;
+  for (const ModelElement& item : mixed.model().elements) {
+    if (item.S.size() > 0) stiffest = std::max(stiffest, item.S.cwiseAbs().maxCoeff());
+  }
+  const double largest = std::max(data.sigma.size() > 0 ? data.sigma.cwiseAbs().maxCoeff() : 0.0,
+                                  y_0.size() > 0 ? y_0.cwiseAbs().maxCoeff() : 0.0);
+  const double known =
+      20 * (stiffest * moved + own_answers(scene).misplaced * largest) + std::sqrt(eps) * largest;
+  for (const SceneElement& element : scene.scene().elements) {
+    const auto k = static_cast<size_t>(mixed.model().element_index(element.name)),
+               own = static_cast<size_t>(scene.model().element_index(element.name));
+    const LocalDeformation e = mixed.deformations(k, state.x), sigma = mixed.stresses(k, state);
+    for (Index i = 0; i < e.size(); ++i) {
+      const Index row = scene.model().elements[own].row[static_cast<size_t>(i)];
+      finding.take(std::abs(e(i) - data.e(row)), 20 * moved, "deformation of " + element.name,
+                   std::abs(data.e(row)));
+      finding.take(std::abs(sigma(i) - data.sigma(row)), known, "stress of " + element.name,
+                   largest);
+    }
+  }
+  for (Index i = 0; i < y_0.size(); ++i) {
+    finding.take(std::abs(reactions(i) - y_0(i)), known, "reaction at a support", largest);
   }
 }
 
@@ -106,6 +162,7 @@ std::optional<Finding> check_sparse(Case& scene, std::uint64_t) {
                  "eigenvalue with damping", size);
   }
   compare_responses(scene, mixed, state, eps, finding);
+  compare_equilibria(scene, mixed, state, eps, finding);
   if (n_not_found > 0) finding.skipped.push_back("an eigenvalue that was not found");
   finding.take(static_cast<double>(n_not_found), 2, "values that were not found");
   return finding;

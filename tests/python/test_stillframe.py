@@ -1,0 +1,242 @@
+#!/usr/bin/env python3
+"""The Python module against the JSON of the programs. Arguments: the program stillframe, the source folder. Skipped
+(exit code 77) without numpy."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import warnings
+
+try:
+    import numpy as np
+except ImportError:
+    print("numpy is not installed")
+    sys.exit(77)
+
+PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+os.environ["STILLFRAME"] = PROGRAM
+sys.path.insert(0, str(SOURCE / "python"))
+import stillframe as sf  # noqa: E402
+
+SCENES = SOURCE / "config/scenes"
+
+LEG = {
+    "title": "One leg",
+    "nodes": {"floor": {"position": [0, 0, 0]}, "mass": {"position": [0, 0, 1]}},
+    "masses": [{"node": "mass", "mass": 400}],
+    "elements": {"leg": {"type": "truss", "nodes": ["floor", "mass"], "stiffness": 4e6}},
+    "supports": [{"nodes": ["mass", "floor"], "fix": ["x", "y"]}],
+    "prescribed": [{"nodes": ["floor"], "move": ["z"]}],
+    "dofs": [{"element": "leg"}],
+    "inputs": [{"name": "floor", "acceleration": "floor", "along": "z"}],
+    "outputs": [{"name": "mass", "acceleration": "mass", "along": "z"}],
+    "controller": {
+        "legs": ["leg"], "target_hz": 5, "damping_ratio": 0.7, "sample_rate_hz": 1000, "delay_samples": 1, "leak_hz": 0.05,
+        "lead_samples": 1,
+    },
+    "monitors": [{"name": "floor_z", "acceleration": "floor", "along": "z"}],
+    "compare": {"z": {"floor": "floor_z", "frame": "mass"}},
+    "floor": {"noise": {"vc": "D", "axes": ["z"], "high_pass_hz": 0.5, "duration_s": 12}},
+}
+
+
+def said(*arguments, codes=(0,)):
+    done = subprocess.run([PROGRAM, *map(str, arguments), "--json"], capture_output=True, check=False)
+    assert done.returncode in codes, done.stderr
+    return json.loads(done.stdout)
+
+
+def numbers(value):
+    """Every number of a document in order, by its bits; null is NaN as it is inside arrays."""
+    if isinstance(value, np.ndarray):
+        return numbers(np.stack([value.real, value.imag], -1).tolist() if np.iscomplexobj(value) else value.tolist())
+    if isinstance(value, dict):
+        return [n for v in value.values() for n in numbers(v)]
+    if isinstance(value, (list, tuple)):
+        return [n for v in value for n in numbers(v)]
+    if value is None or value != value:
+        return ["none"]
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return []
+    return [float(value).hex()]
+
+
+class SameBits(unittest.TestCase):
+    """Ten scenes, each verb that they have."""
+
+    def same(self, found, expected):
+        self.assertEqual(numbers(found), numbers(expected))
+        self.assertGreater(len(numbers(found)), 0)
+
+    def test_of_the_programs(self):
+        n = 0
+        for name in ("cart", "cantilever", "metrology_frame", "frame_flexible", "spinning_arm", "slider_crank",
+                     "turning_table", "rotating_cantilever", "frame_under_gravity", "leaf_spring_guide", "euler_column"):
+            path = SCENES / f"{name}.yaml"
+            scene = sf.Scene(path)
+            for verb in ("modes", "equilibrium", "linearise"):
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    try:
+                        found = getattr(scene, verb)()
+                    except (sf.Refusal, sf.InputError) as error:
+                        code = subprocess.run([PROGRAM, verb, str(path)], capture_output=True, check=False).returncode
+                        self.assertEqual(code, error.exit_code)
+                        continue
+                self.same(found, said(verb, path))
+                n += 1
+        self.assertGreaterEqual(n, 27)
+        frame = SCENES / "metrology_frame.yaml"
+        self.same(sf.Scene(frame).design(), said("design", frame))
+        self.same(sf.Scene(frame).sigma(points=9), said("sigma", frame, "--points", 9))
+        self.same(sf.Scene(SCENES / "euler_column.yaml").buckling(count=2), said("buckling", SCENES / "euler_column.yaml", "--count", 2))
+
+    def test_a_scene_is_the_same_as_file_text_and_dict(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "leg.yaml"
+            path.write_text(json.dumps(LEG))
+            of_file = sf.Scene(path).design()
+        self.same(sf.Scene(LEG).design(), of_file)
+        self.same(sf.Scene(json.dumps(LEG, indent=1)).design(), of_file)
+        own = {k: v for k, v in LEG.items() if k != "controller"}
+        self.same(sf.Scene(own).design(controller=LEG["controller"]), of_file)
+
+
+class Arrays(unittest.TestCase):
+    def test_shapes_and_kinds(self):
+        linear = sf.Scene(SCENES / "metrology_frame.yaml").linearise()
+        n = len(linear.states)
+        self.assertEqual(linear.A.shape, (n, n))
+        self.assertEqual(linear.C.shape, (len(linear.outputs), n))
+        self.assertEqual(linear.B.shape[1], linear.D.shape[1])
+        self.assertEqual(linear.second_order.M.shape, (n // 2, n // 2))
+        self.assertLess(np.abs(linear.second_order.M - linear.second_order.M.T).max(), 1e-12 * np.abs(linear.second_order.M).max())
+        modes = sf.Scene(SCENES / "cart.yaml").modes()
+        self.assertTrue(np.iscomplexobj(modes.eigenvalues))
+        self.assertAlmostEqual(modes.eigenvalues[0], -1 + 1j * 19.974984355438178, 12)
+        # The eigenvalues of A are those of `modes`, by numpy.
+        poles = np.sort_complex(np.linalg.eigvals(sf.Scene(SCENES / "cart.yaml").linearise().A))
+        self.assertLess(np.abs(poles - np.sort_complex(modes.eigenvalues)).max(), 1e-11 * 20)
+
+    def test_loops_are_systems_of_scipy(self):
+        from scipy import signal
+
+        design = sf.Scene(LEG).design()
+        closed = design.loops()["closed"]
+        system = signal.StateSpace(np.atleast_2d(closed.A), closed.B, closed.C, closed.D, dt=closed.Ts)
+        self.assertAlmostEqual(np.abs(system.poles).max(), design.spectral_radius, 9)
+        self.assertEqual(sf.Scene(LEG).linearise().to_scipy().A.shape, (2, 2))
+
+    def test_null_is_nan_inside_arrays(self):
+        with self.assertWarnsRegex(UserWarning, "delay_samples=-1"):
+            found = sf.Scene(LEG).sweep({"controller.delay_samples": [-1, 1]}, at=[20, 600])
+        self.assertTrue(np.isnan(found.columns.spectral_radius[0]))
+        self.assertLess(found.columns.spectral_radius[1], 1)
+        self.assertTrue(np.isnan(found.columns["transmission_600_hz"]).all(), "above half the rate")
+
+    def test_objects_print_themselves(self):
+        linear = sf.Scene(LEG).linearise()
+        self.assertIn("state_space", repr(linear))
+        self.assertIn("<table>", linear._repr_html_())
+        self.assertIn("second_order", dir(linear))
+        with self.assertRaisesRegex(AttributeError, "no key 'E'"):
+            linear.E
+
+
+class Sweeps(unittest.TestCase):
+    def test_columns_are_the_designs(self):
+        found = sf.Scene(LEG).sweep({"controller.target_hz": [4, 6.5], "masses.mass.mass": "300:500:3"}, at=[20])
+        self.assertEqual(found.n_points, 6)
+        self.assertEqual(found.columns["masses.mass.mass"].tolist(), [300, 400, 500] * 2)
+        other = json.loads(json.dumps(LEG))
+        other["controller"]["target_hz"], other["masses"][0]["mass"] = 6.5, 500
+        design = sf.Scene(other).design()
+        self.assertEqual(found.columns.disk_margin[5], design.margins.all_disk)
+
+
+class Runs(unittest.TestCase):
+    def test_a_run_and_its_log(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "run"
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                run = sf.Scene(LEG).run(out, duration=12)
+            self.assertEqual(run.verdict.checks[0].outcome, "passed")
+            active, passive = run.active, run.passive
+            self.assertEqual(active.sigma.shape, (12001, 1))
+            self.assertEqual(active.names["sigma"], ["leg"])
+            self.assertEqual(active.info.n_lost, 0)
+            self.assertEqual(active.time_s[-1], 12)
+            # It isolates: above the target the frame moves less than it does passive.
+            quiet, loud = (np.sqrt(np.mean(log.frame_acceleration[2000:] ** 2)) for log in (active, passive))
+            self.assertLess(quiet, 0.5 * loud)
+            part = sf.read_log(out / "active.lcm", from_s=1, to_s=2, channels=["floor", "frame:mass"])
+            self.assertEqual(part.floor_acceleration.shape, (1001, 1))
+            self.assertEqual(part.floor_acceleration[0], active.floor_acceleration[1000])
+            self.assertNotIn("sigma", part)
+            again = sf.read_run(out)
+            self.assertEqual(numbers(again.verdict), numbers(run.verdict))
+            with self.assertRaises(sf.InputError):
+                sf.Scene(LEG).run(out)  # is there already
+
+
+class Package(unittest.TestCase):
+    def test_has_the_version_of_the_programs(self):
+        project = (SOURCE / "python/pyproject.toml").read_text(encoding="utf-8")
+        self.assertIn(f'version = "{sf.version()}"', project)
+
+    def test_the_example_comes_to_a_verdict(self):
+        path = os.environ | {"PYTHONPATH": str(SOURCE / "python")}
+        command = [sys.executable, str(SOURCE / "examples/python/frame.py")]
+        done = subprocess.run(command, env=path, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("\npassed\n", done.stdout)
+
+
+class Errors(unittest.TestCase):
+    def test_name_file_line_and_key(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "bad.yaml"
+            path.write_text("title: x\nnodes:\n  a: {position: [0, 0, up]}\n")
+            with self.assertRaises(sf.InputError) as caught:
+                sf.Scene(path).modes()
+        error = caught.exception
+        self.assertEqual((error.file, error.line, error.exit_code), (str(path), 3, 2))
+        self.assertIn("position", error.key)
+        self.assertIn("allowed", error.message)
+
+    def test_of_a_dict_name_no_file_of_ours(self):
+        bad = dict(LEG, masses=[{"node": "mass", "mass": -1}])
+        before = set(os.listdir("."))
+        with self.assertRaises(sf.InputError) as caught:
+            sf.Scene(bad).modes()
+        self.assertEqual(caught.exception.file, "<scene>")
+        self.assertEqual(set(os.listdir(".")), before)
+
+    def test_kinds(self):
+        free = dict(LEG, elements={"leg": dict(LEG["elements"]["leg"], stiffness=0)})
+        with self.assertRaises(sf.ProgramError) as caught:
+            sf.Scene(dict(free, gravity=[0, 0, -9.81])).equilibrium()
+        self.assertIn(caught.exception.exit_code, (2, 3))
+        with self.assertRaises(sf.InputError):
+            sf.Scene("no/such/file.yaml").modes()
+        naive = dict(LEG["controller"], realisation="naive_pi")
+        del naive["lead_samples"]
+        unstable = sf.Scene(dict(LEG, controller=naive)).design()
+        self.assertGreater(unstable.spectral_radius, 1)
+
+    def test_of_a_program_that_is_not_there(self):
+        os.environ["STILLFRAME"] = "/nowhere/stillframe"
+        try:
+            with self.assertRaisesRegex(sf.ProgramError, "/nowhere/stillframe"):
+                sf.Scene(LEG).modes()
+        finally:
+            os.environ["STILLFRAME"] = PROGRAM
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=1)
