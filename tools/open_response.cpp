@@ -1,5 +1,6 @@
 #include "tools/open_response.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -21,9 +22,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Of a large scene: an axis ends at four times the twelfth, which of chains and plates is below
-/// the forty-eighth; what is above is said.
-constexpr Index n_peaks = 60;
+/// Modes of a large scene: an axis ends at four times the twelfth, which of chains and plates is
+/// below the forty-eighth; what is above is said.
+constexpr Index most_peaks = 60, least_peaks = 25;
+/// A dense response that nothing damps is refined at nearly every frequency.
+constexpr Index fewest_coordinates = 100;
 
 }  // namespace
 
@@ -33,7 +36,7 @@ OpenResponse::OpenResponse(const Scene& scene, Patience& patience) : patience_(p
                      ": singular values need at least one of 'inputs' and of 'outputs'");
   }
   std::optional<Model> large;
-  if (!scene.reduction) large = large_scene(scene, n_peaks);
+  if (!scene.reduction) large = large_scene(scene, least_peaks, fewest_coordinates);
   if (large) {
     large_ = std::make_unique<Large>(std::move(*large));
     patience.now("equilibrium");
@@ -41,7 +44,7 @@ OpenResponse::OpenResponse(const Scene& scene, Patience& patience) : patience_(p
     patience.now("the lowest modes");
     stable_ = warn_unless_stable(large_->mixed, large_->state, [&] {
       SceneReduction asked;
-      asked.n_modes = n_peaks;
+      asked.n_modes = std::min(most_peaks, large_->mixed.n_coordinates() / 4);
       reduced_ = reduced_model(large_->mixed, large_->state, scene.inputs, scene.outputs, asked);
       linear_ = reduced_->linear;
     });

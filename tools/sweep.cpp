@@ -85,7 +85,7 @@ void print_table(const std::string& title, const SweepQuestion& question,
 
 int run(const SweepOptions& options) {
   require_own_places({{"the scene", options.scene}, {"the controller block", options.controller}},
-                     {});
+                     {{"--out", options.out}});
   const robustness::Shard shard = parse_shard(options.shard);
   const SweepQuestion question = question_of(options);
   std::optional<SweepFile> file;

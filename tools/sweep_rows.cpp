@@ -111,6 +111,11 @@ SweepFile::SweepFile(std::filesystem::path path) : path_(std::move(path)) {
   bytes << file.rdbuf();
   if (!file) throw InputError(path_.string() + ": cannot be read");
   const std::string text = bytes.str();
+  const auto refuse = [&](std::size_t number) {
+    throw InputError(path_.string() + ":" + std::to_string(number) +
+                     ": found a line that is no row of a sweep; allowed is a file that `sweep "
+                     "--out` wrote, or a new one");
+  };
   std::size_t begin = 0, line = 0;
   for (std::size_t end = text.find('\n'); end != std::string::npos;
        begin = end + 1, end = text.find('\n', begin)) {
@@ -120,16 +125,16 @@ SweepFile::SweepFile(std::filesystem::path path) : path_(std::move(path)) {
     for (const char* key : {"version", "scene_hash", "set", "transmission", "failure", "stable"}) {
       is_row = is_row && row.contains(key);
     }
-    if (!is_row) {
-      throw InputError(path_.string() + ":" + std::to_string(line) +
-                       ": found a line that is no row of a sweep; allowed is a file that `sweep "
-                       "--out` wrote, or a new one");
-    }
+    if (!is_row) refuse(line);
     // Of a point that was computed twice the last row counts.
     std::string key = key_of(row);
     rows_[std::move(key)] = std::move(row);
   }
-  if (begin < text.size()) std::filesystem::resize_file(path_, begin);
+  if (begin == text.size()) return;
+  // What a killed program left, and nothing else.
+  const std::string first = R"({"version":)", rest = text.substr(begin, first.size());
+  if (first.compare(0, rest.size(), rest) != 0) refuse(line + 1);
+  std::filesystem::resize_file(path_, begin);
 }
 
 std::optional<SweepRow> SweepFile::find(const SweepQuestion& question, std::size_t i) const {

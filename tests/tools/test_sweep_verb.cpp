@@ -176,8 +176,16 @@ TEST_F(SweepVerb, BadKeysAndValuesAreOneMessage) {
   expect_refused({"sweep", scene, "--set", "masses.1.mass=1,2", "--set", "masses.1.mass=3"}, 2,
                  "given twice");
   expect_refused({"sweep", scene, "--set", "masses.1.mass=1,2", "--at", "0"}, 2, "--at: found '0'");
+  // Nothing of a file that is none of its own is taken away.
+  for (const std::string text :
+       {"a list\nof things", "not to be lost", R"({"title": "a scene"})"}) {
+    const auto own = write("own.txt", text);
+    expect_refused({"sweep", scene, "--set", "masses.1.mass=1,2", "--out", own.string()}, 2,
+                   "found a line that is no row of a sweep");
+    EXPECT_EQ(bytes_of(own), text);
+  }
   expect_refused({"sweep", scene, "--set", "masses.1.mass=1,2", "--out", scene.string()}, 2,
-                 "found a line that is no row of a sweep");
+                 "--out");
 }
 
 }  // namespace

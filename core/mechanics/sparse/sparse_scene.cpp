@@ -12,13 +12,12 @@ bool rests(const Model& model) { return model.q_r_dot_0.isZero(0) && model.q_r_d
 
 }  // namespace
 
-std::optional<Model> large_scene(const Scene& scene, Eigen::Index n_asked) {
+std::optional<Model> large_scene(const Scene& scene, Eigen::Index n_asked, Eigen::Index fewest) {
   if (!scene.automatic_dofs || scene.operating_point != OperatingPoint::equilibrium) return {};
   Model model = free_model(scene);
   if (!rests(model) || !model.turning_loads.empty()) return {};
-  // Where both take the same time (docs/growth.md), and a Krylov space is still a small part.
-  constexpr Eigen::Index few = 200;
-  if (model.n_c < few || 4 * n_asked > model.n_c) return {};
+  // A Krylov space is still a small part.
+  if (model.n_c < fewest || 4 * n_asked > model.n_c) return {};
   return model;
 }
 
