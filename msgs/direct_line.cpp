@@ -14,8 +14,7 @@ namespace stillframe {
 
 namespace {
 
-/// Of a measurement or command with thousands of channels; what is larger has no end of channel to
-/// be found and ends the line.
+/// A measurement or command of thousands of channels; what is larger ends the line.
 constexpr std::size_t largest = 1 << 16;
 
 struct Address {

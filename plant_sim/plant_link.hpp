@@ -60,7 +60,11 @@ class PlantLink {
   /// have been sent since its sample.
   void set_clock(std::int64_t start_ns, double period_ns);
   /// The controller that is obeyed has been silent: the next one that commands may take its place.
-  void free_seat() { seat_is_free_ = true; }
+  /// It may speak over LCM, which is heard again.
+  void free_seat() {
+    seat_is_free_ = true;
+    if (line_) end_line();
+  }
   /// Why this plant has to go, another one having its number; empty while it has not.
   const std::string& rival() const { return rival_; }
 

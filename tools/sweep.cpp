@@ -48,9 +48,12 @@ SweepQuestion question_of(const SweepOptions& options) {
 }
 
 std::string shown(double value, const char* format) {
-  if (!std::isfinite(value)) return "-";
+  return std::isfinite(value) ? report::cell(format, value) : "-";
+}
+
+std::string in_decibels(double value) {
   // No sign of what is shown as zero.
-  return report::cell(format, std::abs(value) < 0.005 ? 0.0 : value);
+  return shown(std::abs(value) < 0.005 ? 0.0 : value, "%.2f");
 }
 
 void print_table(const std::string& title, const SweepQuestion& question,
@@ -70,10 +73,10 @@ void print_table(const std::string& title, const SweepQuestion& question,
       cells.push_back(shown(row.radius, "%.6f"));
       cells.push_back(row.stable ? shown(row.disk, "%.3f") : "not stable");
       cells.push_back(shown(row.disk_hz, "%.3g"));
-      cells.push_back(shown(row.price_db, "%.2f"));
-      cells.push_back(shown(decibels(row.peak), "%.2f"));
+      cells.push_back(in_decibels(row.price_db));
+      cells.push_back(in_decibels(decibels(row.peak)));
       cells.push_back(shown(row.peak_hz, "%.3g"));
-      for (const double value : row.transmission) cells.push_back(shown(decibels(value), "%.2f"));
+      for (const double value : row.transmission) cells.push_back(in_decibels(decibels(value)));
     }
     table.add(cells);
   }
@@ -124,21 +127,24 @@ int run(const SweepOptions& options) {
   } else {
     print_table(title, question, rows);
   }
-  int code = exit_done;
+  constexpr int most_said = 10;
+  int n_failed = 0;
   for (const SweepRow& row : rows) {
-    if (row.failure.empty()) continue;
-    code = exit_failed;
+    if (row.failure.empty() || ++n_failed > most_said) continue;
     std::cerr << "stillframe:";
     for (std::size_t k = 0; k < row.values.size(); ++k) {
       std::cerr << " " << question.grid.keys()[k].path << "=" << row.values[k];
     }
     std::cerr << ": " << row.failure << "\n";
   }
-  return code;
+  if (n_failed > most_said) {
+    std::cerr << "stillframe: and " << n_failed - most_said << " more without a design\n";
+  }
+  return n_failed == 0 ? exit_done : exit_failed;
 }
 
 constexpr const char* sweep_footer =
-    "PATH is the key as the scene has it, with dots: controller.target_hz, simulation.method,\n"
+    "PATH is the key as the scene has it, with dots: controller.target_hz, controller.legs.1,\n"
     "elements.leg_1.stiffness; of lists the number of the item or the name of its node:\n"
     "masses.table.mass; * stands for any part of a name: elements.leg_*.stiffness, which get one\n"
     "value together. A controller block in a file of its own is read as if it stood in the scene.\n"
@@ -166,7 +172,8 @@ constexpr const char* sweep_footer =
     "  rows  version, scene_hash (of that point), set (PATH: value, as written), stable,\n"
     "        spectral_radius, disk_margin, disk_margin_hz, price_of_sampling_db, peak, peak_hz,\n"
     "        transmission [{hz, singular_value}], failure; null for what a design has not\n"
-    "Exit code 4: a point has no design (said in a line each), or the sweep was interrupted; a "
+    "Exit code 4: a point has no design (ten are said in a line each), or the sweep was "
+    "interrupted; a "
     "loop\n"
     "that is not stable is a result.\n"
     "Example: stillframe sweep config/scenes/metrology_frame.yaml --set controller.target_hz=3,5,8 "

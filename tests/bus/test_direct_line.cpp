@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -173,6 +174,29 @@ TEST_F(DirectRun, WithoutTheLineItGoesOnOverLcm) {
   EXPECT_TRUE(exchanges(2));
   EXPECT_FALSE(link->is_direct());
   EXPECT_TRUE(exchanges(3));
+}
+
+TEST_F(DirectRun, AnotherControllerTakesTheSeatOfOneThatIsSilentOnTheLine) {
+  agree();
+  EXPECT_TRUE(exchanges(0));
+  // It stands still, with its end of the line open.
+  auto other = std::make_unique<controller::ControllerLink>(lcm_url(""));
+  other->follow(link->run_info());
+  plant.free_seat();
+  EXPECT_FALSE(plant.is_direct());
+  other->command().run_id = 5;
+  other->command().plant_instance = plant.info().plant_instance;
+  other->command().seq = 1;
+  other->command().force = {7};
+  other->publish_command();
+  for (int attempt = 0; attempt < 100 && plant.command_seq() < 1; ++attempt) {
+    plant.listen(20);
+    plant.take_commands(1);
+  }
+  EXPECT_EQ(plant.command_seq(), 1);
+  // The one that slept finds its line ended, and hears LCM.
+  for (int attempt = 0; attempt < 100 && link->is_direct(); ++attempt) link->take(20);
+  EXPECT_FALSE(link->is_direct());
 }
 
 TEST_F(DirectRun, TheEndOfAPlantIsHeardBeforeItsLineEnds) {
