@@ -9,6 +9,7 @@
 #include <string>
 
 #include "controller/flight_folder.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::controller {
 namespace {
@@ -17,12 +18,6 @@ namespace fs = std::filesystem;
 
 class FlightFolder : public testing::Test {
  protected:
-  FlightFolder() {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~FlightFolder() override { fs::remove_all(folder_); }
-
   /// A file of so many bytes, written so many seconds after the first.
   void write(const std::string& name, std::size_t bytes, int at_s) {
     std::ofstream(folder_ / name) << std::string(bytes, 'x');
@@ -36,8 +31,8 @@ class FlightFolder : public testing::Test {
     return all;
   }
 
-  fs::path folder_ =
-      fs::path(testing::TempDir()) / ("stillframe_flights_" + std::to_string(getpid()));
+  const test::ScratchFolder scratch_;
+  const fs::path& folder_ = scratch_.path();
 };
 
 TEST_F(FlightFolder, NamesGoUpAndAreNotUsedAgain) {

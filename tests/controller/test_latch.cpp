@@ -6,6 +6,7 @@
 
 #include "controller/latch.hpp"
 #include "core/errors/input_error.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::controller {
 namespace {
@@ -14,16 +15,13 @@ namespace fs = std::filesystem;
 
 class LatchTest : public testing::Test {
  protected:
-  LatchTest() { fs::remove_all(folder_); }
-  ~LatchTest() override { fs::remove_all(folder_); }
-
   Latch latch(bool clear_at_once = false) {
     return {file_, disk_, [this](const std::string& text) { warned_ += text; }, clear_at_once};
   }
   void written() { ASSERT_TRUE(disk_.finish(600)); }
 
-  fs::path folder_ =
-      fs::path(testing::TempDir()) / ("stillframe_latch_" + std::to_string(getpid()));
+  const test::ScratchFolder scratch_;
+  const fs::path& folder_ = scratch_.path();
   fs::path file_ = folder_ / "not/there/yet/latch.yaml";
   std::string warned_;
   Background disk_{16};

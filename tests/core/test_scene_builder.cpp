@@ -20,6 +20,7 @@
 #include "core/mechanics/scene/scene_builder.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/core/reader_scenes.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 // A scene in C++ against the same scene in a file.
 namespace stillframe::test {
@@ -618,10 +619,8 @@ TEST(SceneBuilder, MakesEveryScene) {
 
 TEST(SceneBuilder, HasEveryKeyOfAController) {
   const std::string frame = shipped("metrology_frame.yaml").text;
-  const fs::path folder = fs::path(testing::TempDir()) / "stillframe_law_of_a_builder";
-  fs::create_directories(folder);
-  const fs::path law = folder / "gains.yaml";
-  std::ofstream(law) << "K_P: [[1]]\nK_I: [[1]]\n";
+  const ScratchFolder folder;
+  const fs::path law = folder.write("gains.yaml", "K_P: [[1]]\nK_I: [[1]]\n");
   const std::string scene = frame.substr(0, frame.find("\ncontroller:"));
   const std::string start =
       "\ncontroller:\n  legs: [leg_1t, leg_1v]\n  target_hz: 5\n  damping_ratio: 0.7\n"
@@ -912,11 +911,10 @@ TEST(SceneBuilder, RefusesWhatTheReaderRefuses) {
 }
 
 TEST(SceneBuilder, SaysWhatAFileThatABlockNamesHasWrong) {
-  const fs::path file = fs::temp_directory_path() / "stillframe_scene_builder_law.yaml";
-  std::ofstream(file) << "legs: [leg]\ntarget_hz: -5\n";
+  const ScratchFolder folder;
+  const fs::path file = folder.write("law.yaml", "legs: [leg]\ntarget_hz: -5\n");
   SceneBuilder builder = sound_builder();
   const std::string message = refusal_of(builder.block("controller", file.string()));
-  fs::remove(file);
   EXPECT_EQ(
       message,
       file.string() + ":2:12: target_hz: found '-5', allowed is a number above 0 and up to 1e+06");

@@ -8,18 +8,13 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/core/bad_scenes.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::test {
 namespace {
 
 class SceneFiles : public testing::Test {
  protected:
-  SceneFiles() : folder_(std::filesystem::temp_directory_path() / "stillframe_scene_files") {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  ~SceneFiles() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path write(const std::string& name, const std::string& text) {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
@@ -32,7 +27,8 @@ class SceneFiles : public testing::Test {
     }
     return "";
   }
-  std::filesystem::path folder_;
+  const ScratchFolder scratch_;
+  const std::filesystem::path& folder_ = scratch_.path();
 };
 
 TEST_F(SceneFiles, MissingFilesAndFoldersAreNamed) {

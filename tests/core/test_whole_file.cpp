@@ -8,6 +8,7 @@
 
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::test {
 namespace {
@@ -16,19 +17,14 @@ namespace fs = std::filesystem;
 
 class WholeFiles : public testing::Test {
  protected:
-  WholeFiles()
-      : folder_(fs::temp_directory_path() / ("stillframe-files-" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~WholeFiles() override { fs::remove_all(folder_); }
-
   std::string text(const std::string& name) const {
     std::ifstream stream(folder_ / name);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
   long files() const { return std::distance(fs::directory_iterator(folder_), {}); }
 
-  fs::path folder_;
+  const ScratchFolder scratch_;
+  const fs::path& folder_ = scratch_.path();
 };
 
 /// While it lives no file grows beyond so many bytes: what a full disk does, without one.

@@ -1,6 +1,5 @@
 #include "tests/faults/workbench.hpp"
 
-#include <unistd.h>
 
 #include <fstream>
 #include <sstream>
@@ -57,10 +56,7 @@ std::string scene_text(const fs::path& config, double leg_damping) {
 
 }  // namespace
 
-Workbench::Workbench(double leg_damping)
-    : folder_(fs::temp_directory_path() / ("stillframe-faults-" + std::to_string(getpid()))) {
-  fs::remove_all(folder_);
-  fs::create_directories(folder_);
+Workbench::Workbench(double leg_damping) {
   const fs::path config = fs::path(STILLFRAME_SOURCE_DIR) / "config";
   std::ofstream(folder_ / "floor.yaml") << floor_text(config);
   std::ofstream(scene()) << scene_text(config, leg_damping);
@@ -71,10 +67,7 @@ Workbench::Workbench(double leg_damping)
   passive_ = std::make_unique<PassiveFrame>(scene());
 }
 
-Workbench::~Workbench() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
+Workbench::~Workbench() = default;
 
 std::vector<Accelerations> Workbench::passive(std::int64_t n) {
   const std::lock_guard lock(mutex_);

@@ -7,6 +7,7 @@
 
 #include "tests/faults/bystander.hpp"
 #include "tests/faults/passive_frame.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::faults {
 
@@ -42,7 +43,8 @@ class Workbench {
                                        std::int64_t n);
 
  private:
-  std::filesystem::path folder_;
+  test::ScratchFolder scratch_;
+  const std::filesystem::path& folder_ = scratch_.path();
   Bystander bystander_;
   std::mutex mutex_;
   std::unique_ptr<PassiveFrame> passive_;

@@ -9,6 +9,7 @@
 #include "tests/fuzz/seeds.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "tests/report/sample_log.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::fuzz {
 namespace {
@@ -24,7 +25,7 @@ class Corpus : public testing::TestWithParam<Target> {};
 
 /// Hand-made and found files, and the sound ones that are made anew.
 std::vector<std::filesystem::path> files_of(const std::string& target,
-                                            const report::ScratchFolder& seeds) {
+                                            const test::ScratchFolder& seeds) {
   write_seeds(seeds.path());
   std::vector<std::filesystem::path> files;
   const auto kept = std::filesystem::path(STILLFRAME_SOURCE_DIR) / "tests/fuzz/corpus";
@@ -39,7 +40,7 @@ std::vector<std::filesystem::path> files_of(const std::string& target,
 
 // What scripts/fuzz began with and what it once found: none of it may come back.
 TEST_P(Corpus, IsReadWithoutAFinding) {
-  const report::ScratchFolder seeds;
+  const test::ScratchFolder seeds;
   int n_files = 0;
   for (const auto& path : files_of(GetParam().name, seeds)) {
     SCOPED_TRACE(path.filename().string());

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/support/scratch_folder.hpp"
+
 namespace stillframe::octave {
 
 namespace fs = std::filesystem;
@@ -63,33 +65,16 @@ std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-/// A folder that goes when this does.
-struct Folder {
-  fs::path path;
-
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "stillframe_octave_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("cannot make the folder " + name);
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-};
-
 }  // namespace
 
 Outcome ask(const std::map<std::string, Given>& cases) {
-  const Folder folder;
-  for (const auto& [name, given] : cases) write(folder.path / (name + ".given"), given);
-  const std::string said = (folder.path / "said").string();
+  const test::ScratchFolder folder;
+  for (const auto& [name, given] : cases) write(folder / (name + ".given"), given);
+  const std::string said = (folder / "said").string();
   const int status =
       std::system(("OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 octave-cli --quiet --no-init-file '" +
                    std::string(STILLFRAME_SOURCE_DIR "/tests/octave/control_package.m") + "' '" +
-                   folder.path.string() + "' < /dev/null > '" + said + "' 2>&1")
+                   folder.path().string() + "' < /dev/null > '" + said + "' 2>&1")
                       .c_str());
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   Outcome outcome;
@@ -101,7 +86,7 @@ Outcome ask(const std::map<std::string, Given>& cases) {
     outcome.failure = "octave-cli ended with " + std::to_string(code) + ": " + text_of(said);
   } else {
     for (const auto& [name, given] : cases) {
-      outcome.answers[name] = read(folder.path / (name + ".answer"));
+      outcome.answers[name] = read(folder / (name + ".answer"));
     }
   }
   return outcome;

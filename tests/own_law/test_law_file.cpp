@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "report/export/mat_file.hpp"
 #include "report/export/mat_reader.hpp"
 #include "tests/core/random_loops.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 // What MATLAB's format is written as here (test_mat_file.cpp holds that against matio) is read
 // again; what Octave writes with compression, test_octave_round_trip.cpp reads.
@@ -25,8 +25,8 @@ const std::vector<std::string> inputs{"sigma:a", "applied:a", "floor:x"}, output
 const MatrixXd A{{0.5, 0.1}, {0, 0.25}}, B{{1, 2, 3}, {4, 5, 6}}, C{{7, 8}}, D{{-1, 0.125, 1e-7}};
 
 std::string bytes_of(const std::function<void(MatFile&)>& fill) {
-  const auto path = std::filesystem::temp_directory_path() /
-                    ("stillframe_law_" + std::to_string(getpid()) + ".mat");
+  const test::ScratchFolder folder;
+  const auto path = folder / "law.mat";
   {
     MatFile file(path);
     fill(file);
@@ -34,7 +34,6 @@ std::string bytes_of(const std::function<void(MatFile&)>& fill) {
   }
   std::ifstream stream(path, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  std::filesystem::remove(path);
   return bytes;
 }
 

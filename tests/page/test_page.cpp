@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "report/page/sections.hpp"
 #include "report/page/write_page.hpp"
 #include "tests/page/sample_page.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::page {
 namespace {
@@ -212,13 +212,8 @@ TEST(Page, SizesThatDoNotFitAreRefusedByName) {
 
 class PageFile : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        std::filesystem::temp_directory_path() / ("stillframe-page-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_;
+  const test::ScratchFolder scratch_;
+  const std::filesystem::path& folder_ = scratch_.path();
 };
 
 TEST_F(PageFile, IsWrittenWholeAndNothingElseIsLeft) {

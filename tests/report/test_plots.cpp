@@ -14,6 +14,7 @@
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
 #include "tests/report/toy_frame.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -61,7 +62,7 @@ class Plots : public ::testing::Test {
     return {std::istreambuf_iterator<char>(script), {}};
   }
 
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
 };
 
 /// Toy responses as a run would leave them, with a scatter of 0.05 dB on the measured ones.

@@ -4,6 +4,7 @@
 #include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -12,7 +13,7 @@ using std::filesystem::path;
 
 class RunLogTest : public ::testing::Test {
  protected:
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   path file_ = folder_ / "run.lcm";
 
   /// Writes a log by `fill(LogWriter&)` and reads it.

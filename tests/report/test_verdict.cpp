@@ -13,6 +13,7 @@
 #include "report/verdict/verdict.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -294,7 +295,7 @@ TEST(Verdict, EverythingThatALogTellsIsInBoth) {
 }
 
 TEST(Verdict, WritesAFileOrSaysThatItCannot) {
-  const ScratchFolder folder;
+  const test::ScratchFolder folder;
   write_json(sample_verdict(), folder / "verdict.json");
   std::ifstream file(folder / "verdict.json");
   EXPECT_EQ(json::parse(file), json::parse(to_json(sample_verdict())));

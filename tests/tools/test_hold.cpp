@@ -11,6 +11,7 @@
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 #include "tests/report/sample_log.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tests/tools/replay_logs.hpp"
 #include "tests/tools/verb.hpp"
 
@@ -89,7 +90,7 @@ class TakingHold : public testing::Test {
     return y;
   }
 
-  report::ScratchFolder folder_;
+  test::ScratchFolder folder_;
   controller::Gains gains_ = wall_clock_gains();
   SampledPlant plant_ = sample_and_hold(gains_.loop_plant(), gains_.sampling());
   LoggedRig rig_;

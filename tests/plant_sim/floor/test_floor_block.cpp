@@ -4,13 +4,14 @@
 #include <string>
 
 #include "plant_sim/floor/floor_block.hpp"
-#include "tests/plant_sim/floor/scratch_folder.hpp"
+#include "tests/plant_sim/floor/message_of.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::floor {
 namespace {
 
+using test::ScratchFolder;
 using testing::message_of;
-using testing::ScratchFolder;
 
 FloorSpec read(const std::string& text, double rate = 1000.0, Eigen::Index inputs = 6) {
   return read_floor_block(YamlReader::from_text(text, "floor.yaml"), rate, inputs);

@@ -5,13 +5,14 @@
 #include "core/errors/input_error.hpp"
 #include "core/numerics/worst.hpp"
 #include "plant_sim/floor/recording_file.hpp"
-#include "tests/plant_sim/floor/scratch_folder.hpp"
+#include "tests/plant_sim/floor/message_of.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::floor {
 namespace {
 
+using test::ScratchFolder;
 using testing::message_of;
-using testing::ScratchFolder;
 
 const std::string good_head = "# made for a test\n# fs_hz=10 n=2 units=m/s^2\n";
 

@@ -6,14 +6,15 @@
 
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor/sources.hpp"
-#include "tests/plant_sim/floor/scratch_folder.hpp"
+#include "tests/plant_sim/floor/message_of.hpp"
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::floor {
 namespace {
 
+using test::ScratchFolder;
 using testing::message_of;
-using testing::ScratchFolder;
 
 const std::vector<std::string> names = {"left", "middle", "right"};
 

@@ -18,31 +18,12 @@
 #include "report/verdict/motion_level.hpp"
 #include "tests/random_scenes/loop_run.hpp"
 #include "tests/random_scenes/relation.hpp"
+#include "tests/support/scratch_folder.hpp"
 #include "tools/run/single_process.hpp"
 
 namespace stillframe::random_scenes {
 
 namespace {
-
-/// A folder that goes when this goes.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "random_scene.XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// How many words of a text are numbers that are none.
 int count_not_finite(std::string text) {
@@ -145,7 +126,7 @@ void check_level(const report::MotionLevel& level, const Eigen::VectorXd& x, dou
 std::optional<Finding> check_report(Case& scene, std::uint64_t) {
   if (!scene.has_loop() || !scene.floor()) return std::nullopt;
   const judge::LoopDesign& design = scene.design();
-  const Folder folder;
+  const test::ScratchFolder folder;
   std::optional<tools::RunDirectory> directory(folder.path() / "run");
   const std::string floor_text =
       YamlReader::from_text(scene.text(), "scene").require("floor").dump();

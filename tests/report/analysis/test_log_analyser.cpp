@@ -9,6 +9,7 @@
 #include "tests/report/expect_error.hpp"
 #include "tests/report/sample_log.hpp"
 #include "tests/report/toy_frame.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -88,7 +89,7 @@ class ToyLog : public ::testing::Test {
     return analyse_log(path, {}, [&](const auto&) { return what; });
   }
 
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   std::mt19937_64 random_{3};
   toy::Frame frame_;
   SampledPlant plant_ = sample_and_hold(frame_.plant(), toy::sampled_at(1 / rate, 1));

@@ -6,6 +6,7 @@
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/log_bytes.hpp"
 #include "tests/report/sample_log.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -14,7 +15,7 @@ using Seen = std::vector<std::tuple<std::int64_t, std::string, std::string>>;
 
 class EventFileTest : public ::testing::Test {
  protected:
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   std::filesystem::path file_ = folder_ / "a.lcm";
 
   template <typename Fill>

@@ -11,6 +11,7 @@
 #include "report/log/log_events.hpp"
 #include "tests/report/log/log_bytes.hpp"
 #include "tests/report/log/run_fixture.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -242,7 +243,7 @@ class LogDamageTest : public ::testing::Test {
   }
 
   std::int64_t n_samples_;
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   std::string whole_;
   std::vector<LoggedEvent> events_;
   Keeper reference_;

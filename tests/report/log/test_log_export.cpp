@@ -11,6 +11,7 @@
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/log_bytes.hpp"
 #include "tests/report/log/run_fixture.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -44,7 +45,7 @@ class LogExport : public ::testing::Test {
     return all;
   }
 
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   std::filesystem::path log_ = folder_ / "run.lcm";
   Keeper kept_;
 };

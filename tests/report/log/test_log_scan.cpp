@@ -9,6 +9,7 @@
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/log_bytes.hpp"
 #include "tests/report/log/run_fixture.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -18,7 +19,7 @@ using Numbers = std::vector<std::int64_t>;
 
 class LogScanTest : public ::testing::Test {
  protected:
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   std::filesystem::path file_ = folder_ / "run.lcm";
   Keeper kept_;
 

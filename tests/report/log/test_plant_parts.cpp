@@ -5,6 +5,7 @@
 #include "report/log/run_log.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/run_fixture.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -15,7 +16,7 @@ constexpr std::int64_t run_id = 7, first = 1001, second = 1002;
 
 class PlantPartsTest : public ::testing::Test {
  protected:
-  ScratchFolder folder_;
+  test::ScratchFolder folder_;
   std::filesystem::path file_ = folder_ / "run.lcm";
   Keeper kept_;
   std::unique_ptr<LogWriter> log_ = std::make_unique<LogWriter>(file_);

@@ -5,6 +5,7 @@
 
 #include "report/log/sample_check.hpp"
 #include "tests/report/log/run_fixture.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::report {
 namespace {
@@ -40,7 +41,7 @@ TEST(SampleCheck, NamesTheFirstValueThatIsNoNumber) {
 
 // A measurement without a command has a NaN in the block where the command would be.
 TEST(SampleCheck, ACommandThatIsNotThereIsNotOneOfNoNumbers) {
-  const ScratchFolder folder;
+  const test::ScratchFolder folder;
   const auto faults = [&](double force) {
     {
       LogWriter log(folder / "run.lcm");
