@@ -10,10 +10,19 @@ namespace stillframe::judge {
 
 namespace {
 
-/// The positions of all nodes, three outputs each.
-std::vector<SceneSignal> all_positions(const Scene& scene) {
-  std::vector<SceneSignal> outputs;
+/// All that are somewhere.
+std::vector<SceneNode> drawn_nodes(const Scene& scene) {
+  std::vector<SceneNode> nodes;
   for (const SceneNode& node : scene.nodes) {
+    if (!node.amplitudes) nodes.push_back(node);
+  }
+  return nodes;
+}
+
+/// The positions of nodes, three outputs each.
+std::vector<SceneSignal> positions_of(const Scene& scene, const std::vector<SceneNode>& nodes) {
+  std::vector<SceneSignal> outputs;
+  for (const SceneNode& node : nodes) {
     for (int axis = 0; axis < 3; ++axis) {
       if (scene.planar && axis == 2) continue;
       SceneSignal signal;
@@ -35,24 +44,35 @@ page::ShapeKind kind_of(SceneElement::Kind kind) {
       return page::ShapeKind::rigid;
     case SceneElement::Kind::hinge:
       return page::ShapeKind::hinge;
+    case SceneElement::Kind::superelement:
+      return page::ShapeKind::beam;
     case SceneElement::Kind::truss:
       break;
   }
   return page::ShapeKind::truss;
 }
 
-std::size_t index_of(const Scene& scene, const std::string& name) {
-  const auto place = std::find_if(scene.nodes.begin(), scene.nodes.end(),
+std::size_t index_of(const std::vector<SceneNode>& nodes, const std::string& name) {
+  const auto place = std::find_if(nodes.begin(), nodes.end(),
                                   [&](const SceneNode& node) { return node.name == name; });
-  return static_cast<std::size_t>(place - scene.nodes.begin());
+  return static_cast<std::size_t>(place - nodes.begin());
 }
 
-void add_structure(const Scene& scene, const Model& model, const LinearModel& linear,
-                   page::ModeShapes& shapes) {
+/// The pairs of nodes between which an element is drawn: a superelement as a star.
+std::vector<std::pair<std::string, std::string>> lines_of(const SceneElement& element) {
+  if (!element.superelement) return {{element.node_p, element.node_q}};
+  const auto& nodes = element.superelement->nodes;
+  std::vector<std::pair<std::string, std::string>> lines;
+  for (std::size_t k = 1; k < nodes.size(); ++k) lines.emplace_back(nodes.front(), nodes[k]);
+  return lines;
+}
+
+void add_structure(const Scene& scene, const std::vector<SceneNode>& nodes, const Model& model,
+                   const LinearModel& linear, page::ModeShapes& shapes) {
   const auto displacements = node_displacements(model, linear.x_0);
   const Index size = scene.planar ? 2 : 3;
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    const SceneNode& node = scene.nodes[i];
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const SceneNode& node = nodes[i];
     const auto displaced =
         std::find_if(displacements.begin(), displacements.end(),
                      [&](const NodeDisplacement& item) { return item.node == node.name; });
@@ -62,11 +82,13 @@ void add_structure(const Scene& scene, const Model& model, const LinearModel& li
     shapes.nodes.push_back(shape);
   }
   for (const SceneMass& mass : scene.masses) {
-    shapes.nodes[index_of(scene, mass.node)].mass += mass.mass;
+    shapes.nodes[index_of(nodes, mass.node)].mass += mass.mass;
   }
   for (const SceneElement& element : scene.elements) {
-    shapes.elements.push_back({element.name, kind_of(element.kind), index_of(scene, element.node_p),
-                               index_of(scene, element.node_q)});
+    for (const auto& [p, q] : lines_of(element)) {
+      shapes.elements.push_back(
+          {element.name, kind_of(element.kind), index_of(nodes, p), index_of(nodes, q)});
+    }
   }
 }
 
@@ -74,19 +96,21 @@ void add_structure(const Scene& scene, const Model& model, const LinearModel& li
 
 std::optional<page::ModeShapes> mode_shapes(const Scene& scene, const Model& model,
                                             Eigen::Index most_modes) {
-  const LinearModel linear = linearise(model, nominal_motion(model), {}, all_positions(scene));
+  const std::vector<SceneNode> nodes = drawn_nodes(scene);
+  const LinearModel linear =
+      linearise(model, nominal_motion(model), {}, positions_of(scene, nodes));
   const Modes result = modes(linear);
   if (result.natural_frequencies_hz.size() == 0) return std::nullopt;
   page::ModeShapes shapes;
   shapes.planar = scene.planar;
-  add_structure(scene, model, linear, shapes);
+  add_structure(scene, nodes, model, linear, shapes);
   const Index size = scene.planar ? 2 : 3;
   for (Index i = 0; i < std::min(most_modes, result.natural_frequencies_hz.size()); ++i) {
     page::ModeShape mode;
     mode.frequency_hz = result.natural_frequencies_hz(i);
     if (!linear.D.isZero(0)) mode.damping_ratio = result.damping_ratios(i);
     const Eigen::VectorXd moved = linear.Y_p * result.shapes.col(i);
-    mode.displacement.setZero(static_cast<Index>(scene.nodes.size()), 3);
+    mode.displacement.setZero(static_cast<Index>(nodes.size()), 3);
     for (Index node = 0; node < mode.displacement.rows(); ++node) {
       mode.displacement.row(node).head(size) = moved.segment(size * node, size).transpose();
     }

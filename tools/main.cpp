@@ -41,7 +41,8 @@ struct Group {
   std::vector<void (*)(cli::Command&, int&)> add;
 };
 const std::vector<Group> groups{
-    {"Model", {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma}},
+    {"Model",
+     {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma, add_superelement}},
     {"Control", {add_design, add_feedback, add_budget, add_robustness, add_merge, add_sweep}},
     {"Runs", {add_run, add_batch, add_ctl, add_watch, add_replay}},
     {"Logs", {add_identify, add_report, add_export}},

@@ -82,7 +82,8 @@ std::optional<std::string> controller_text(const RunOptions& options, const Scen
   if (!file) return std::nullopt;
   auto text = text_again(*file, options.mode);
   const auto& law = scene.controller->law;
-  if (text && text_hash(scene.text + *text + (law ? law->bytes : "")) != scene.hash) {
+  if (text &&
+      text_hash(scene.text + scene.bodies_hash + *text + (law ? law->bytes : "")) != scene.hash) {
     throw InputError(file->string() + ": was changed while it was read");
   }
   return text;

@@ -157,7 +157,7 @@ class Certifier {
   VectorXd elastic(bool viscous) const {
     VectorXd sigma = VectorXd::Zero(model_.n_e);
     for (const ModelElement& item : model_.elements) {
-      const LocalStiffness& S = viscous ? item.S_d : item.S;
+      const MatrixXd& S = viscous ? item.S_d : item.S;
       const VectorXd& e = viscous ? data_.e_dot : data_.e;
       for (Index i = 0; i < S.rows(); ++i) {
         for (Index k = 0; k < S.rows(); ++k) {

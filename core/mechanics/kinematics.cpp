@@ -33,7 +33,7 @@ void assemble_jacobian(const Model& model, Data& data) noexcept {
   data.J.clear();
   for (size_t k = 0; k < model.elements.size(); ++k) {
     const ModelElement& item = model.elements[k];
-    LocalJacobian& D = data.D[k];
+    Eigen::MatrixXd& D = data.D[k];
     gather(item.parts, data.x, u);
     item.element->jacobian(u, D);
     columns_to_node_axes(item.parts, D);
@@ -84,7 +84,7 @@ void redundant_rates(const Model& model, const Data& data, const Eigen::VectorXd
   LocalVector local;
   for (size_t k = 0; k < model.elements.size(); ++k) {
     const ModelElement& item = model.elements[k];
-    const LocalJacobian& D = data.D[k];
+    const Eigen::MatrixXd& D = data.D[k];
     bool gathered = false;
     for (Index i = 0; i < D.rows(); ++i) {
       const Index row = item.row[static_cast<size_t>(i)];
@@ -101,7 +101,7 @@ void subtract_prescribed(const Model& model, Data& data, const Eigen::VectorXd& 
   const Index first = model.n_x - model.n_rx;
   for (size_t k = 0; k < model.elements.size(); ++k) {
     const ModelElement& item = model.elements[k];
-    const LocalJacobian& D = data.D[k];
+    const Eigen::MatrixXd& D = data.D[k];
     for_each_column(item.parts, model.n_x, [&](Index j, Index column) {
       if (column < first) return;
       for (Index i = 0; i < D.rows(); ++i) {
@@ -124,6 +124,16 @@ MotionState::MotionState(const Model& model)
       q_r_dot(Eigen::VectorXd::Zero(model.n_r)),
       q_r_ddot(Eigen::VectorXd::Zero(model.n_r)) {}
 
+namespace {
+
+Index largest_inertia(const Model& model) {
+  Index n = 0;
+  for (const ModelInertia& item : model.inertias) n = std::max(n, item.inertia->n_local());
+  return n;
+}
+
+}  // namespace
+
 Data::Data(const Model& model)
     : x(Eigen::VectorXd::Zero(model.n_x)),
       e(Eigen::VectorXd::Zero(model.n_e)),
@@ -142,9 +152,9 @@ Data::Data(const Model& model)
       sigma_balanced(Eigen::VectorXd::Zero(model.n_e)),
       condition(Eigen::VectorXd::Zero(model.n_c)),
       conditions(RowMatrix::Zero(model.n_c, model.n_d)),
-      local_rows(RowMatrix::Zero(max_local, model.n_d)) {
+      local_rows(RowMatrix::Zero(largest_inertia(model), model.n_d)) {
   for (const ModelElement& item : model.elements) {
-    D.push_back(LocalJacobian::Zero(item.element->n_deformations(), item.element->n_local()));
+    D.push_back(Eigen::MatrixXd::Zero(item.element->n_deformations(), item.element->n_local()));
   }
   if (J.size() == model.n_c) factorise(model, *this);
 }
@@ -212,7 +222,7 @@ void geometric_transfer_functions(const Model& model, Data& data) noexcept {
   if (model.n_xd > 0) {
     for (size_t k = 0; k < model.elements.size(); ++k) {
       const ModelElement& item = model.elements[k];
-      const LocalJacobian& D = data.D[k];
+      const Eigen::MatrixXd& D = data.D[k];
       for_each_column(item.parts, last, [&](Index j, Index column) {
         if (column < n_c) return;
         const Index dof = model.dof_of_column[static_cast<size_t>(column - n_c)];
@@ -228,7 +238,7 @@ void geometric_transfer_functions(const Model& model, Data& data) noexcept {
   data.DF_e.setZero();
   for (size_t k = 0; k < model.elements.size() && model.n_redundant > 0; ++k) {
     const ModelElement& item = model.elements[k];
-    const LocalJacobian& D = data.D[k];
+    const Eigen::MatrixXd& D = data.D[k];
     for_each_column(item.parts, model.n_x, [&](Index j, Index column) {
       for (Index i = 0; i < D.rows(); ++i) {
         const Index row = item.row[static_cast<size_t>(i)];

@@ -22,10 +22,10 @@ struct Data {
   explicit Data(const Model& model);
 
   // Positions: nodal displacements x, deformations e, first derivative D_x e.
-  Eigen::VectorXd x;             ///< n_x, m and (rotations) 1
-  Eigen::VectorXd e;             ///< n_e, m and rad; the angle of a hinge goes on from the last e
-  std::vector<LocalJacobian> D;  ///< of each element, columns in node axes
-  ConditionFactors J;            ///< n_c x n_c, D of the conditions to the dependent coordinates
+  Eigen::VectorXd x;               ///< n_x, m and (rotations) 1
+  Eigen::VectorXd e;               ///< n_e, m and rad; the angle of a hinge goes on from the last e
+  std::vector<Eigen::MatrixXd> D;  ///< of each element, columns in node axes
+  ConditionFactors J;              ///< n_c x n_c, D of the conditions to the dependent coordinates
 
   // First-order geometric transfer functions to q^d.
   RowMatrix DF;    ///< n_x x n_d, D_d F^(x)
@@ -44,7 +44,7 @@ struct Data {
   Eigen::VectorXd sigma_balanced;          ///< n_e, those that balance all nodal forces
   Eigen::VectorXd condition;               ///< n_c, work space
   RowMatrix conditions;                    ///< n_c x n_d, work space
-  RowMatrix local_rows;                    ///< max_local x n_d, work space
+  RowMatrix local_rows;                    ///< largest n_local of the inertias x n_d, work space
 };
 
 /// Writes e, D and the entries of J for the present x. hot: noexcept, no allocation.

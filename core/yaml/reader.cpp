@@ -220,13 +220,15 @@ std::pair<std::filesystem::path, std::string> YamlReader::file_bytes(std::size_t
   const std::filesystem::path path = folder() / text();
   if (std::filesystem::is_directory(path)) fail("'" + path.string() + "' is a folder");
   std::ifstream file(path, std::ios::binary);
-  // One byte more than is allowed, so that a device without an end is refused as well.
-  std::string bytes(most + 1, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (file.bad() || file.gcount() == 0) {
+  // Not beyond what is allowed, so that a device without an end is refused as well.
+  std::string bytes;
+  for (std::vector<char> part(std::size_t{1} << 16); file && bytes.size() <= most;) {
+    file.read(part.data(), static_cast<std::streamsize>(part.size()));
+    bytes.append(part.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (file.bad() || bytes.empty()) {
     fail("the file '" + path.string() + "' cannot be read (missing, empty or not allowed)");
   }
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
   if (bytes.size() > most) {
     fail("the file '" + path.string() + "' has more than " + std::to_string(most >> 20) + " MiB");
   }

@@ -14,6 +14,7 @@
 #include "core/mechanics/elements/planar_hinge.hpp"
 #include "core/mechanics/elements/rotation.hpp"
 #include "core/mechanics/elements/second_order.hpp"
+#include "core/mechanics/elements/superelement.hpp"
 #include "core/mechanics/elements/truss.hpp"
 #include "tests/core/element_formulas.hpp"
 
@@ -65,9 +66,9 @@ inline std::vector<LocalStiffness> any_terms(Index n_e) {
   return terms;
 }
 
-/// kinds: truss, arm_truss and one_arm_truss, beam, planar_beam, hinge, planar_hinge, norm;
-/// arc_beam and planar_arc_beam with the second-order terms of a beam, quadratic_beam with terms in
-/// every deformation.
+/// kinds: truss, arm_truss and one_arm_truss, beam, planar_beam, hinge, planar_hinge, superelement,
+/// norm; arc_beam and planar_arc_beam with the second-order terms of a beam, quadratic_beam with
+/// terms in every deformation.
 inline Case make_case(const std::string& kind, Eigen::Vector3d l_0) {
   if (kind == "truss") {
     return case_of(
@@ -109,6 +110,13 @@ inline Case make_case(const std::string& kind, Eigen::Vector3d l_0) {
   if (kind == "norm") {
     return case_of(
         std::make_unique<NormCondition>(0), [](const auto& u) { return norm_formula(u); }, l_0);
+  }
+  if (kind == "superelement") {
+    Eigen::Matrix3Xd s(3, 2);
+    s << Eigen::Vector3d::Zero(), l_0;
+    return case_of(
+        std::make_unique<Superelement>(std::vector<Index>{0, 1}, s, std::vector<Index>{}, 0),
+        [l_0](const auto& u) { return superelement_formula(l_0, u); }, l_0);
   }
   // Neither a unit vector nor perpendicular to the beam.
   const Eigen::Vector3d orientation = 0.4 * l_0 + 2.0 * l_0.unitOrthogonal();

@@ -133,6 +133,24 @@ std::vector<T> hinge_formula(const Eigen::Vector3d& axis, const std::vector<T>& 
           dot(rotate(p, n_y), qx) - dot(n_y, n_x)};
 }
 
+/// A superelement of two interfaces without modes: s is from the first to the second.
+template <class T>
+std::vector<T> superelement_formula(const Eigen::Vector3d& s, const std::vector<T>& u) {
+  const T one(1.0), two(2.0);
+  const T p[4] = {one + u[3], u[4], u[5], u[6]}, q[4] = {one + u[10], u[11], u[12], u[13]};
+  const Triple<T> start = constant<T>(s), l = span(s, u, 0, 7);
+  std::vector<T> e;
+  for (int i = 0; i < 3; ++i) {
+    const Triple<T> n = constant<T>(Eigen::Vector3d::Unit(i));
+    e.push_back(dot(rotate(p, n), l) - dot(n, start));
+  }
+  // Quaternion product conj(p) q, entry by entry.
+  e.push_back(two * (p[0] * q[1] - p[1] * q[0] - p[2] * q[3] + p[3] * q[2]));
+  e.push_back(two * (p[0] * q[2] - p[2] * q[0] - p[3] * q[1] + p[1] * q[3]));
+  e.push_back(two * (p[0] * q[3] - p[3] * q[0] - p[1] * q[2] + p[2] * q[1]));
+  return e;
+}
+
 /// The chord's shortening (2 a^2 + a b + 2 b^2) / (30 l_0) of what bends by a and b.
 template <class T>
 T arc_shortening(const T& a, const T& b, const T& l) {

@@ -167,8 +167,8 @@ TEST_P(Elements, APicometreOnAMetreKeepsThirteenDigits) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Elements,
                          testing::Values("truss", "arm_truss", "one_arm_truss", "beam", "norm",
-                                         "planar_beam", "hinge", "planar_hinge", "arc_beam",
-                                         "planar_arc_beam", "quadratic_beam"),
+                                         "planar_beam", "hinge", "planar_hinge", "superelement",
+                                         "arc_beam", "planar_arc_beam", "quadratic_beam"),
                          [](const auto& param) { return std::string(param.param); });
 
 TEST(Truss, APicometreOnTopOfAMicrometreOfCommonMotion) {

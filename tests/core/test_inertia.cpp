@@ -7,6 +7,7 @@
 #include "core/mechanics/inertia/body.hpp"
 #include "core/mechanics/inertia/lumped.hpp"
 #include "core/mechanics/inertia/planar_beam_mass.hpp"
+#include "core/mechanics/inertia/superelement_mass.hpp"
 #include "core/numerics/worst.hpp"
 #include "tests/core/differences.hpp"
 #include "tests/core/scenes.hpp"
@@ -35,6 +36,15 @@ std::unique_ptr<const Inertia> make_inertia(const std::string& kind, Vector3d l_
   if (kind == "body") return std::make_unique<Body>(0, any_inertia());
   if (kind == "beam") {
     return std::make_unique<BeamMass>(0, 1, l_0, mass_per_length, inertia_per_length);
+  }
+  if (kind == "superelement") {
+    // Any symmetric positive matrix: that it is of a body is not what Lagrange's equations ask for.
+    std::mt19937 engine(43);
+    Eigen::Matrix3Xd s(3, 3);
+    s << Vector3d::Zero(), l_0, Vector3d(0.2, 0.8, -0.3);
+    const MatrixXd root = random_vector(20 * 20, engine).reshaped(20, 20);
+    return std::make_unique<SuperelementMass>(Superelement({0, 1, 2}, s, {3}, 2), s,
+                                              MatrixXd(0.1 * root * root.transpose()));
   }
   l_0.z() = 0;
   return std::make_unique<PlanarBeamMass>(0, 1, l_0, mass_per_length);
@@ -160,7 +170,8 @@ TEST_P(Inertias, NothingIsStoredInTheSceneAsWritten) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Inertias,
-                         testing::Values("point", "planar_body", "body", "planar_beam", "beam"),
+                         testing::Values("point", "planar_body", "body", "planar_beam", "beam",
+                                         "superelement"),
                          [](const auto& param) { return std::string(param.param); });
 
 /// Rates of Euler parameters of an angular velocity in body axes, lambda' = Lambda^T omega / 2.

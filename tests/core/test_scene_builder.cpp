@@ -431,7 +431,9 @@ class Rebuilt {
     if (scene.planar) builder_.planar();
     if (scene.operating_point == OperatingPoint::as_written) builder_.as_written();
     builder_.gravity(numbers(scene.gravity));
-    for (const auto& n : scene.nodes) builder_.node(plain(n.name), numbers(n.position));
+    for (const auto& n : scene.nodes) {
+      if (!n.amplitudes) builder_.node(plain(n.name), numbers(n.position));
+    }
     for (const auto& m : scene.masses) {
       SceneNumbers inertia;
       if (m.has_inertia && scene.planar) inertia = m.inertia(2, 2);
@@ -439,7 +441,10 @@ class Rebuilt {
       builder_.mass(plain(m.node), m.mass, inertia);
     }
     for (const auto& e : scene.elements) add(e);
-    for (const auto& c : scene.supports) builder_.support(plain(c.node), directions(c));
+    for (const auto& c : scene.supports) {
+      const bool unused = c.node.find("/modes_") != std::string::npos;  // the reader's own
+      if (!unused) builder_.support(plain(c.node), directions(c));
+    }
     for (const auto& c : scene.prescribed) add_prescribed(c);
     if (scene.automatic_dofs) builder_.automatic_dofs();
     for (const auto& d : scene.dofs) add(d);
@@ -520,6 +525,10 @@ class Rebuilt {
         break;
       case Kind::rigid_beam:
         builder_.rigid_beam(name, p, q);
+        break;
+      case Kind::superelement:
+        builder_.superelement(name, e.superelement->nodes, e.superelement->files.front().path,
+                              unless_0(e.superelement->damping_time));
         break;
       case Kind::hinge:
         builder_.hinge(name, p, q,

@@ -1,6 +1,5 @@
 #include "tests/faults/workbench.hpp"
 
-
 #include <fstream>
 #include <sstream>
 #include <stdexcept>

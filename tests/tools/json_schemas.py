@@ -267,6 +267,11 @@ def models(run):
     run.check("linearise", write("reduced.yaml", flexible + "\nreduce: {modes: 9}\n"))
     open_loop = re.sub("(?m)^controller:.*$", "", flexible)
     run.check("sigma", write("reduced_open.yaml", open_loop + "\nreduce: {modes: 9}\n"), "--points", 20, "--to", 1000)
+    plate = run.config.parent / "examples/superelement/plate.py"
+    subprocess.run([sys.executable, plate], check=True)
+    subprocess.run(["ccx", "plate"], check=True, stdout=subprocess.DEVNULL)
+    for modes in (0, 3):
+        run.check("superelement", "plate", "--interface", "a=MOUNT_1", "--interface", "b=LENS", "--modes", modes)
     run.check("sigma", run.scene("cart"))
     run.check("sigma", run.scene("frame_flexible"), "--points", 20)
     run.check("sigma", run.scene("metrology_frame"), "--to", 2000, "--points", 20)

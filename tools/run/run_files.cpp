@@ -27,6 +27,10 @@ RunFiles::RunFiles(const Scene& scene, const floor::FloorSpec& floor) {
   if (scene.controller && scene.controller->law) {
     add(scene.controller->law->file, scene.controller->law->bytes);
   }
+  for (const SceneElement& element : scene.elements) {
+    if (!element.superelement) continue;
+    for (const ReadFile& file : element.superelement->files) add(file.path, file.bytes);
+  }
   add_recordings(floor);
 }
 

@@ -89,7 +89,7 @@ void ArmTruss::deformations(const LocalVector& u, LocalDeformation& e) const noe
   e(0) = Span(l_0_vector_, l_0_, displacement(u)).elongation;
 }
 
-void ArmTruss::jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept {
+void ArmTruss::jacobian(const LocalVector& u, JacobianOut d_e_d_u) const noexcept {
   Row derivative;
   row(Span(l_0_vector_, l_0_, displacement(u)).direction, u, derivative);
   d_e_d_u = derivative;
@@ -102,7 +102,7 @@ void ArmTruss::second_derivative(const LocalVector& u, const LocalVector& v, con
 }
 
 void ArmTruss::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                              LocalJacobian& rate_out, LocalJacobian& second_rate) const noexcept {
+                              JacobianOut rate_out, JacobianOut second_rate) const noexcept {
   const Span span(l_0_vector_, l_0_, displacement(u));
   const Eigen::Vector3d d_rate = rate(u, v);
   const auto directions = span.direction_rates(d_rate, rate(u, a) + second(v, v));

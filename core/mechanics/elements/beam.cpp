@@ -71,7 +71,7 @@ void Beam::deformations(const LocalVector& u, LocalDeformation& e) const noexcep
   }
 }
 
-void Beam::jacobian(const LocalVector& u, LocalJacobian& D) const noexcept {
+void Beam::jacobian(const LocalVector& u, JacobianOut D) const noexcept {
   const Span span(l_0_vector_, l_0_, difference(u));
   const Vector4 lambda_p = euler_parameters(u.segment<4>(p_rotation));
   const Vector4 lambda_q = euler_parameters(u.segment<4>(q_rotation));
@@ -134,7 +134,7 @@ void Beam::second_derivative(const LocalVector& u, const LocalVector& v, const L
 }
 
 void Beam::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                          LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
+                          JacobianOut rate, JacobianOut second_rate) const noexcept {
   const Span span(l_0_vector_, l_0_, difference(u));
   const Vector3 l[3] = {span.l_vector, difference(v), difference(a)};
   const auto axis = [&](int r, const Vector3& n) {

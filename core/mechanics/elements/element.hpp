@@ -22,13 +22,15 @@ inline NodePart rotation_of(Eigen::Index node) { return {node, NodePart::Kind::r
 inline NodePart angle_of(Eigen::Index node) { return {node, NodePart::Kind::angle}; }
 
 /// Largest numbers of deformations and of local coordinates of any element: local arrays live on
-/// the stack.
-inline constexpr int max_deformations = 6, max_local = 14;
+/// the stack. What is kept of an element (its law, its Jacobian) has its own size.
+inline constexpr int max_deformations = 90, max_local = 96;
 using LocalDeformation = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_deformations, 1>;
 using LocalVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_local, 1>;
 using LocalJacobian =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_deformations, max_local>;
 using LocalHessian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_local, max_local>;
+/// Where a Jacobian is written: a local one, or one that is kept.
+using JacobianOut = Eigen::Ref<Eigen::MatrixXd>;
 using LocalStiffness =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_deformations, max_deformations>;
 
@@ -46,14 +48,14 @@ class Element {
   /// e (n_e), m or rad as the element says.
   virtual void deformations(const LocalVector& u, LocalDeformation& e) const noexcept = 0;
   /// D_x (n_e x n_local).
-  virtual void jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept = 0;
+  virtual void jacobian(const LocalVector& u, JacobianOut d_e_d_u) const noexcept = 0;
   /// D2_x(v, w) (n_e): the second derivative contracted with two directions.
   virtual void second_derivative(const LocalVector& u, const LocalVector& v, const LocalVector& w,
                                  LocalDeformation& result) const noexcept = 0;
   /// First and second time derivatives of D_x (n_e x n_local each) while u' = v and u'' = a:
   /// rate = D2_x v and second_rate = D2_x a + D3_x v v.
   virtual void jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                              LocalJacobian& rate, LocalJacobian& second_rate) const noexcept = 0;
+                              JacobianOut rate, JacobianOut second_rate) const noexcept = 0;
   /// sum_i sigma_i D2_x e_i (n_local x n_local, symmetric): what sigma contributes to G.
   virtual void hessian(const LocalVector& u, const LocalDeformation& sigma,
                        LocalHessian& result) const noexcept = 0;

@@ -42,7 +42,7 @@ void Hinge::deformations(const LocalVector& u, LocalDeformation& e) const noexce
   }
 }
 
-void Hinge::jacobian(const LocalVector& u, LocalJacobian& D) const noexcept {
+void Hinge::jacobian(const LocalVector& u, JacobianOut D) const noexcept {
   const Vector4 lambda_p = euler_parameters(u.segment<4>(p));
   const Vector4 lambda_q = euler_parameters(u.segment<4>(q));
   const Vector4c z_p = Z_ * lambda_q, z_q = Z_.transpose() * lambda_p;
@@ -82,7 +82,7 @@ void Hinge::second_derivative(const LocalVector& u, const LocalVector& v, const 
 }
 
 void Hinge::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                           LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
+                           JacobianOut rate, JacobianOut second_rate) const noexcept {
   const Vector4 lambda[2] = {euler_parameters(u.segment<4>(p)), euler_parameters(u.segment<4>(q))};
   const Vector4 vp = v.segment<4>(p), vq = v.segment<4>(q);
   const Vector4 ap = a.segment<4>(p), aq = a.segment<4>(q);

@@ -14,7 +14,7 @@ class NormCondition final : public Element {
   void deformations(const LocalVector& u, LocalDeformation& e) const noexcept override {
     e(0) = u(0) + 0.5 * u.squaredNorm();
   }
-  void jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept override {
+  void jacobian(const LocalVector& u, JacobianOut d_e_d_u) const noexcept override {
     d_e_d_u = u.transpose();
     d_e_d_u(0, 0) += 1.0;
   }
@@ -23,7 +23,7 @@ class NormCondition final : public Element {
     result(0) = v.dot(w);
   }
   void jacobian_rates(const LocalVector&, const LocalVector& v, const LocalVector& a,
-                      LocalJacobian& rate, LocalJacobian& second_rate) const noexcept override {
+                      JacobianOut rate, JacobianOut second_rate) const noexcept override {
     rate = v.transpose();
     second_rate = a.transpose();
   }

@@ -46,7 +46,7 @@ void PlanarBeam::deformations(const LocalVector& u, LocalDeformation& e) const n
   }
 }
 
-void PlanarBeam::jacobian(const LocalVector& u, LocalJacobian& D) const noexcept {
+void PlanarBeam::jacobian(const LocalVector& u, JacobianOut D) const noexcept {
   const Span span(l_0_vector_, l_0_, difference(u));
   D.setZero();
   D.block<1, 3>(0, p_position) = -span.direction.transpose();
@@ -74,7 +74,7 @@ void PlanarBeam::second_derivative(const LocalVector& u, const LocalVector& v, c
 }
 
 void PlanarBeam::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                                LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
+                                JacobianOut rate, JacobianOut second_rate) const noexcept {
   const Span span(l_0_vector_, l_0_, difference(u));
   const Vector3d l = span.l_vector, l_1 = difference(v), l_2 = difference(a);
   rate.setZero();

@@ -14,15 +14,15 @@ class PlanarHinge final : public Element {
   void deformations(const LocalVector& u, LocalDeformation& e) const noexcept override {
     e(0) = u(1) - u(0);
   }
-  void jacobian(const LocalVector&, LocalJacobian& d_e_d_u) const noexcept override {
+  void jacobian(const LocalVector&, JacobianOut d_e_d_u) const noexcept override {
     d_e_d_u << -1.0, 1.0;
   }
   void second_derivative(const LocalVector&, const LocalVector&, const LocalVector&,
                          LocalDeformation& result) const noexcept override {
     result.setZero();
   }
-  void jacobian_rates(const LocalVector&, const LocalVector&, const LocalVector&,
-                      LocalJacobian& rate, LocalJacobian& second_rate) const noexcept override {
+  void jacobian_rates(const LocalVector&, const LocalVector&, const LocalVector&, JacobianOut rate,
+                      JacobianOut second_rate) const noexcept override {
     rate.setZero();
     second_rate.setZero();
   }

@@ -28,7 +28,7 @@ void SecondOrder::deformations(const LocalVector& u, LocalDeformation& e) const 
   e += c;
 }
 
-void SecondOrder::jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept {
+void SecondOrder::jacobian(const LocalVector& u, JacobianOut d_e_d_u) const noexcept {
   LocalDeformation c(n_deformations());
   LocalJacobian D(n_deformations(), n_local());
   inner_->deformations(u, c);
@@ -49,7 +49,7 @@ void SecondOrder::second_derivative(const LocalVector& u, const LocalVector& v,
 }
 
 void SecondOrder::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                                 LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
+                                 JacobianOut rate, JacobianOut second_rate) const noexcept {
   const Eigen::Index n_e = n_deformations();
   LocalDeformation c(n_e);
   LocalJacobian D(n_e, n_local()), D_1(n_e, n_local()), D_2(n_e, n_local());

@@ -23,7 +23,7 @@ void Truss::deformations(const LocalVector& u, LocalDeformation& e) const noexce
   e(0) = Span(l_0_vector_, l_0_, difference(u)).elongation;
 }
 
-void Truss::jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept {
+void Truss::jacobian(const LocalVector& u, JacobianOut d_e_d_u) const noexcept {
   const Span span(l_0_vector_, l_0_, difference(u));
   d_e_d_u << -span.direction.transpose(), span.direction.transpose();
 }
@@ -34,7 +34,7 @@ void Truss::second_derivative(const LocalVector& u, const LocalVector& v, const 
 }
 
 void Truss::jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                           LocalJacobian& rate, LocalJacobian& second_rate) const noexcept {
+                           JacobianOut rate, JacobianOut second_rate) const noexcept {
   const auto rates =
       Span(l_0_vector_, l_0_, difference(u)).direction_rates(difference(v), difference(a));
   rate << -rates.first.transpose(), rates.first.transpose();

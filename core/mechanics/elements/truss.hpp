@@ -13,11 +13,11 @@ class Truss final : public Element {
   Truss(Eigen::Index node_p, Eigen::Index node_q, const Eigen::Vector3d& l_0_vector);
 
   void deformations(const LocalVector& u, LocalDeformation& e) const noexcept override;
-  void jacobian(const LocalVector& u, LocalJacobian& d_e_d_u) const noexcept override;
+  void jacobian(const LocalVector& u, JacobianOut d_e_d_u) const noexcept override;
   void second_derivative(const LocalVector& u, const LocalVector& v, const LocalVector& w,
                          LocalDeformation& result) const noexcept override;
   void jacobian_rates(const LocalVector& u, const LocalVector& v, const LocalVector& a,
-                      LocalJacobian& rate, LocalJacobian& second_rate) const noexcept override;
+                      JacobianOut rate, JacobianOut second_rate) const noexcept override;
   void hessian(const LocalVector& u, const LocalDeformation& sigma,
                LocalHessian& result) const noexcept override;
 

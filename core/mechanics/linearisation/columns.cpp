@@ -26,7 +26,7 @@ void Columns::compute(const Model& model, Data& data, bool moving) {
   }
 }
 
-void Columns::subtract(const Model& model, const std::vector<LocalJacobian>& local,
+void Columns::subtract(const Model& model, const std::vector<Eigen::MatrixXd>& local,
                        const RowMatrix& X, double factor, RowMatrix& right) {
   for (size_t k = 0; k < model.elements.size(); ++k) {
     const ModelElement& item = model.elements[k];
@@ -104,7 +104,7 @@ void Columns::compute_tests(const Model& model, Data& data) {
 namespace {
 
 /// E.row(i) += D.row(i) X for the redundant deformations of element k.
-void add_redundant(const Model& model, const ModelElement& item, const LocalJacobian& D,
+void add_redundant(const Model& model, const ModelElement& item, const Eigen::MatrixXd& D,
                    const RowMatrix& X, double factor, RowMatrix& E) {
   for_each_column(item.parts, X.rows(), [&](Index j, Index column) {
     for (Index i = 0; i < D.rows(); ++i) {

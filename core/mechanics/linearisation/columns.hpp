@@ -14,7 +14,7 @@ struct Columns {
   RowMatrix X_2;       ///< n_x x n_Q, D2F q'' + D3F q' q' = d2(DF)/dt2; empty at rest
   RowMatrix T;         ///< (n_x + n_0) x n_T
   RowMatrix patterns;  ///< n_r x (n_Q - n_d), the prescribed motions
-  std::vector<LocalJacobian> D_1, D_2;  ///< first and second time derivative of D; empty at rest
+  std::vector<Eigen::MatrixXd> D_1, D_2;  ///< first and second time derivative of D; empty at rest
 
   Columns(const Model& model, Eigen::MatrixXd prescribed_patterns,
           const std::vector<ResolvedSignal>& reactions);
@@ -26,7 +26,7 @@ struct Columns {
   void compute_rates(const Model& model, Data& data);
   void compute_tests(const Model& model, Data& data);
   /// right -= local_k X for the rows of the conditions.
-  static void subtract(const Model& model, const std::vector<LocalJacobian>& local,
+  static void subtract(const Model& model, const std::vector<Eigen::MatrixXd>& local,
                        const RowMatrix& X, double factor, RowMatrix& right);
 
   std::vector<ResolvedSignal> reactions_;

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "core/mechanics/elements/superelement.hpp"
 #include "core/mechanics/model/model.hpp"
 
 namespace stillframe {
@@ -48,6 +49,7 @@ class ModelBuilder {
 
   void place_elements();
   void place_element(const SceneElement& element);
+  Superelement superelement(const SceneSuperelement& body) const;
   void add_element(const std::string& name, std::unique_ptr<const Element> element);
   void number_deformations();
   void resolve_dofs();

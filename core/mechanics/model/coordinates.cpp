@@ -29,6 +29,10 @@ void ModelBuilder::share_translations() {
 void ModelBuilder::plan_rotations() {
   const Index size = scene_.planar ? 1 : 4;
   for (const SceneElement& element : scene_.elements) {
+    if (element.superelement) {
+      for (const std::string& node : element.superelement->nodes) plan(node).rotation_size = size;
+      continue;
+    }
     const bool truss = element.kind == SceneElement::Kind::truss;
     if (!truss || !element.arm_p.isZero(0)) plan(element.node_p).rotation_size = size;
     if (!truss || !element.arm_q.isZero(0)) plan(element.node_q).rotation_size = size;

@@ -39,9 +39,9 @@ struct ModelElement {
   std::string name;
   std::unique_ptr<const Element> element;
   std::vector<PartMap> parts;
-  std::array<Index, max_deformations> row{};
-  std::array<bool, max_deformations> zero{};  ///< deformations held zero
-  LocalStiffness S, S_d;  ///< n_e x n_e; empty where the element resists nothing
+  std::vector<Index> row;
+  std::vector<char> zero;  ///< deformations held zero
+  Eigen::MatrixXd S, S_d;  ///< n_e x n_e; empty where the element resists nothing
   bool damped = false;
 };
 

@@ -10,11 +10,13 @@
 #include "core/mechanics/elements/planar_beam.hpp"
 #include "core/mechanics/elements/planar_hinge.hpp"
 #include "core/mechanics/elements/second_order.hpp"
+#include "core/mechanics/elements/superelement.hpp"
 #include "core/mechanics/elements/truss.hpp"
 #include "core/mechanics/inertia/beam_mass.hpp"
 #include "core/mechanics/inertia/body.hpp"
 #include "core/mechanics/inertia/lumped.hpp"
 #include "core/mechanics/inertia/planar_beam_mass.hpp"
+#include "core/mechanics/inertia/superelement_mass.hpp"
 #include "core/mechanics/model/builder.hpp"
 #include "core/mechanics/model/section.hpp"
 #include "core/mechanics/partition/automatic_dofs.hpp"
@@ -45,6 +47,7 @@ std::unique_ptr<const Element> make_element(const SceneElement& element, Index p
       return std::make_unique<Hinge>(p, q, element.axis);
     case Kind::beam:
     case Kind::rigid_beam:
+    case Kind::superelement:
       break;
   }
   std::unique_ptr<const Element> beam;
@@ -109,7 +112,24 @@ void ModelBuilder::place_elements() {
   for (const SceneElement& element : scene_.elements) place_element(element);
 }
 
+Superelement ModelBuilder::superelement(const SceneSuperelement& body) const {
+  const auto indices = [&](const std::vector<std::string>& names) {
+    std::vector<Index> nodes;
+    for (const std::string& name : names) nodes.push_back(node_index_.at(name));
+    return nodes;
+  };
+  return Superelement(indices(body.nodes), body.s, indices(body.mode_nodes), body.n_modes);
+}
+
 void ModelBuilder::place_element(const SceneElement& element) {
+  if (element.superelement) {
+    add_element(element.name, std::make_unique<Superelement>(superelement(*element.superelement)));
+    ModelElement& item = model_.elements.back();
+    item.S = element.stiffness;
+    item.S_d = element.damping;
+    item.damped = !item.S_d.isZero(0);
+    return;
+  }
   const Index p = node_index_.at(element.node_p), q = node_index_.at(element.node_q);
   const Eigen::Vector3d l_0 = model_.nodes[static_cast<size_t>(q)].position + element.arm_q -
                               model_.nodes[static_cast<size_t>(p)].position - element.arm_p;
@@ -123,8 +143,8 @@ void ModelBuilder::place_element(const SceneElement& element) {
   for (Index i = 0; i < n_e; ++i)
     item.zero[static_cast<size_t>(i)] = element.zero[static_cast<size_t>(i)];
   if (element.rigid()) return;
-  item.S = LocalStiffness(element.stiffness);
-  item.S_d = LocalStiffness(element.damping);
+  item.S = element.stiffness;
+  item.S_d = element.damping;
   if (element.kind == Kind::beam) {
     const LocalStiffness section = section_stiffness(element.beam, l_0.norm(), scene_.planar);
     item.S += section;
@@ -137,6 +157,8 @@ void ModelBuilder::add_element(const std::string& name, std::unique_ptr<const El
   ModelElement item;
   item.name = name;
   item.parts = maps_of(*element);
+  item.row.assign(static_cast<size_t>(element->n_deformations()), 0);
+  item.zero.assign(item.row.size(), false);
   item.element = std::move(element);
   model_.elements.push_back(std::move(item));
 }
@@ -257,6 +279,11 @@ void ModelBuilder::place_inertias() {
     }
   }
   for (const SceneElement& element : scene_.elements) {
+    if (element.superelement) {
+      const SceneSuperelement& body = *element.superelement;
+      add_inertia(std::make_unique<SuperelementMass>(superelement(body), body.s, body.M));
+      continue;
+    }
     const SceneBeam& beam = element.beam;
     if (!is_beam(element) || (beam.mass_per_length == 0 && beam.inertia_per_length == 0)) continue;
     const Index p = node_index_.at(element.node_p), q = node_index_.at(element.node_q);

@@ -144,6 +144,17 @@ std::string text_with_full_paths(const Scene& scene) {
     text = file.source_text_with(
         std::filesystem::absolute(recording->file).lexically_normal().string());
   }
+  for (const SceneElement& element : scene.elements) {
+    if (!element.superelement) continue;
+    const YamlReader file = YamlReader::from_text(text, scene.file)
+                                .require("elements")
+                                .require(element.name)
+                                .require("body");
+    if (!std::filesystem::path(file.text()).is_relative()) continue;
+    text = file.source_text_with(std::filesystem::absolute(element.superelement->files.front().path)
+                                     .lexically_normal()
+                                     .string());
+  }
   return text;
 }
 

@@ -62,8 +62,8 @@ struct SceneDisturbance {
 /// Reads the sequence `disturbances`, if the scene has one, after its nodes. Errors: InputError.
 std::vector<SceneDisturbance> read_disturbances(const YamlReader& root, const Scene& scene);
 
-/// The scene's text, in which recordings of forces are called by their full paths: whoever reads it
-/// in another folder finds them.
+/// The scene's text, in which recordings of forces and bodies are called by their full paths:
+/// whoever reads it in another folder finds them.
 std::string text_with_full_paths(const Scene& scene);
 
 }  // namespace stillframe

@@ -6,6 +6,7 @@
 #include "core/mechanics/scene/deformations.hpp"
 #include "core/mechanics/scene/divide.hpp"
 #include "core/mechanics/scene/references.hpp"
+#include "core/mechanics/scene/superelement_keys.hpp"
 
 namespace stillframe {
 
@@ -14,9 +15,10 @@ namespace {
 using Kind = SceneElement::Kind;
 
 Kind read_kind(const YamlReader& value) {
-  const std::string type = value.one_of({"truss", "beam", "rigid_beam", "hinge"});
+  const std::string type = value.one_of({"truss", "beam", "rigid_beam", "hinge", "superelement"});
   if (type == "truss") return Kind::truss;
   if (type == "beam") return Kind::beam;
+  if (type == "superelement") return Kind::superelement;
   return type == "hinge" ? Kind::hinge : Kind::rigid_beam;
 }
 
@@ -28,6 +30,7 @@ Eigen::Index number_of_deformations(Kind kind, bool planar) {
       return planar ? 1 : 3;
     case Kind::beam:
     case Kind::rigid_beam:
+    case Kind::superelement:
       break;
   }
   return planar ? 3 : 6;
@@ -117,6 +120,11 @@ void read_element(const std::string& name, const YamlReader& value, Scene& scene
   element.name = name;
   element.place = value.place();
   element.kind = read_kind(value.require("type"));
+  if (element.kind == Kind::superelement) {
+    read_superelement(value, element, scene);
+    scene.elements.push_back(element);
+    return;
+  }
   set_deformations(element, number_of_deformations(element.kind, scene.planar));
   const Ends ends = read_ends(value, scene, element);
   std::int64_t n_parts = 1;
@@ -134,6 +142,8 @@ void read_element(const std::string& name, const YamlReader& value, Scene& scene
       break;
     case Kind::hinge:
       read_hinge(value, scene, element);
+      break;
+    case Kind::superelement:
       break;
   }
   add_divided(element, n_parts, scene);

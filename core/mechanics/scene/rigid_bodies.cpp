@@ -28,6 +28,9 @@ std::set<std::string> anchors(const Scene& scene, std::set<std::string> nodes) {
   take(scene.disturbances);
   for (const SceneElement& element : scene.elements) {
     if (element.kind == Kind::truss || joins(element)) continue;
+    if (element.superelement) {
+      nodes.insert(element.superelement->nodes.begin(), element.superelement->nodes.end());
+    }
     nodes.insert(element.node_p);
     nodes.insert(element.node_q);
   }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ namespace stillframe {
 struct SceneNode {
   std::string name, place;
   Eigen::Vector3d position;  ///< m; planar scenes: z = 0
+  /// Its translations are the amplitudes of three modes of a superelement: it is nowhere.
+  bool amplitudes = false;
 };
 
 struct SceneMass {
@@ -43,14 +46,29 @@ struct SceneBeam {
   Eigen::Vector3d orientation = Eigen::Vector3d::Zero();  ///< spans the n_x-n_y plane with n_x
 };
 
+struct ReadFile {
+  std::string path, bytes;
+};
+
+/// A flexible body between its interface nodes, in the axes of the scene.
+struct SceneSuperelement {
+  std::vector<std::string> nodes, mode_nodes;
+  Eigen::Matrix3Xd s;  ///< m, from the first node to each
+  Eigen::MatrixXd M;   ///< as SuperelementMass has it
+  Eigen::Index n_modes = 0;
+  double damping_time = 0;      ///< s
+  std::vector<ReadFile> files;  ///< the body file and its matrices, from where the program runs
+};
+
 struct SceneElement {
-  enum class Kind { truss, beam, rigid_beam, hinge };
+  enum class Kind { truss, beam, rigid_beam, hinge, superelement };
   std::string name, place;
   Kind kind = Kind::truss;
   std::string node_p, node_q;
   /// From its nodes to its ends, m, fixed to the nodes (merge_rigid_bodies): of trusses in space.
   Eigen::Vector3d arm_p = Eigen::Vector3d::Zero(), arm_q = Eigen::Vector3d::Zero();
-  /// Number of deformations n_e: truss 1; beam and rigid_beam 6, planar 3; hinge 3, planar 1.
+  /// Number of deformations n_e: truss 1; beam and rigid_beam 6, planar 3; hinge 3, planar 1;
+  /// superelement 6 for every interface but the first, and 1 a mode.
   Eigen::Index n_deformations = 1;
   std::vector<bool> zero;     ///< n_e, deformations that are held zero
   Eigen::MatrixXd stiffness;  ///< n_e x n_e, S; of a beam what is added to its section's
@@ -58,6 +76,7 @@ struct SceneElement {
   Eigen::VectorXd preload;    ///< n_e, stress resultants sigma_0 of the scene as written
   SceneBeam beam;             ///< of a beam
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();  ///< of a hinge
+  std::shared_ptr<const SceneSuperelement> superelement;
 
   bool rigid() const {
     return std::all_of(zero.begin(), zero.end(), [](bool held) { return held; });
@@ -197,7 +216,8 @@ enum class OperatingPoint { equilibrium, as_written };
 
 struct Scene {
   std::string title, file, text, hash;
-  bool planar = false;  ///< all motion in the x-y plane, rotations about z
+  std::string bodies_hash;  ///< of the files of superelements, empty if there are none
+  bool planar = false;      ///< all motion in the x-y plane, rotations about z
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< m/s^2
   OperatingPoint operating_point = OperatingPoint::equilibrium;
   std::vector<SceneNode> nodes;

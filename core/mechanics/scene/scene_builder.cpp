@@ -242,6 +242,19 @@ SceneBuilder& SceneBuilder::hinge(const std::string& name, const std::string& p,
   return *this;
 }
 
+SceneBuilder& SceneBuilder::superelement(const std::string& name,
+                                         const std::vector<std::string>& nodes,
+                                         const std::string& body,
+                                         std::optional<double> damping_time) {
+  elements_ += Entry()
+                   .add("type", std::string("superelement"))
+                   .add("nodes", written_names(nodes))
+                   .add("body", quoted(body))
+                   .add("damping_time", damping_time)
+                   .entry(name);
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::support(const std::string& node,
                                     const std::vector<SceneDirection>& fix) {
   supports_ +=

@@ -166,6 +166,9 @@ class SceneBuilder {
   SceneBuilder& rigid_beam(const std::string& name, const std::string& p, const std::string& q);
   SceneBuilder& hinge(const std::string& name, const std::string& p, const std::string& q,
                       const HingeKeys& keys = {});
+  /// body: path of a body file, from the working folder; damping_time: s.
+  SceneBuilder& superelement(const std::string& name, const std::vector<std::string>& nodes,
+                             const std::string& body, std::optional<double> damping_time = {});
 
   /// Holds a node along directions that are perpendicular to each other.
   SceneBuilder& support(const std::string& node, const std::vector<SceneDirection>& fix);

@@ -82,11 +82,11 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
                    "disturbances", "accept",      "reduce"});
   Scene scene;
   scene.text = text;
-  scene.hash = text_hash(text);
   scene.title = root.require("title").text();
   read_structure(root, scene);
   // Whoever names the scene, on a page, in a table or in JSON, says what its figures are of.
   if (scene.operating_point == OperatingPoint::as_written) scene.title += " (snapshot)";
+  scene.hash = text_hash(text + scene.bodies_hash);
   read_signals(root, scene);
   std::optional<Block> controller = given;
   if (!given) {
@@ -95,7 +95,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   if (controller) {
     scene.controller = read_controller(controller->reader, scene);
     // Gains belong to the controller block as much as to the frame.
-    scene.hash = text_hash(text + controller->text +
+    scene.hash = text_hash(text + scene.bodies_hash + controller->text +
                            (scene.controller->law ? scene.controller->law->bytes : ""));
   }
   if (const auto block = root.find("instruments")) {

@@ -8,6 +8,7 @@
 namespace stillframe {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
@@ -32,7 +33,7 @@ SparseMatrix square(Index n, const Triplets& entries) {
 }
 
 /// The time that S_d is of S; below 0 if it is not a multiple.
-double damping_time_of(const LocalStiffness& S, const LocalStiffness& S_d) {
+double damping_time_of(const MatrixXd& S, const MatrixXd& S_d) {
   const double time = S.isZero(0) ? 0 : S.cwiseProduct(S_d).sum() / S.squaredNorm();
   return (S_d - time * S).norm() <= 1e-14 * S_d.norm() ? time : -1;
 }
@@ -55,8 +56,8 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
     Rows& rows = rows_[k];
     const Index n_e = item.element->n_deformations();
     rows.first = static_cast<Index>(compliance.size());
-    rows.preload = rows.given = rows.prescribed = LocalDeformation::Zero(n_e);
-    LocalStiffness S = item.S.size() > 0 ? item.S : LocalStiffness(LocalStiffness::Zero(n_e, n_e));
+    rows.preload = rows.given = rows.prescribed = VectorXd::Zero(n_e);
+    MatrixXd S = item.S.size() > 0 ? item.S : MatrixXd::Zero(n_e, n_e);
     std::vector<Index> conditions;
     for (Index i = 0; i < n_e; ++i) {
       const Index row = item.row[static_cast<size_t>(i)];
@@ -70,7 +71,7 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
     if (item.damped) rows.S_d = item.S_d;
     for (const Index i : conditions) {
       rows.given(i) = 0;
-      for (LocalStiffness* law : {&S, &rows.S_d}) {
+      for (MatrixXd* law : {&S, &rows.S_d}) {
         if (law->size() == 0) continue;
         law->row(i).setZero();
         law->col(i).setZero();
@@ -284,7 +285,7 @@ auto MixedModel::prescribed(const VectorXd& pattern, const VectorXd& x) const ->
     const ModelElement& item = model_.elements[k];
     const Rows& rows = rows_[k];
     driven.e.segment(rows.first, rows.Q.cols()) += amount * rows.Q.row(i).transpose();
-    const auto add = [&](const LocalStiffness& S, VectorXd& forces) {
+    const auto add = [&](const MatrixXd& S, VectorXd& forces) {
       LocalDeformation sigma = amount * S.col(i);
       for (Index row = 0; row < sigma.size(); ++row) {
         if (!model_.is_elastic(item.row[static_cast<size_t>(row)])) sigma(row) = 0;
