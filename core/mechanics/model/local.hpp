@@ -53,7 +53,11 @@ void columns_to_node_axes(const std::vector<PartMap>& parts, Matrix& local) noex
   Index at = 0;
   for (const PartMap& map : parts) {
     if (!map.global_axes) {
-      local.template middleCols<3>(at) = (local.template middleCols<3>(at) * map.basis).eval();
+      // A row at a time, whose copy is on the stack: a hot path.
+      for (Eigen::Index i = 0; i < local.rows(); ++i) {
+        const Eigen::RowVector3d row = local.template block<1, 3>(i, at) * map.basis;
+        local.template block<1, 3>(i, at) = row;
+      }
     }
     at += map.size;
   }
@@ -63,8 +67,10 @@ void rows_to_node_axes(const std::vector<PartMap>& parts, Matrix& local) noexcep
   Index at = 0;
   for (const PartMap& map : parts) {
     if (!map.global_axes) {
-      local.template middleRows<3>(at) =
-          (map.basis.transpose() * local.template middleRows<3>(at)).eval();
+      for (Eigen::Index j = 0; j < local.cols(); ++j) {
+        const Eigen::Vector3d column = map.basis.transpose() * local.template block<3, 1>(at, j);
+        local.template block<3, 1>(at, j) = column;
+      }
     }
     at += map.size;
   }
