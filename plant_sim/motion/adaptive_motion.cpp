@@ -11,6 +11,9 @@ constexpr int trial_parts = 8;
 /// Parts between two trials, at first and at most: a shock that is over soon costs some trials
 /// only.
 constexpr int least_wait = 32, most_wait = 1024;
+/// Parts before a trial where the method for small motion has become twice as dear as it was at the
+/// last one: the motion grows. At first that is a cost of twice the cheap ones.
+constexpr int growth_wait = 4;
 /// Evaluations a part of the method for small motion with which no other can be cheaper: two
 /// sweeps. An explicit step alone takes seven.
 constexpr double cheap = 6.5;
@@ -24,7 +27,8 @@ AdaptiveMotion::AdaptiveMotion(std::unique_ptr<NonlinearMotion> small,
       large_(std::move(large)),
       large_weight_(large_weight),
       current_(small_.get()),
-      wait_(least_wait) {
+      wait_(least_wait),
+      cost_tried_(cheap) {
   snapshot_.y = Eigen::VectorXd::Zero(size);
 }
 
@@ -57,8 +61,11 @@ void AdaptiveMotion::judge(double cost) noexcept {
   // The first part after a change starts from nothing, and shows too much.
   if (parts_ > 1) cost_ += (cost - cost_) / std::min(parts_ - 1, trial_parts);
   if (on_trial_) {
-    if (parts_ <= trial_parts) return;
+    // What is twice as dear for a part is not looked at for longer.
+    const bool in_vain = parts_ > 1 && cost_ > 2 * cost_before_;
+    if (parts_ <= trial_parts && !in_vain) return;
     on_trial_ = false;
+    cost_tried_ = is_large() ? cost_before_ : cost_;
     if (cost_ < 0.9 * cost_before_) {
       wait_ = least_wait;
       return;
@@ -70,7 +77,8 @@ void AdaptiveMotion::judge(double cost) noexcept {
     parts_ = 0;
     return;
   }
-  if (parts_ < wait_) return;
+  const bool grown = !is_large() && cost_ > 2 * cost_tried_;
+  if (parts_ < (grown ? growth_wait : wait_)) return;
   parts_ = trial_parts;
   if (!is_large() && cost_ <= cheap) {
     wait_ = least_wait;

@@ -49,6 +49,7 @@ class AdaptiveMotion final : public Motion {
   int wait_;         ///< parts until the other method has its next trial
   double cost_ = 0;  ///< of the present method, mean of late, in evaluations of `small` a part
   double cost_before_ = 0;  ///< of the other method when it was left
+  double cost_tried_;       ///< of the method for small motion when the other one was last tried
 };
 
 }  // namespace stillframe

@@ -28,15 +28,14 @@ constexpr Index most_dofs_of_exponentials = 60;
 /// (docs/decisions/0025).
 constexpr double exponential_share = 0.1, explicit_share = 0.03;
 
-/// Highest frequency of the linear part times a part's duration up to which explicit steps are
-/// cheaper than implicit ones where motion is large, and what an evaluation of the implicit method
-/// takes of the exponential method's (docs/speed_against_error.md).
-constexpr double most_explicit = 0.2;
-constexpr double implicit_weight = 0.6;
+/// What an evaluation of the nodal method takes of the exponential method's
+/// (docs/large_motion.md).
+constexpr double nodal_weight = 0.6;
 
-/// The same up to which the exponential method is trusted in large motion: what its sweeps may
-/// leave of a very fast mode is an acceleration that it then takes for that of the motion. At 180
-/// and 3e6 radians in a part random scenes were off by per cents at 1e-6 (102000296, 101001150).
+/// Highest frequency of the linear part times a part's duration up to which the exponential method
+/// is trusted in large motion: what its sweeps may leave of a very fast mode is an acceleration
+/// that it then takes for that of the motion. At 180 and 3e6 radians in a part random scenes were
+/// off by per cents at 1e-6 (102000296, 101001150).
 constexpr double most_exact = 100;
 
 /// The same up to which explicit steps can be afforded beside a rotor, where `auto` has no other
@@ -84,9 +83,11 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   const FramePoints points(model, merged.carried, signals);
   const double tolerance = scene.simulation.relative_tolerance;
   // The nodal method keeps its tolerance of what a rotor's own points do (docs/scene.md), beside
-  // which a frame may be quiet.
+  // which a frame may be quiet. What is only let go from rest is none.
   const bool automatic = scene.simulation.method == PlantMethod::automatic;
-  const bool beside_rotor = automatic && nominal.moving();
+  const MotionState& state = nominal.state;
+  const bool beside_rotor = automatic && (!state.q_d_dot.isZero(0) || !state.q_r_dot.isZero(0) ||
+                                          !state.q_r_ddot.isZero(0));
   if (beside_rotor && choice.method == PlantMethod::nodal) {
     choice = in_closed_form(drive)
                  ? MotionChoice{PlantMethod::exponential, "the operating point moves"}
@@ -121,10 +122,10 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   auto small = std::make_unique<ExponentialMotion>(std::move(minimal), std::move(linear), points,
                                                    exponential_share * tolerance, drive, durations);
   if (!automatic || (beside_rotor && fastest > most_affordable)) return small;
-  if (fastest <= most_explicit || beside_rotor) {
+  if (beside_rotor) {
     return std::make_unique<AdaptiveMotion>(std::move(small), explicit_motion(rate), 1.0, size);
   }
-  return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), implicit_weight, size);
+  return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), nodal_weight, size);
 }
 
 }  // namespace stillframe

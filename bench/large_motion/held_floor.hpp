@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <utility>
 
-namespace stillframe::simbody {
+namespace stillframe::race {
 
 /// A floor whose accelerations (inputs x samples, m/s^2) are held over each sample: the motion
 /// along the inputs within one sample and its exact integrals from sample to sample.
@@ -37,4 +37,4 @@ class HeldFloor {
   Eigen::Index k_ = 0;
 };
 
-}  // namespace stillframe::simbody
+}  // namespace stillframe::race
