@@ -1,14 +1,11 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
-#include <thread>
 
-#include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
-#include "tools/exit_code.hpp"
-#include "tools/json.hpp"
-#include "tools/patience.hpp"
-#include "tools/run/study.hpp"
+#include "tools/batch_rows.hpp"
+#include "tools/given_files.hpp"
+#include "tools/row_place.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -18,6 +15,8 @@ namespace {
 struct BatchOptions {
   std::vector<std::filesystem::path> scenes, controllers, floors;
   std::optional<double> duration_s;
+  std::optional<std::filesystem::path> out;
+  std::string shard, on;
   int jobs = 0;
   bool json = false;
 };
@@ -50,61 +49,38 @@ std::string label(const std::optional<std::filesystem::path>& file,
   return alone ? file->stem().string() : file->string();
 }
 
-Json to_json(const StudyCase& study, const StudyResult& result) {
-  Json row{{"scene_file", study.scene.string()},
-           {"controller_file", study.controller ? study.controller->string() : ""},
-           {"floor_file", study.floor ? study.floor->string() : ""}};
-  if (!result.failure.empty()) {
-    row["failure"] = result.failure;
-    return row;
-  }
-  row["outcome"] = report::to_text(result.verdict.judgement.outcome);
-  row["reason"] = result.verdict.judgement.reason;
-  row["method"] = result.method;
-  row["n_samples"] = result.n_samples;
-  row["peak_force_n"] = result.peak_force;
-  row["rms_force_n"] = result.rms_force;
-  row["n_saturated"] = result.verdict.runs.back().n_saturated;
-  row["real_time_factor"] = result.times_real_time;
-  row["axes"] = Json::array();
-  for (const auto& axis : result.verdict.axes) {
-    row["axes"].push_back(
-        {{"axis", axis.axis},
-         {"floor_rms_m_s2", axis.floor ? Json(axis.floor->rms_acceleration) : Json(nullptr)},
-         {"passive_rms_m_s2", axis.passive->rms_acceleration},
-         {"active_rms_m_s2", axis.active->rms_acceleration},
-         {"active_vibration_class", axis.active->vibration_class}});
-  }
-  return row;
+/// Of the file that a row tells; none: the scene's own.
+std::optional<std::filesystem::path> file_of(const Json& row, const char* key) {
+  const auto file = row[key].get<std::string>();
+  return file.empty() ? std::nullopt : std::optional<std::filesystem::path>(file);
 }
 
-std::string table_of(const BatchOptions& options, const std::vector<StudyCase>& cases,
-                     const std::vector<StudyResult>& results) {
+std::string table_of(const BatchOptions& options, const std::vector<Json>& rows) {
   using report::cell;
   report::Table table({"scene", "controller", "floor", "axis", "floor um/s^2", "passive", "active",
                        "class", "verdict", "peak N", "real time x"},
                       4);
-  for (size_t i = 0; i < cases.size(); ++i) {
-    std::string scene = label(cases[i].scene, options.scenes),
-                controller = label(cases[i].controller, options.controllers),
-                floor = label(cases[i].floor, options.floors);
-    const StudyResult& result = results[i];
-    if (!result.failure.empty()) {
+  const auto micro = [](const Json& rms) {
+    return rms.is_number() ? cell("%.4g", 1e6 * rms.get<double>()) : "-";
+  };
+  for (const Json& row : rows) {
+    std::string scene = label(file_of(row, "scene_file"), options.scenes),
+                controller = label(file_of(row, "controller_file"), options.controllers),
+                floor = label(file_of(row, "floor_file"), options.floors);
+    if (row.contains("failure")) {
       table.add({scene, controller, floor, "", "", "", "", "", "did not run", "", ""});
       continue;
     }
-    std::string outcome(report::to_text(result.verdict.judgement.outcome)),
-        peak = cell("%.3g", result.peak_force), speed = cell("%.0f", result.times_real_time);
-    for (const auto& axis : result.verdict.axes) {
-      table.add({scene, controller, floor, axis.axis,
-                 axis.floor ? cell("%.4g", 1e6 * axis.floor->rms_acceleration) : "-",
-                 cell("%.4g", 1e6 * axis.passive->rms_acceleration),
-                 cell("%.4g", 1e6 * axis.active->rms_acceleration), axis.active->vibration_class,
-                 outcome, peak, speed});
+    std::string outcome = row["outcome"], peak = cell("%.3g", row["peak_force_n"].get<double>()),
+                speed = cell("%.0f", row["real_time_factor"].get<double>());
+    for (const Json& axis : row["axes"]) {
+      table.add({scene, controller, floor, axis["axis"], micro(axis["floor_rms_m_s2"]),
+                 micro(axis["passive_rms_m_s2"]), micro(axis["active_rms_m_s2"]),
+                 axis["active_vibration_class"], outcome, peak, speed});
       scene = controller = floor = outcome = peak = speed = "";
     }
     // A scene that compares nothing ran all the same.
-    if (result.verdict.axes.empty()) {
+    if (row["axes"].empty()) {
       table.add({scene, controller, floor, "-", "-", "-", "-", "-", outcome, peak, speed});
     }
   }
@@ -112,36 +88,30 @@ std::string table_of(const BatchOptions& options, const std::vector<StudyCase>& 
 }
 
 int run(const BatchOptions& options) {
-  const std::vector<StudyCase> cases = cases_of(options);
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int jobs =
-      std::min(options.jobs > 0 ? options.jobs : cores, static_cast<int>(cases.size()));
-  catch_stop_signals();
-  std::vector<StudyResult> results;
-  {
-    Patience patience("simulating " + std::to_string(cases.size()) + " runs");
-    results = run_cases(cases, options.duration_s, jobs, [&](std::size_t n_done) {
-      patience.now("simulating " + std::to_string(cases.size()) + " runs",
-                   100.0 * static_cast<double>(n_done) / static_cast<double>(cases.size()));
-    });
+  std::vector<GivenFile> read;
+  for (const auto* files : {&options.scenes, &options.controllers, &options.floors}) {
+    for (const auto& file : *files) read.push_back({"a block", file});
   }
+  require_own_places(read, {{"--out", options.out}});
+  const RowPlace place = row_place(options.shard, options.on, options.out);
+  const std::vector<StudyCase> cases = cases_of(options);
+  const auto rows =
+      rows_at(place, batch_study(cases, options.duration_s), batch_rows, options.jobs);
+  if (!rows) return exit_done;
   if (options.json) {
-    Json rows = Json::array();
-    for (size_t i = 0; i < cases.size(); ++i) rows.push_back(to_json(cases[i], results[i]));
-    print(rows);
+    print(Json(*rows));
   } else {
-    std::cout << table_of(options, cases, results);
+    std::cout << table_of(options, *rows);
   }
   int code = exit_done;
-  for (size_t i = 0; i < cases.size(); ++i) {
-    const auto& [outcome, reason, checks] = results[i].verdict.judgement;
-    const bool ran = results[i].failure.empty();
-    if (ran && exit_code_of(outcome) == exit_done) continue;
+  for (const Json& row : *rows) {
+    const bool ran = !row.contains("failure");
+    if (ran && row["outcome"] != report::to_text(report::Outcome::failed)) continue;
     code = exit_failed;
-    std::cerr << "stillframe: " << cases[i].scene.string() << ", "
-              << label(cases[i].controller, options.controllers) << ", "
-              << label(cases[i].floor, options.floors) << ": "
-              << (ran ? reason : results[i].failure) << "\n";
+    std::cerr << "stillframe: " << row["scene_file"].get<std::string>() << ", "
+              << label(file_of(row, "controller_file"), options.controllers) << ", "
+              << label(file_of(row, "floor_file"), options.floors) << ": "
+              << row[ran ? "reason" : "failure"].get<std::string>() << "\n";
   }
   return code;
 }
@@ -162,6 +132,8 @@ void add_batch(cli::Command& app, int& exit_code) {
   verb.option("--duration", options->duration_s,
               "Seconds of plant time (default: the scene's, or the floor's)")
       .check(cli::positive_number());
+  add_row_place(verb, "Only every N-th run, from the I-th: of one of N jobs", options->shard,
+                options->on, options->out);
   verb.option("--jobs", options->jobs, "Runs at a time; 0: one for each core. Changes no result")
       .check(cli::whole_number(0, 1024));
   verb.flag(
@@ -176,6 +148,10 @@ void add_batch(cli::Command& app, int& exit_code) {
       "Every run is that of `stillframe run --mode single_process`, passive and active, without a "
       "log.\n"
       "Each is judged as `run` judges it, but for the prediction, which needs a log.\n"
+      "--out FILE gets a line of JSON a run, as --json prints it, once it has ended; what stands\n"
+      "there already, of files that hold the same, does not run again. --shard, `stillframe "
+      "merge`\n"
+      "and --on are those of `stillframe sweep --help`.\n"
       "Exit code 4: a run failed, or did not meet what its scene accepts; the others are "
       "reported.");
   verb.runs([options, &exit_code] { exit_code = run(*options); });

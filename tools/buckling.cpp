@@ -11,6 +11,7 @@
 #include "tools/json.hpp"
 #include "tools/largest_parts.hpp"
 #include "tools/patience.hpp"
+#include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -56,6 +57,7 @@ Buckling smallest(const Scene& scene, Index count, Patience& patience) {
 int run(const BucklingOptions& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
+  hint_at_units(scene);
   const Buckling result = smallest(scene, options.count, patience);
   const Index shown = std::min<Index>(options.count, result.load_multipliers.size());
   if (options.json) {

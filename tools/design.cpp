@@ -14,6 +14,7 @@
 #include "tools/json.hpp"
 #include "tools/loop_mat.hpp"
 #include "tools/patience.hpp"
+#include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -52,6 +53,7 @@ int run(const DesignOptions& options) {
       {{"--out", options.out}, {"--mat", options.mat}, {"--plot-trade", options.plot_trade}});
   const judge::LoopDesign design =
       judge::make_loop_design(options.scene, options.controller, options.design_scene);
+  hint_at_units(design.scene);
   if (const auto& law = design.scene.controller->law) {
     const std::optional<std::filesystem::path> file = law->file;
     require_own_places({{"the law", file}}, {{"--out", options.out}, {"--mat", options.mat}});

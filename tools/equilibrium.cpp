@@ -18,6 +18,7 @@
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
 #include "tools/stability_note.hpp"
+#include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -143,6 +144,7 @@ Page solved(const EquilibriumOptions& options) {
   Patience patience("reading the scene");
   Page page;
   page.scene = read_scene(options.scene);
+  hint_at_units(page.scene);
   if (page.scene.operating_point == OperatingPoint::as_written) {
     throw Refusal(
         "the scene asks for a snapshot (operating_point: as_written), which is no equilibrium; "

@@ -17,6 +17,7 @@
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
 #include "tools/stability_note.hpp"
+#include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -169,6 +170,7 @@ int run(const LineariseOptions& options) {
   require_own_places({{"the scene", options.scene}}, {{"--mat", options.mat}});
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
+  hint_at_units(scene);
   if (scene.reduction && options.certify) {
     throw InputError(
         scene.reduction->place +

@@ -1,9 +1,15 @@
+#include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
 
+#include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
+#include "tools/batch_rows.hpp"
 #include "tools/given_files.hpp"
 #include "tools/robustness_file.hpp"
 #include "tools/robustness_text.hpp"
+#include "tools/sweep_rows.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -28,10 +34,44 @@ std::string missing_shards(const robustness::Record& record) {
   return list;
 }
 
+/// Of which study a file has rows, if of one.
+const RowKind* kind_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  const Json row = Json::parse(line, nullptr, false);
+  for (const RowKind* kind : {&sweep_rows, &batch_rows}) {
+    if (is_row(row, *kind)) return kind;
+  }
+  return nullptr;
+}
+
+int merge_rows(const MergeOptions& options, const RowKind& kind) {
+  if (options.json) {
+    throw InputError("--json: rows are lines of JSON as they stand in " + options.out.string() +
+                     "; leave it out");
+  }
+  std::map<std::string, Json> rows;
+  for (const auto& path : options.files) {
+    const RowFile file(path, kind);
+    for (const auto& [key, row] : file.rows()) rows[key] = row;
+  }
+  std::string text;
+  for (const auto& [key, row] : rows) text += line_of(row);
+  write_whole_file(options.out, text);
+  std::cout << rows.size() << " rows of `" << kind.verb << "` in " << options.out.string() << "\n";
+  return exit_done;
+}
+
 int run(const MergeOptions& options) {
   std::vector<GivenFile> read;
   for (const auto& file : options.files) read.push_back({"a record", file});
   require_own_places(read, {{"--out", options.out}});
+  for (const auto& file : options.files) {
+    // The first one says what they are to be.
+    if (const RowKind* kind = kind_of(file)) return merge_rows(options, *kind);
+    if (std::filesystem::exists(file) && std::filesystem::file_size(file) > 0) break;
+  }
   std::vector<robustness::NamedRecord> records;
   for (const auto& file : options.files) records.push_back({file.string(), read_record(file)});
   const robustness::Record all = merge_records(std::move(records));
@@ -52,19 +92,25 @@ int run(const MergeOptions& options) {
 
 void add_merge(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<MergeOptions>();
-  cli::Command verb =
-      app.verb("merge", "Puts the records of `robustness --shard` together into one");
-  verb.option("files", options->files, "Records that `stillframe robustness --out` wrote")
+  cli::Command verb = app.verb(
+      "merge", "Puts what the shards of robustness, sweep or batch wrote together in one file");
+  verb.option("files", options->files, "Files that --out of one of these wrote")
       .required()
       .type_name("FILE");
-  verb.option("--out", options->out, "Write the record of all (JSON)").required().type_name("FILE");
-  verb.flag("--json", options->json, "Print it as well (keys: stillframe robustness --help)");
+  verb.option("--out", options->out, "Write the record, or the rows, of all")
+      .required()
+      .type_name("FILE");
+  verb.flag("--json", options->json,
+            "Print the record as well (keys: stillframe robustness --help)");
   verb.footer(
-      "The records must be of one scene, controller, uncertainty, seed and number of samples, and\n"
+      "Records of `robustness` must be of one scene, controller, uncertainty, seed and number of "
+      "samples, and\n"
       "of different shards of one division. The record of all shards is, byte for byte, the one\n"
       "that a single run would have written. Shards that are missing are named in a note and can "
       "be\n"
       "merged later: shards.done in the record says which there are.\n"
+      "Rows of `sweep` and `batch` may be of any questions; of one that is there twice the last\n"
+      "counts, and the last line of a program that was killed does not.\n"
       "Example: stillframe merge part_*.json --out all.json");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }

@@ -19,6 +19,7 @@
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
 #include "tools/stability_note.hpp"
+#include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -169,6 +170,7 @@ Found lowest_of_many(const Model& model, Index n_modes, Patience& patience) {
 int run(const ModesOptions& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
+  hint_at_units(scene);
   Found found;
   const std::optional<Model> large =
       options.lowest > 0 ? large_scene(scene, options.lowest) : std::nullopt;

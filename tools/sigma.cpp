@@ -19,6 +19,7 @@
 #include "tools/open_response.hpp"
 #include "tools/patience.hpp"
 #include "tools/stability_note.hpp"
+#include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -200,6 +201,7 @@ int run(const SigmaOptions& options) {
                      {{"--plot", options.plot}});
   Patience patience("linearising");
   const Scene scene = read_scene(options.scene, options.controller);
+  hint_at_units(scene);
   std::optional<judge::LoopDesign> design;
   std::optional<OpenResponse> open;
   if (scene.controller) {

@@ -1,18 +1,12 @@
-#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
-#include <mutex>
-#include <thread>
 
-#include "core/control/robustness/parallel.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/decibels.hpp"
-#include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
 #include "tools/given_files.hpp"
-#include "tools/patience.hpp"
-#include "tools/shard_option.hpp"
+#include "tools/row_place.hpp"
 #include "tools/sweep_rows.hpp"
 #include "tools/verbs.hpp"
 
@@ -24,7 +18,7 @@ struct SweepOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, out;
   std::vector<std::string> set, at_hz;
-  std::string shard;
+  std::string shard, on;
   int jobs = 0;
   bool json = false;
 };
@@ -47,36 +41,45 @@ SweepQuestion question_of(const SweepOptions& options) {
   return question;
 }
 
-std::string shown(double value, const char* format) {
-  return std::isfinite(value) ? report::cell(format, value) : "-";
+std::string shown(const Json& value, const char* format) {
+  return value.is_number() ? report::cell(format, value.get<double>()) : "-";
 }
 
 std::string in_decibels(double value) {
   // No sign of what is shown as zero.
-  return shown(std::abs(value) < 0.005 ? 0.0 : value, "%.2f");
+  return report::cell("%.2f", std::abs(value) < 0.005 ? 0.0 : value);
+}
+
+/// Of a singular value.
+std::string shown_in_decibels(const Json& value) {
+  return value.is_number() ? in_decibels(decibels(value.get<double>())) : "-";
 }
 
 void print_table(const std::string& title, const SweepQuestion& question,
-                 const std::vector<SweepRow>& rows) {
+                 const std::vector<Json>& rows) {
   std::vector<std::string> header;
   for (const SweptKey& key : question.grid.keys()) header.push_back(key.path);
   const auto n_left = header.size();
   header.insert(header.end(), {"radius", "disk", "at Hz", "price dB", "peak dB", "at Hz"});
   for (const double hz : question.at_hz) header.push_back(report::cell("%g Hz dB", hz));
   report::Table table(header, n_left);
-  for (const SweepRow& row : rows) {
-    std::vector<std::string> cells = row.values;
-    if (!row.failure.empty()) {
+  for (const Json& row : rows) {
+    std::vector<std::string> cells;
+    for (const auto& [path, value] : row["set"].items()) cells.push_back(value);
+    if (!row["failure"].is_null()) {
       cells.resize(header.size());
       cells[n_left + 1] = "no design";
     } else {
-      cells.push_back(shown(row.radius, "%.6f"));
-      cells.push_back(row.stable ? shown(row.disk, "%.3f") : "not stable");
-      cells.push_back(shown(row.disk_hz, "%.3g"));
-      cells.push_back(in_decibels(row.price_db));
-      cells.push_back(in_decibels(decibels(row.peak)));
-      cells.push_back(shown(row.peak_hz, "%.3g"));
-      for (const double value : row.transmission) cells.push_back(in_decibels(decibels(value)));
+      const Json& price = row["price_of_sampling_db"];
+      cells.push_back(shown(row["spectral_radius"], "%.6f"));
+      cells.push_back(row["stable"] ? shown(row["disk_margin"], "%.3f") : "not stable");
+      cells.push_back(shown(row["disk_margin_hz"], "%.3g"));
+      cells.push_back(price.is_number() ? in_decibels(price) : "-");
+      cells.push_back(shown_in_decibels(row["peak"]));
+      cells.push_back(shown(row["peak_hz"], "%.3g"));
+      for (const Json& line : row["transmission"]) {
+        cells.push_back(shown_in_decibels(line["singular_value"]));
+      }
     }
     table.add(cells);
   }
@@ -89,53 +92,25 @@ void print_table(const std::string& title, const SweepQuestion& question,
 int run(const SweepOptions& options) {
   require_own_places({{"the scene", options.scene}, {"the controller block", options.controller}},
                      {{"--out", options.out}});
-  const robustness::Shard shard = parse_shard(options.shard);
+  const RowPlace place = row_place(options.shard, options.on, options.out);
   const SweepQuestion question = question_of(options);
-  std::optional<SweepFile> file;
-  if (options.out) file.emplace(*options.out);
-  const std::size_t n = shard.size(question.grid.size());
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  catch_stop_signals();
-  std::vector<SweepRow> rows(n);
-  std::vector<char> done(n, 0);
-  {
-    Patience patience("designs");
-    std::mutex mutex;
-    std::size_t n_done = 0;
-    robustness::parallel_for(n, options.jobs > 0 ? options.jobs : cores, [&](std::uint64_t i, int) {
-      if (stop_requested()) return;
-      const std::size_t point = i * shard.of + shard.number - 1;
-      std::optional<SweepRow> known;
-      if (file) known = file->find(question, point);
-      rows[i] = known ? std::move(*known) : sweep_row(question, point);
-      const std::lock_guard lock(mutex);
-      if (file && !known) file->add(question, rows[i]);
-      done[i] = 1;
-      patience.now("designs", 100 * static_cast<double>(++n_done) / static_cast<double>(n));
-    });
-  }
-  if (const auto missing = std::count(done.begin(), done.end(), 0); missing > 0) {
-    throw Failure("interrupted with " + std::to_string(missing) + " of " + std::to_string(n) +
-                  " designs missing" +
-                  (file ? "; the same command goes on with " + options.out->string() : ""));
-  }
+  const auto rows = rows_at(place, sweep_study(question), sweep_rows, options.jobs);
+  if (!rows) return exit_done;
   const std::string title = question.blocks.scene.require("title").text();
   if (options.json) {
-    Json document{{"scene", title}, {"n_points", question.grid.size()}, {"rows", Json::array()}};
-    for (const SweepRow& row : rows) document["rows"].push_back(to_json(question, row));
-    print(document);
+    print(Json{{"scene", title}, {"n_points", question.grid.size()}, {"rows", *rows}});
   } else {
-    print_table(title, question, rows);
+    print_table(title, question, *rows);
   }
   constexpr int most_said = 10;
   int n_failed = 0;
-  for (const SweepRow& row : rows) {
-    if (row.failure.empty() || ++n_failed > most_said) continue;
+  for (const Json& row : *rows) {
+    if (row["failure"].is_null() || ++n_failed > most_said) continue;
     std::cerr << "stillframe:";
-    for (std::size_t k = 0; k < row.values.size(); ++k) {
-      std::cerr << " " << question.grid.keys()[k].path << "=" << row.values[k];
+    for (const auto& [path, value] : row["set"].items()) {
+      std::cerr << " " << path << "=" << value.get<std::string>();
     }
-    std::cerr << ": " << row.failure << "\n";
+    std::cerr << ": " << row["failure"].get<std::string>() << "\n";
   }
   if (n_failed > most_said) {
     std::cerr << "stillframe: and " << n_failed - most_said << " more without a design\n";
@@ -158,14 +133,15 @@ constexpr const char* sweep_footer =
     "of\n"
     "the same scene and version, is not computed again. So an interrupted sweep goes on, and "
     "files\n"
-    "of shards are put together by cat. Many machines, with Slurm or with GNU parallel:\n"
-    "  sbatch --array=1-100 --wrap 'stillframe sweep SCENE --set PATH=1:10:500 \\\n"
-    "    --shard ${SLURM_ARRAY_TASK_ID}/100 --out part_${SLURM_ARRAY_TASK_ID}.jsonl'\n"
+    "of shards are put together by `stillframe merge` or cat. On a cluster with Slurm\n"
+    "  stillframe sweep SCENE --set PATH=1:10:500 --out all.jsonl --on slurm:32\n"
+    "writes all.jsonl.sbatch and submits it: 32 tasks, and a job that puts their rows together in\n"
+    "all.jsonl. What sbatch takes from its environment (SBATCH_PARTITION, SBATCH_TIMELIMIT, ...)\n"
+    "holds. With GNU parallel:\n"
     "  seq 100 | parallel stillframe sweep SCENE --set PATH=1:10:500 --shard {}/100 \\\n"
     "    --out part_{}.jsonl\n"
-    "Then\n"
-    "  cat part_*.jsonl > all.jsonl\n"
-    "  stillframe sweep SCENE --set PATH=1:10:500 --out all.jsonl\n"
+    "  stillframe merge part_*.jsonl --out all.jsonl\n"
+    "Then, as after Slurm, the table: the same command without --shard or --on.\n"
     "\n"
     "Keys of --json:\n"
     "  scene, n_points (of all shards)\n"
@@ -199,10 +175,8 @@ void add_sweep(cli::Command& app, int& exit_code) {
   verb.option("--at", options->at_hz, "Frequencies, Hz, at which T is told")
       .delimiter(',')
       .type_name("HZ,...");
-  verb.option("--shard", options->shard, "Only every N-th point, from the I-th: of one of N jobs")
-      .type_name("I/N");
-  verb.option("--out", options->out, "File of rows that are kept and need not be computed again")
-      .type_name("FILE");
+  add_row_place(verb, "Only every N-th point, from the I-th: of one of N jobs", options->shard,
+                options->on, options->out);
   verb.option("--jobs", options->jobs, "Designs at a time; 0: one for each core. Changes no result")
       .check(cli::whole_number(0, 1024));
   verb.flag("--json", options->json, "Print JSON (keys below)");

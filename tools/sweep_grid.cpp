@@ -161,14 +161,14 @@ SceneBlocks with_values(SceneBlocks blocks, const std::vector<SweptKey>& keys,
     YamlReader& block = elsewhere ? *blocks.controller : blocks.scene;
     const std::size_t first = elsewhere ? 1 : 0;
     const std::string file = elsewhere ? file_of(block) : blocks.file;
-    const std::size_t n = places(block, path, first).size();
+    const std::size_t n = places(block.as_written(), path, first).size();
     if (n == 0) {
       throw InputError("--set: " + keys[k].path + ": " + file +
                        " has no such value; allowed is a number or word that is written there "
                        "(write the default where a key is left out)");
     }
     for (std::size_t i = 0; i < n; ++i) {
-      const YamlReader at = places(block, path, first)[i];
+      const YamlReader at = places(block.as_written(), path, first)[i];
       if (at.text() == values[k]) continue;
       const std::string text = at.source_text_with(values[k]);
       if (text == block.source_text()) {

@@ -10,12 +10,20 @@
 
 #include "core/files/utf8.hpp"
 #include "core/yaml/load.hpp"
+#include "core/yaml/shorthand.hpp"
+#include "core/yaml/to_number.hpp"
 
 namespace stillframe {
 
 struct YamlReader::Source {
   std::string name, text;
   std::filesystem::path folder;
+  std::vector<YAML::Mark> marks = {};  ///< of each line, where it is not the text that was parsed
+
+  YAML::Mark written_at(const YAML::Mark& mark) const {
+    if (marks.empty() || mark.is_null()) return mark;
+    return marks[static_cast<std::size_t>(mark.line)];
+  }
 };
 
 namespace {
@@ -35,15 +43,6 @@ std::string join(std::initializer_list<std::string_view> words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
   return text;
-}
-
-std::optional<double> to_number(const std::string& text) {
-  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-  const char* end = text.data() + text.size();
-  double value = 0;
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
-  return value;
 }
 
 }  // namespace
@@ -77,8 +76,18 @@ YamlReader YamlReader::from_file(const std::filesystem::path& path) {
 
 YamlReader YamlReader::from_text(const std::string& text, const std::string& source_name,
                                  const std::filesystem::path& folder) {
-  const YAML::Node node = load_yaml(text, source_name);
-  return YamlReader(std::make_shared<const Source>(Source{source_name, text, folder}), node, "");
+  Source source{source_name, text, folder};
+  YAML::Node node = load_yaml(text, source_name);
+  if (auto written = write_out(text, source_name)) {
+    node = YAML::Load(written->text);
+    source.marks = std::move(written->marks);
+  }
+  return YamlReader(std::make_shared<const Source>(std::move(source)), node, "");
+}
+
+YamlReader YamlReader::as_written() const {
+  return YamlReader(std::make_shared<const Source>(Source{source_->name, source_->text, source_->folder}),
+                    YAML::Load(source_->text), "");
 }
 
 std::optional<YamlReader> YamlReader::find(const std::string& key) const {
@@ -103,7 +112,7 @@ void YamlReader::allow_only(std::initializer_list<std::string_view> keys) const 
     const std::string& key = entry.first.Scalar();
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     const std::string near = nearest_name(key, {keys.begin(), keys.end()});
-    throw InputError(place_of(source_->name, entry.first.Mark()) + ": " +
+    throw InputError(place_of(source_->name, source_->written_at(entry.first.Mark())) + ": " +
                      printable((name_.empty() ? "" : name_ + ".") + key, longest_message) +
                      ": unknown key" + (near.empty() ? "" : " (did you mean '" + near + "'?)") +
                      "; allowed: " + join(keys));
@@ -244,7 +253,9 @@ void YamlReader::fail_found(const std::string& allowed) const {
   fail("found " + shape_of(*node_) + ", allowed is " + allowed);
 }
 
-std::string YamlReader::place() const { return place_of(source_->name, node_->Mark()); }
+std::string YamlReader::place() const {
+  return place_of(source_->name, source_->written_at(node_->Mark()));
+}
 
 std::string YamlReader::dump() const { return YAML::Dump(*node_) + "\n"; }
 
@@ -256,7 +267,7 @@ std::string YamlReader::source_text_with(const std::string& text) const {
   std::string all = source_->text;
   if (!node_->IsScalar() || node_->Mark().is_null()) return all;
   const std::string byte_order_mark = "\xEF\xBB\xBF";  // which a place does not count
-  const auto at = static_cast<std::size_t>(node_->Mark().pos) +
+  const auto at = static_cast<std::size_t>(source_->written_at(node_->Mark()).pos) +
                   (all.starts_with(byte_order_mark) ? byte_order_mark.size() : 0);
   const std::string& own = node_->Scalar();
   if (at > all.size()) return all;

@@ -33,10 +33,14 @@ class YamlReader {
   /// Reads a file, once, and parses it. Errors: a missing or unreadable file, and those of
   /// from_text.
   static YamlReader from_file(const std::filesystem::path& path);
-  /// Parses text; source_name stands for the file in messages, folder for its folder. Errors: bytes
-  /// that are no UTF-8, YAML syntax, a duplicate key.
+  /// Parses text, and writes out what it says by shorthand; source_name stands for the file in
+  /// messages, folder for its folder. Errors: bytes that are no UTF-8, YAML syntax, a duplicate key,
+  /// and those of write_out.
   static YamlReader from_text(const std::string& text, const std::string& source_name,
                               const std::filesystem::path& folder = {});
+
+  /// All of the text that this value is a part of, with its shorthand as it stands there.
+  YamlReader as_written() const;
 
   /// The value of a key of this map; `require` fails if the key is absent, `find` answers nothing.
   YamlReader require(const std::string& key) const;
@@ -86,7 +90,8 @@ class YamlReader {
   /// All of the text that this value is a part of, byte for byte.
   const std::string& source_text() const;
   /// The same with another text in the place of this scalar, which stands there as it reads, plain
-  /// or in quotes; as it is if the scalar is written in another way, with escapes or over lines.
+  /// or in quotes; as it is if the scalar is written in another way, with escapes, over lines or by
+  /// shorthand.
   std::string source_text_with(const std::string& text) const;
 
  private:

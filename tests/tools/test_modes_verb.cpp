@@ -244,5 +244,23 @@ operating_point: as_written
   EXPECT_NE(run({"modes", scene}).output.find("NOT STABLE: 1 eigenvalue"), std::string::npos);
 }
 
+TEST_F(ModesVerb, LengthsThatReadLikeMillimetresAreToldOf) {
+  const auto scene = [&](double scale) {
+    std::ostringstream text;
+    text << "title: t\nnodes:\n  a: {position: [0, 0, 0]}\n  b: {position: [0, 0, " << 0.15 * scale
+         << "]}\nmasses:\n  - {node: b, mass: 1}\nelements:\n"
+            "  leg: {type: truss, nodes: [a, b], stiffness: 1e4}\n"
+            "supports:\n  - {nodes: [a], fix: [x, y, z]}\n  - {nodes: [b], fix: [x, y]}\n"
+            "dofs: auto\n";
+    return write("leg.yaml", text.str());
+  };
+  EXPECT_EQ(run({"modes", scene(1)}).error, "");
+  const Said said = run({"modes", scene(1000)});
+  EXPECT_EQ(said.exit_code, 0) << said.error;
+  EXPECT_NE(said.error.find("leg.yaml:8:8: leg is 150 m long; if its nodes are in millimetres"),
+            std::string::npos)
+      << said.error;
+}
+
 }  // namespace
 }  // namespace stillframe::test

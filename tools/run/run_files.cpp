@@ -46,6 +46,12 @@ void RunFiles::add(const std::filesystem::path& file, const std::string& text) {
   files_.emplace_back(file, text_hash(text));
 }
 
+std::string RunFiles::hash() const {
+  std::string hashes;
+  for (const auto& [file, hash] : files_) hashes += hash;
+  return text_hash(hashes);
+}
+
 std::string RunFiles::changed() const {
   for (const auto& [file, hash] : files_) {
     if (text_hash(text_of(file)) != hash) return file.string() + " was changed during the run";

@@ -18,6 +18,8 @@ class RunFiles {
   RunFiles(const Scene& scene, const floor::FloorSpec& floor);
   /// A file that holds this text.
   void add(const std::filesystem::path& file, const std::string& text);
+  /// Of what is in all of them.
+  std::string hash() const;
   /// Which one is no longer what it was, in a sentence; empty: none.
   std::string changed() const;
 

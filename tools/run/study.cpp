@@ -1,10 +1,7 @@
 #include "tools/run/study.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <mutex>
-#include <thread>
 
 #include "controller/start_check.hpp"
 #include "core/errors/input_error.hpp"
@@ -23,6 +20,7 @@
 #include "report/verdict/acceptance.hpp"
 #include "report/verdict/motion_level.hpp"
 #include "tools/run/closed_loop.hpp"
+#include "tools/run/run_files.hpp"
 
 namespace stillframe::tools {
 
@@ -43,6 +41,14 @@ Index column_of(const Scene& scene, const std::string& name) {
     }
   }
   return -1;
+}
+
+Block floor_block(const Scene& scene, const std::optional<std::filesystem::path>& file) {
+  auto block = read_floor(scene, file);
+  if (!block) {
+    throw InputError(scene.file + ": the key 'floor' is missing, and no --floor is given");
+  }
+  return std::move(*block);
 }
 
 class StudyRun {
@@ -96,13 +102,8 @@ class StudyRun {
 
  private:
   floor::FloorSpec floor_spec(const StudyCase& study) const {
-    const auto block = read_floor(design_.scene, study.floor);
-    if (!block) {
-      throw InputError(design_.scene.file +
-                       ": the key 'floor' is missing, and no --floor is given");
-    }
-    return floor::read_floor_block(block->reader, design_.gains.sample_rate_hz,
-                                   floor_input_names(design_.scene));
+    return floor::read_floor_block(floor_block(design_.scene, study.floor).reader,
+                                   design_.gains.sample_rate_hz, floor_input_names(design_.scene));
   }
 
   /// What the model makes of forces besides the floor, an axis a column; nothing if there are none.
@@ -180,25 +181,13 @@ StudyResult run_case(const StudyCase& study, std::optional<double> duration_s) n
   return result;
 }
 
-std::vector<StudyResult> run_cases(const std::vector<StudyCase>& cases,
-                                   std::optional<double> duration_s, int jobs,
-                                   const std::function<void(std::size_t)>& done) {
-  std::vector<StudyResult> results(cases.size());
-  std::atomic<std::size_t> next = 0;
-  std::mutex mutex;
-  std::size_t n_done = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < cases.size(); i = next++) {
-      results[i] = run_case(cases[i], duration_s);
-      const std::lock_guard lock(mutex);
-      done(++n_done);
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 1; i < jobs; ++i) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  return results;
+StudyHashes hashes_of(const StudyCase& study) {
+  const Scene scene = read_scene(study.scene, study.controller);
+  if (!scene.controller) return {scene.hash, ""};  // said by who runs it
+  const Block block = floor_block(scene, study.floor);
+  const floor::FloorSpec spec = floor::read_floor_block(
+      block.reader, scene.controller->sample_rate_hz, floor_input_names(scene));
+  return {scene.hash, text_hash(block.text + RunFiles(scene, spec).hash())};
 }
 
 }  // namespace stillframe::tools

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "report/verdict/verdict.hpp"
 
@@ -29,10 +27,11 @@ struct StudyResult {
 /// Runs one case. Never throws: what is wrong with it is its failure.
 StudyResult run_case(const StudyCase& study, std::optional<double> duration_s) noexcept;
 
-/// Runs all cases on so many threads, each case on one; results are in the order of the cases and
-/// the same on any number of threads. done: called from one thread at a time as cases end.
-std::vector<StudyResult> run_cases(const std::vector<StudyCase>& cases,
-                                   std::optional<double> duration_s, int jobs,
-                                   const std::function<void(std::size_t n_done)>& done);
+/// What a case is of, by hashes of the scene with its controller block, and of the floor block with
+/// all recordings. Errors: InputError of files that are missing or no such blocks.
+struct StudyHashes {
+  std::string scene, floor;
+};
+StudyHashes hashes_of(const StudyCase& study);
 
 }  // namespace stillframe::tools

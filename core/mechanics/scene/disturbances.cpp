@@ -106,6 +106,17 @@ void read_force(const YamlReader& block, SceneDisturbance& disturbance) {
   }
 }
 
+/// The text that a file's path stands in, with all of the path.
+std::string with_full_path(const YamlReader& file, const std::filesystem::path& path) {
+  std::string text =
+      file.source_text_with(std::filesystem::absolute(path).lexically_normal().string());
+  if (text == file.source_text()) {
+    file.fail("a run keeps its scene with all of the path, which cannot be written in the place of "
+              "this one; write it without # and escapes, on one line, or from /");
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<SceneDisturbance> read_disturbances(const YamlReader& root, const Scene& scene) {
@@ -141,8 +152,7 @@ std::string text_with_full_paths(const Scene& scene) {
                                 .require("recording")
                                 .require("file");
     if (!std::filesystem::path(file.text()).is_relative()) continue;
-    text = file.source_text_with(
-        std::filesystem::absolute(recording->file).lexically_normal().string());
+    text = with_full_path(file, recording->file);
   }
   for (const SceneElement& element : scene.elements) {
     if (!element.superelement) continue;
@@ -151,9 +161,7 @@ std::string text_with_full_paths(const Scene& scene) {
                                 .require(element.name)
                                 .require("body");
     if (!std::filesystem::path(file.text()).is_relative()) continue;
-    text = file.source_text_with(std::filesystem::absolute(element.superelement->files.front().path)
-                                     .lexically_normal()
-                                     .string());
+    text = with_full_path(file, element.superelement->files.front().path);
   }
   return text;
 }

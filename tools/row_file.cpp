@@ -1,0 +1,117 @@
+#include "tools/row_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include "core/control/robustness/parallel.hpp"
+#include "core/errors/input_error.hpp"
+#include "msgs/stop_signal.hpp"
+#include "tools/patience.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
+    : path_(std::move(path)), kind_(kind) {
+  std::error_code missing;
+  if (!std::filesystem::exists(path_, missing)) return;
+  std::ifstream file(path_, std::ios::binary);
+  std::stringstream bytes;
+  bytes << file.rdbuf();
+  if (!file) throw InputError(path_.string() + ": cannot be read");
+  const std::string text = bytes.str();
+  const auto refuse = [&](std::size_t number) {
+    throw InputError(path_.string() + ":" + std::to_string(number) +
+                     ": found a line that is no row of a " + kind_.verb +
+                     "; allowed is a file "
+                     "that `" +
+                     kind_.verb + " --out` wrote, or a new one");
+  };
+  std::size_t begin = 0, line = 0;
+  for (std::size_t end = text.find('\n'); end != std::string::npos;
+       begin = end + 1, end = text.find('\n', begin)) {
+    ++line;
+    Json row = Json::parse(text.substr(begin, end - begin), nullptr, false);
+    if (!is_row(row, kind_)) refuse(line);
+    std::string key = key_of(row);
+    rows_[std::move(key)] = std::move(row);
+  }
+  if (begin == text.size()) return;
+  // What a killed program left, and nothing else.
+  const std::string first = R"({"version":)", rest = text.substr(begin, first.size());
+  if (first.compare(0, rest.size(), rest) != 0) refuse(line + 1);
+  unfinished_ = begin;
+}
+
+std::string RowFile::key_of(const Json& row) const {
+  std::string key;
+  for (const std::string& name : kind_.identity) key += row.at(name).dump() + " ";
+  return key;
+}
+
+const Json* RowFile::find(const Json& row) const {
+  const auto known = rows_.find(key_of(row));
+  return known == rows_.end() ? nullptr : &known->second;
+}
+
+bool is_row(const Json& row, const RowKind& kind) {
+  const auto has = [&](const std::string& key) { return row.contains(key); };
+  return row.is_object() && std::ranges::all_of(kind.identity, has) &&
+         std::ranges::all_of(kind.others, has);
+}
+
+std::string line_of(const Json& row) {
+  return row.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void RowFile::add(const Json& row) {
+  if (unfinished_ != std::string::npos) std::filesystem::resize_file(path_, unfinished_);
+  unfinished_ = std::string::npos;
+  const std::string line = line_of(row);
+  const int file = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  const bool written =
+      file >= 0 && write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  const int error = errno;
+  if (file >= 0) close(file);
+  if (!written) throw Failure(path_.string() + ": cannot be written: " + std::strerror(error));
+}
+
+std::vector<Json> fill_rows(const RowStudy& study, const std::vector<std::size_t>& points, int jobs,
+                            RowFile* file) {
+  const std::size_t n = points.size();
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  catch_stop_signals();
+  std::vector<Json> rows(n);
+  Patience patience(study.things);
+  std::mutex mutex;
+  std::size_t n_done = 0;
+  robustness::parallel_for(n, jobs > 0 ? jobs : cores, [&](std::uint64_t i, int) {
+    if (stop_requested()) return;
+    const Json identity = file ? study.identity(points[i]) : Json();
+    const Json* known = identity.is_null() ? nullptr : file->find(identity);
+    if (known && !study.answers(*known)) known = nullptr;
+    Json row = known ? *known : study.compute(points[i]);
+    const std::lock_guard lock(mutex);
+    // What was stopped on its way is not what comes of it.
+    if (stop_requested() && !known) return;
+    if (file && !known) file->add(row);
+    rows[i] = std::move(row);
+    patience.now(study.things, 100 * static_cast<double>(++n_done) / static_cast<double>(n));
+  });
+  if (n_done < n) {
+    throw Failure("interrupted with " + std::to_string(n - n_done) + " of " + std::to_string(n) +
+                  " " + study.things + " missing" +
+                  (file ? "; the same command goes on where it stopped" : ""));
+  }
+  return rows;
+}
+
+}  // namespace stillframe::tools
