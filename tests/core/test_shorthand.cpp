@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "core/errors/input_error.hpp"
-#include "core/mechanics/linearisation/linearisation.hpp"
+#include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/yaml/formula.hpp"
 #include "core/yaml/load.hpp"
@@ -228,7 +228,9 @@ TEST(Shorthand, TheRestOfAFileStaysAsItIs) {
         EXPECT_EQ(a.place(), b.place()) << a.name();
         ASSERT_EQ(a.is_map(), b.is_map());
         ASSERT_EQ(a.is_sequence(), b.is_sequence());
-        if (a.is_scalar()) EXPECT_EQ(a.text(), b.text());
+        if (a.is_scalar()) {
+          EXPECT_EQ(a.text(), b.text());
+        }
         if (a.is_sequence()) {
           const auto x = a.items(), y = b.items();
           ASSERT_EQ(x.size(), y.size());
