@@ -86,8 +86,9 @@ YamlReader YamlReader::from_text(const std::string& text, const std::string& sou
 }
 
 YamlReader YamlReader::as_written() const {
-  return YamlReader(std::make_shared<const Source>(Source{source_->name, source_->text, source_->folder}),
-                    YAML::Load(source_->text), "");
+  return YamlReader(
+      std::make_shared<const Source>(Source{source_->name, source_->text, source_->folder}),
+      YAML::Load(source_->text), "");
 }
 
 std::optional<YamlReader> YamlReader::find(const std::string& key) const {

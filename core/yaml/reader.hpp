@@ -34,8 +34,8 @@ class YamlReader {
   /// from_text.
   static YamlReader from_file(const std::filesystem::path& path);
   /// Parses text, and writes out what it says by shorthand; source_name stands for the file in
-  /// messages, folder for its folder. Errors: bytes that are no UTF-8, YAML syntax, a duplicate key,
-  /// and those of write_out.
+  /// messages, folder for its folder. Errors: bytes that are no UTF-8, YAML syntax, a duplicate
+  /// key, and those of write_out.
   static YamlReader from_text(const std::string& text, const std::string& source_name,
                               const std::filesystem::path& folder = {});
 

@@ -89,14 +89,18 @@ class Shorthand {
   /// A value as it reads at this place of the repetitions around it.
   YamlTree value(const YamlTree& tree) {
     if (++n_values_ > most_yaml_values) {
-      fail(tree.mark, "found more than " + std::to_string(most_yaml_values) +
-                          " values with all repetitions");
+      fail(tree.mark,
+           "found more than " + std::to_string(most_yaml_values) + " values with all repetitions");
     }
     switch (tree.kind) {
-      case Kind::null: return tree;
-      case Kind::scalar: return scalar(tree);
-      case Kind::sequence: return sequence(tree);
-      case Kind::map: return tree.find("angle_deg") ? polar(tree) : map(tree);
+      case Kind::null:
+        return tree;
+      case Kind::scalar:
+        return scalar(tree);
+      case Kind::sequence:
+        return sequence(tree);
+      case Kind::map:
+        return tree.find("angle_deg") ? polar(tree) : map(tree);
     }
     return tree;
   }
@@ -114,17 +118,16 @@ class Shorthand {
   }
 
   double formula(const YamlTree& tree) {
-    const FormulaNames names{
-        [&](const std::string& name) -> std::optional<double> {
-          const auto found = variables_.find(name);
-          if (found == variables_.end()) return std::nullopt;
-          found->second.is_used = true;
-          return found->second.value;
-        },
-        [&](std::size_t level) -> std::optional<double> {
-          if (level >= counts_.size()) return std::nullopt;
-          return counts_[counts_.size() - 1 - level];
-        }};
+    const FormulaNames names{[&](const std::string& name) -> std::optional<double> {
+                               const auto found = variables_.find(name);
+                               if (found == variables_.end()) return std::nullopt;
+                               found->second.is_used = true;
+                               return found->second.value;
+                             },
+                             [&](std::size_t level) -> std::optional<double> {
+                               if (level >= counts_.size()) return std::nullopt;
+                               return counts_[counts_.size() - 1 - level];
+                             }};
     try {
       return evaluate(std::string_view(tree.text).substr(1), names);
     } catch (const InputError& error) {
@@ -159,9 +162,9 @@ class Shorthand {
     for (std::size_t i = 0; i < tree.keys.size(); ++i) {
       const std::string& key = tree.keys[i].text;
       if (key != "radius" && key != "angle_deg" && (key != "z" || is_planar_)) {
-        fail(tree.keys[i].mark, printable(key, 60) +
-                                    ": unknown key of a polar position; allowed: radius, angle_deg" +
-                                    (is_planar_ ? "" : ", z"));
+        fail(tree.keys[i].mark,
+             printable(key, 60) + ": unknown key of a polar position; allowed: radius, angle_deg" +
+                 (is_planar_ ? "" : ", z"));
       }
       const YamlTree found = value(tree.children[i]);
       const auto number = found.is_scalar() ? to_number(found.text) : std::nullopt;
@@ -261,9 +264,9 @@ class Shorthand {
         }
         repetition.n = static_cast<int>(*n);
       } else if (key.text == "about") {
-        const bool allowed = entry.is_scalar() && (entry.text == "z" ||
-                                                   (!is_planar_ && (entry.text == "x" ||
-                                                                    entry.text == "y")));
+        const bool allowed =
+            entry.is_scalar() &&
+            (entry.text == "z" || (!is_planar_ && (entry.text == "x" || entry.text == "y")));
         if (!allowed) {
           fail(entry.mark, "about: found '" + printable(entry.text, 80) + "', allowed is " +
                                (is_planar_ ? "z" : "x, y or z") +

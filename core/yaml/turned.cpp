@@ -77,9 +77,9 @@ void turn_direction(YamlTree& tree, char axis, const Eigen::Matrix3d& R) {
 
 /// Both directions across the axis are all directions across it, turned or not.
 void turn_directions(YamlTree& tree, char axis, const Eigen::Matrix3d& R) {
-  const auto n_across = std::count_if(
-      tree.children.begin(), tree.children.end(),
-      [&](const YamlTree& child) { return letter(child) && child.text[0] != axis; });
+  const auto n_across =
+      std::count_if(tree.children.begin(), tree.children.end(),
+                    [&](const YamlTree& child) { return letter(child) && child.text[0] != axis; });
   for (YamlTree& child : tree.children) {
     if (n_across == 2 && letter(child)) continue;
     turn_direction(child, axis, R);

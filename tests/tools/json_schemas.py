@@ -343,6 +343,8 @@ def runs(run):
     nowhere = write("nowhere.yaml", "step: {height: 1e-3, rise_s: 1, input: nothing}\n")
     still = write("calm.yaml", "noise: {vc: G, high_pass_hz: 0.5, duration_s: 2}\n")
     run.check("batch", "noise.yaml", "lines.yaml", "--floor", still, "--floor", nowhere, codes=(4,))
+    run.check("batch", "noise.yaml", "--floor", still, "--duration", "1", codes=(0, 4))
+    run.check("batch", "noise.yaml", "--floor", still, "--duration", "1e-5", codes=(4,))
 
 
 @contextlib.contextmanager

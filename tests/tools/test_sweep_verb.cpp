@@ -198,24 +198,27 @@ TEST_F(SweepVerb, ShorthandIsSweptAsItIsWritten) {
     return text;
   };
   const std::string plain = leg_scene("5", "400", "=k");
-  const auto variable =
-      write("variable.yaml", "variables: {m: 2, k: 4e5}\n" + replaced(plain, "mass: 400", "mass: =200*m"));
-  const Json rows = json({"sweep", variable, "--set", "variables.k=3e5,5e5", "--set",
-                          "variables.m=1,2"})["rows"];
+  const auto variable = write("variable.yaml", "variables: {m: 2, k: 4e5}\n" +
+                                                   replaced(plain, "mass: 400", "mass: =200*m"));
+  const Json rows =
+      json({"sweep", variable, "--set", "variables.k=3e5,5e5", "--set", "variables.m=1,2"})["rows"];
   const auto legs_of = [](const std::string& k) {
-    return "elements:\n  leg_#: {repeat: 2, type: truss, nodes: [floor, mass], stiffness: " + k + "}\n";
+    return "elements:\n  leg_#: {repeat: 2, type: truss, nodes: [floor, mass], stiffness: " + k +
+           "}\n";
   };
   std::string repeated = leg_scene();
   const std::size_t from = repeated.find("elements:"), to = repeated.find("supports:");
   repeated.replace(from, to - from, legs_of("4e5"));
   repeated = replaced(replaced(repeated, "leg_a", "leg_1"), "leg_b", "leg_2");
-  const Json legs = json({"sweep", write("repeated.yaml", repeated), "--set",
-                          "elements.leg_#.stiffness=3e5,5e5", "--set", "masses.mass.mass=200,400"})["rows"];
+  const Json legs =
+      json({"sweep", write("repeated.yaml", repeated), "--set", "elements.leg_#.stiffness=3e5,5e5",
+            "--set", "masses.mass.mass=200,400"})["rows"];
   ASSERT_EQ(rows.size(), 4u);
   ASSERT_EQ(legs.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
-    const Json design = json({"design", write("by_hand.yaml", leg_scene("5", i % 2 == 0 ? "200" : "400",
-                                                                      i < 2 ? "3e5" : "5e5"))});
+    const Json design =
+        json({"design", write("by_hand.yaml",
+                              leg_scene("5", i % 2 == 0 ? "200" : "400", i < 2 ? "3e5" : "5e5"))});
     for (const Json& row : {rows[i], legs[i]}) {
       EXPECT_EQ(row["spectral_radius"], design["spectral_radius"]) << i;
       EXPECT_EQ(row["disk_margin"], design["margins"]["all_disk"]) << i;

@@ -111,8 +111,9 @@ std::string with_full_path(const YamlReader& file, const std::filesystem::path& 
   std::string text =
       file.source_text_with(std::filesystem::absolute(path).lexically_normal().string());
   if (text == file.source_text()) {
-    file.fail("a run keeps its scene with all of the path, which cannot be written in the place of "
-              "this one; write it without # and escapes, on one line, or from /");
+    file.fail(
+        "a run keeps its scene with all of the path, which cannot be written in the place of "
+        "this one; write it without # and escapes, on one line, or from /");
   }
   return text;
 }
