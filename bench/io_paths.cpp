@@ -115,9 +115,9 @@ class Stream : public Way {
  public:
   explicit Stream(const controller::Policy& policy) : stream_(url, run(), 1, policy) {}
   bool send(const controller::Command& command) noexcept override {
-    const std::int64_t before = stream_.n_commands_dropped();
+    const std::int64_t before = stream_.state().n_dropped;
     stream_.send(command);
-    return stream_.n_commands_dropped() == before;
+    return stream_.state().n_dropped == before;
   }
 
  private:

@@ -125,6 +125,63 @@ void ControllerLink::follow(const stillframe_msgs::run_info_t& info) {
   following_ = true;
 }
 
+void ControllerLink::host(const stillframe_msgs::run_info_t& info) {
+  run_info_ = info;
+  hosts_ = true;
+  follow(info);
+}
+
+void ControllerLink::publish_plant_state(std::int32_t state, std::int64_t start_ns) {
+  const run_state_t message{.run_id = run_id_,
+                            .plant_instance = plant_instance_,
+                            .instance = plant_instance_,
+                            .sent_ns = monotonic_ns(),
+                            .source = plant_source,
+                            .state = state,
+                            .start_monotonic_ns = start_ns,
+                            .text = ""};
+  lcm_->publish(channels::run_state, &message);
+}
+
+void ControllerLink::announce(std::int64_t start_ns) {
+  publish_plant_state(run_state_t::RUNNING, start_ns);
+  lcm_->publish(channels::run_info, &run_info_);
+}
+
+void ControllerLink::publish_end() { publish_plant_state(run_state_t::ENDED, 0); }
+
+void ControllerLink::publish_samples(const LoopRecord& record) {
+  const auto list = [](const Eigen::VectorXd& v) {
+    return std::vector<double>(v.begin(), v.end());
+  };
+  if (record.defect == Defect::none) {
+    const Measurement& from = record.measurement;
+    stillframe_msgs::measurement_t message;
+    message.run_id = run_id_;
+    message.plant_instance = plant_instance_;
+    message.controller_instance = from.heard ? instance_ : 0;
+    message.seq = from.seq;
+    message.time_ns = from.time_ns;
+    message.n_floor = static_cast<std::int32_t>(from.floor.size());
+    message.n_legs = static_cast<std::int32_t>(from.sigma.size());
+    message.n_frame = static_cast<std::int32_t>(from.frame.size());
+    message.floor_acceleration = list(from.floor);
+    message.sigma = list(from.sigma);
+    message.applied_force = list(from.applied);
+    message.frame_acceleration = list(from.frame);
+    lcm_->publish(channels::measurement, &message);
+  }
+  if (!record.sent) return;
+  command_.run_id = run_id_;
+  command_.plant_instance = plant_instance_;
+  command_.seq = record.command.seq;
+  command_.time_ns = record.command.time_ns;
+  command_.sent_ns = record.published_ns;
+  command_.force = list(record.command.force);
+  command_.saturated = record.command.saturated ? 1 : 0;
+  lcm_->publish(channels::command, &command_);
+}
+
 void ControllerLink::publish_command() noexcept {
   n_command_bytes_ =
       command_.encode(command_bytes_.data(), 0, static_cast<int>(command_bytes_.size()));

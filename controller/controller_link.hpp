@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/loop_record.hpp"
 #include "controller/measurement_decoder.hpp"
 #include "controller/policy.hpp"
 #include "controller/requests.hpp"
@@ -54,6 +55,15 @@ class ControllerLink {
   /// Lets go of the run, so that the next one may be followed. Set-up.
   void forget() noexcept { following_ = false; }
   bool is_direct() const noexcept { return direct_; }
+  /// Speaks for a rig, which has no process of its own: from here on this run is followed, and said
+  /// on the bus as a plant would. Set-up.
+  void host(const stillframe_msgs::run_info_t& info);
+  bool hosts() const noexcept { return hosts_; }
+  /// Of a rig: publishes run_info, and that the run goes on since start_ns; how it ended; and what
+  /// a record holds of samples and commands. Set-up.
+  void announce(std::int64_t start_ns);
+  void publish_end();
+  void publish_samples(const LoopRecord& record);
   /// Leaves the measurements to somebody else. Set-up.
   void stop_measurements();
 
@@ -101,6 +111,7 @@ class ControllerLink {
 
   void on_request(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void publish_plant_state(std::int32_t state, std::int64_t start_ns);
   void note_announced(const stillframe_msgs::run_state_t& state);
   bool is_announced(const stillframe_msgs::run_info_t& info) const;
   bool is_followed(std::int64_t run_id, std::int64_t plant_instance) const noexcept;
@@ -110,6 +121,7 @@ class ControllerLink {
   std::unique_ptr<lcm::LCM> lcm_;  ///< while direct_ it only publishes, and has no thread
   std::optional<DirectLine> line_;
   bool direct_ = false;  ///< the plant has spoken on the line
+  bool hosts_ = false;
   lcm::Subscription* measurement_subscription_ = nullptr;
   std::int64_t instance_;
   bool following_ = false;

@@ -1,5 +1,6 @@
 #include "controller/deadlines.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -8,7 +9,7 @@
 namespace stillframe::controller {
 
 Deadlines::Deadlines(std::int64_t start_ns, double rate_hz, double phase)
-    : start_ns_(start_ns), period_ns_(ns_per_s / rate_hz), phase_(phase) {
+    : reference_ns_(start_ns), period_ns_(ns_per_s / rate_hz), phase_(phase) {
   if (!(rate_hz > 0)) throw std::invalid_argument("Deadlines: rate_hz must be positive");
   if (!(phase >= 0 && phase < 1)) throw std::invalid_argument("Deadlines: phase must be in [0, 1)");
 }
@@ -21,10 +22,24 @@ Deadlines::WakeUp Deadlines::wake_up(std::int64_t now_ns) noexcept {
   return result;
 }
 
+void Deadlines::begin(std::int64_t reference_ns, std::int64_t now_ns) noexcept {
+  reference_ns_ = reference_ns;
+  reference_ = 0;
+  const double periods = static_cast<double>(now_ns - reference_ns) / period_ns_ - phase_;
+  k_ = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(periods)) + 1);
+}
+
+void Deadlines::follow(std::int64_t reference_ns, std::int64_t reference,
+                       double period_ns) noexcept {
+  reference_ns_ = reference_ns;
+  reference_ = reference;
+  period_ns_ = period_ns;
+}
+
 // From k each time, and not by adding periods up: a rate that is no whole number of ns does not
 // drift.
 std::int64_t Deadlines::deadline_ns(std::int64_t k) const noexcept {
-  return start_ns_ + std::llround((static_cast<double>(k) + phase_) * period_ns_);
+  return reference_ns_ + std::llround((static_cast<double>(k - reference_) + phase_) * period_ns_);
 }
 
 }  // namespace stillframe::controller

@@ -5,7 +5,8 @@
 
 namespace stillframe::controller {
 
-/// What the sensors read at one instant, for m legs and p accelerations of the floor.
+/// What the sensors read at one instant, for m legs, p accelerations of the floor and q of the
+/// frame.
 struct Measurement {
   std::int64_t seq = 0;          ///< number of the sample, rising
   std::int64_t time_ns = 0;      ///< of the sample, from the start of the run
@@ -14,6 +15,8 @@ struct Measurement {
   Eigen::VectorXd applied;       ///< m, N, sigma_a really applied when sigma was sampled
   /// p, m/s^2, prescribed accelerations, mean over the sample that ends now; empty: not measured.
   Eigen::VectorXd floor;
+  /// q, m/s^2, accelerations of the frame, likewise. The law does not hear them.
+  Eigen::VectorXd frame;
   /// false: the force is not this controller's; amplifiers that heard nothing let go, or another
   /// commands. True where an Io cannot tell: then a fade goes on where they have let go.
   bool heard = true;
@@ -28,15 +31,25 @@ struct Command {
 };
 
 /// All zero, with their sizes. Set-up.
-inline Measurement measurement_of(Eigen::Index m, Eigen::Index p) {
+inline Measurement measurement_of(Eigen::Index m, Eigen::Index p, Eigen::Index q = 0) {
   return {.sigma = Eigen::VectorXd::Zero(m),
           .applied = Eigen::VectorXd::Zero(m),
-          .floor = Eigen::VectorXd::Zero(p)};
+          .floor = Eigen::VectorXd::Zero(p),
+          .frame = Eigen::VectorXd::Zero(q)};
 }
 inline Command command_of(Eigen::Index m) { return {.force = Eigen::VectorXd::Zero(m)}; }
 
-/// The way of the loop to its sensors and actuators. Both functions are hot: called once or more a
-/// period from the loop's thread, they neither wait, allocate nor throw.
+/// How an Io is, for the host around the loop.
+struct IoState {
+  std::int64_t n_bad = 0;      ///< what came and was no measurement, or found no room
+  std::int64_t n_dropped = 0;  ///< commands that did not get away
+  /// Since when (CLOCK_MONOTONIC, ns) another controller has commanded; 0: none does.
+  std::int64_t obeys_another_since_ns = 0;
+  bool failed = false;  ///< it will give no measurement any more
+};
+
+/// The way of the loop to its sensors and actuators. All but state is hot: called once or more a
+/// period from the loop's thread, it neither waits, allocates nor throws.
 class Io {
  public:
   virtual ~Io() = default;
@@ -47,6 +60,15 @@ class Io {
 
   /// Gives a command on its way.
   virtual void send(const Command& command) noexcept = 0;
+
+  /// Called once a period, with a command or without: while it comes, the loop is alive.
+  virtual void beat() noexcept {}
+
+  /// Before the first command of a force, and once there is none any more.
+  virtual void enable(bool) noexcept {}
+
+  /// From any thread.
+  virtual IoState state() const noexcept { return {}; }
 };
 
 }  // namespace stillframe::controller

@@ -34,12 +34,13 @@ class LcmStream : public Io {
   bool receive(Measurement& measurement) noexcept override;
   void send(const Command& command) noexcept override;
 
-  /// Measurements of another run, size or type, and those that found no room.
-  std::int64_t n_bad_messages() const noexcept { return n_bad_; }
-  /// Since when (CLOCK_MONOTONIC, ns) every measurement has said that the plant obeys another
-  /// controller; 0 if it does not.
-  std::int64_t obeys_another_since_ns() const noexcept { return obeys_another_since_ns_; }
-  std::int64_t n_commands_dropped() const noexcept { return n_commands_dropped_; }
+  /// Bad are measurements of another run, size or type, and those that found no room; another
+  /// controller is obeyed as every measurement says so.
+  IoState state() const noexcept override {
+    return {.n_bad = n_bad_,
+            .n_dropped = n_commands_dropped_,
+            .obeys_another_since_ns = obeys_another_since_ns_};
+  }
 
  private:
   void end_threads();

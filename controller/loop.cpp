@@ -16,9 +16,9 @@ constexpr auto relaxed = std::memory_order_relaxed;
 constexpr double checkpoint_s = 0.1, telemetry_s = 1, after_fault_s = 0.5;
 constexpr std::int64_t longest_sleep_ns = 50'000'000;
 
-LoopRecord record_of(Eigen::Index m, Eigen::Index p) {
+LoopRecord record_of(Eigen::Index m, Eigen::Index p, Eigen::Index q) {
   LoopRecord record;
-  record.measurement = measurement_of(m, p);
+  record.measurement = measurement_of(m, p, q);
   record.command = command_of(m);
   return record;
 }
@@ -54,15 +54,15 @@ std::int64_t page_faults() noexcept {
 Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const LoopSetting& setting)
     : io_(io),
       supervisor_(supervisor),
-      screen_(policy, setting.sample_rate_hz, setting.start_ns),
+      clock_(setting.start_ns, setting.sample_rate_hz, setting.disciplined),
+      screen_(policy, setting.sample_rate_hz),
       deadlines_(setting.start_ns, setting.sample_rate_hz, setting.phase),
-      start_ns_(setting.start_ns),
       checkpoint_every_(samples(checkpoint_s, setting.sample_rate_hz)),
       last_answered_(setting.first_seq - 1),
       page_faults_every_(samples(1, setting.sample_rate_hz)),
-      incoming_(measurement_of(supervisor.n_legs(), setting.n_floor)),
+      incoming_(measurement_of(supervisor.n_legs(), setting.n_floor, setting.n_frame)),
       newest_(incoming_),
-      record_(record_of(supervisor.n_legs(), setting.n_floor)),
+      record_(record_of(supervisor.n_legs(), setting.n_floor, setting.n_frame)),
       checkpoint_(checkpoint_of(supervisor)),
       records_(places(telemetry_s, setting.sample_rate_hz), record_),
       checkpoints_(places(telemetry_s / checkpoint_s, 1) + 1, checkpoint_),
@@ -97,13 +97,18 @@ void Loop::period(std::int64_t now_ns) noexcept {
                                    .request = record_.request},
                                   record_.command);
   record_.computed_ns = monotonic_ns();
+  io_.beat();
+  if (supervisor_.driving() != enabled_) {
+    enabled_ = !enabled_;
+    io_.enable(enabled_);
+  }
   if (record_.sent) io_.send(record_.command);
   record_.published_ns = monotonic_ns();
 
   times_.wake_up.add(wake_up.past_deadline_ns);
   times_.compute.add(record_.computed_ns - now_ns);
   if (record_.sent) times_.publish.add(record_.published_ns - record_.computed_ns);
-  if (have) times_.receive.add(newest_.received_ns - start_ns_ - newest_.time_ns);
+  if (have) times_.receive.add(newest_.received_ns - clock_.local_ns(newest_.time_ns));
   add(counters_.n_late, wake_up.n_skipped);
   raise(counters_.worst_wake_up_ns, wake_up.past_deadline_ns);
   count(now_ns);
@@ -114,16 +119,24 @@ void Loop::period(std::int64_t now_ns) noexcept {
 // Bounded, so that a flood costs lateness that is counted, and not a loop that never answers again.
 Defect Loop::take_newest(std::int64_t now_ns) noexcept {
   bool any = false;
+  const bool began = clock_.locked();
   for (int n = 0; n < 4096 && io_.receive(incoming_); ++n) {
-    if (!screen_.is_new(incoming_, now_ns)) {
+    clock_.see(incoming_);
+    if (!screen_.is_new(incoming_, clock_.age(incoming_, now_ns))) {
       add(counters_.n_duplicate, 1);
       continue;
     }
     any = true;
     std::swap(incoming_, newest_);
   }
+  if (clock_.disciplined() && clock_.locked()) {
+    if (!began) deadlines_.begin(clock_.reference_ns(), now_ns);
+    deadlines_.follow(clock_.reference_ns(), clock_.reference(), clock_.period_ns());
+    counters_.n_locks.store(clock_.n_locks(), relaxed);
+    counters_.drift.store(clock_.drift(), relaxed);
+  }
   if (!any) return Defect::missing;
-  const Defect defect = screen_.judge(newest_, now_ns);
+  const Defect defect = screen_.judge(newest_, clock_.age(newest_, now_ns));
   if (defect == Defect::none) record_.measurement = newest_;
   return defect;
 }

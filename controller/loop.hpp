@@ -10,6 +10,7 @@
 #include "controller/io.hpp"
 #include "controller/request_slot.hpp"
 #include "controller/ring.hpp"
+#include "controller/sample_clock.hpp"
 #include "controller/screen.hpp"
 #include "controller/supervisor.hpp"
 
@@ -27,6 +28,8 @@ struct LoopCounters {
   std::atomic<std::int64_t> n_listened{0};   ///< measurements met while it must not command
   std::atomic<std::int64_t> n_saturated{0}, n_faults{0}, n_rejoins{0};
   std::atomic<std::int64_t> n_records_dropped{0}, n_page_faults{0};
+  std::atomic<std::int64_t> n_locks{0};  ///< SampleClock::n_locks
+  std::atomic<double> drift{0};          ///< SampleClock::drift
   std::atomic<std::int64_t> woke_ns{0};  ///< when the last period began, CLOCK_MONOTONIC
   std::atomic<std::int64_t> worst_wake_up_ns{0}, worst_compute_ns{0};
   std::atomic<State> state{State::idle};
@@ -53,6 +56,8 @@ struct LoopSetting {
   std::int64_t now_ns = 0;     ///< deadlines before it are none of this loop's
   std::int64_t first_seq = 0;  ///< samples before it were not ours to answer
   Eigen::Index n_floor = 0;    ///< accelerations of the floor in a measurement
+  Eigen::Index n_frame = 0;    ///< and of the frame
+  bool disciplined = false;    ///< samples are paced by a clock of their own (SampleClock)
 };
 
 /// The periodic loop of a wall-clock run: at each deadline it takes what has come, screens the
@@ -97,9 +102,11 @@ class Loop {
 
   Io& io_;
   Supervisor supervisor_;
+  SampleClock clock_;
   Screen screen_;
   Deadlines deadlines_;
-  std::int64_t start_ns_, checkpoint_every_, since_checkpoint_ = 0;
+  bool enabled_ = false;
+  std::int64_t checkpoint_every_, since_checkpoint_ = 0;
   std::int64_t period_ = -1, last_answered_, page_faults_at_start_ = -1;
   std::int64_t page_faults_every_, since_page_faults_ = 0;
   Measurement incoming_, newest_;

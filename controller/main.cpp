@@ -15,9 +15,12 @@
 #include "controller/handshake.hpp"
 #include "controller/latch.hpp"
 #include "controller/law.hpp"
+#include "controller/lcm_stream.hpp"
 #include "controller/lock_step.hpp"
 #include "controller/policy.hpp"
 #include "controller/realtime.hpp"
+#include "controller/rig/driver.hpp"
+#include "controller/rig/rig_file.hpp"
 #include "controller/session.hpp"
 #include "controller/start_check.hpp"
 #include "controller/telemetry.hpp"
@@ -27,6 +30,7 @@
 #include "core/files/standard_output.hpp"
 #include "core/yaml/reader.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/stop_signal.hpp"
 
@@ -45,6 +49,8 @@ constexpr const char* description =
     "measurements\n"
     "(SF_MEASUREMENT) with piezo forces (SF_COMMAND) until the plant ends the run. Lock-step or\n"
     "wall-clock, sample rate and delay are the plant's to say (SF_RUN_INFO).\n"
+    "With --rig or --io it runs a rig of its own in place of a plant, wall-clock, and says on LCM\n"
+    "what it measures and commands, as a plant would (docs/hardware.md).\n"
     "In wall-clock runs it arms, ramps the loop in, and lets the frame go smoothly when anything\n"
     "fails, by the numbers of a policy (docs/safety.md). `stillframe ctl` starts, stops and "
     "resets\n"
@@ -55,6 +61,9 @@ constexpr const char* footer =
     "  stillframe-controller --gains gains.yaml --check-only\n"
     "  scripts/private_network stillframe-controller --gains gains.yaml --run-id 7 --timeout 30\n"
     "  stillframe-controller --gains gains.yaml --policy policy.yaml --realtime enforce\n"
+    "  scripts/private_network stillframe-controller --gains gains.yaml --io simulation --duration "
+    "20\n"
+    "  stillframe-controller --gains gains.yaml --rig rig.yaml\n"
     "Exit codes: 0 done, 1 internal error or output that cannot be written, 2 bad input, 3 "
     "refused\n"
     "(an unstable loop, no force limit, another controller, no real time where it is enforced), 4 "
@@ -65,6 +74,9 @@ struct Options {
   std::filesystem::path gains;
   std::string lcm_url;
   std::optional<std::int64_t> run_id;
+  std::optional<std::filesystem::path> rig;
+  std::string io = "lcm";
+  std::optional<double> duration_s;
   double timeout_s = 10;
   double phase = 0.5;
   std::optional<std::filesystem::path> policy, timing;
@@ -85,6 +97,17 @@ void add_options(cli::Command& app, Options& options) {
       .type_name("URL");
   app.option("--run-id", options.run_id, "Run to serve (default: the first that is heard)")
       .type_name("ID");
+  app.option("--rig", options.rig,
+             "Rig file (YAML): driver, channels with their gains and signs (docs/hardware.md)")
+      .type_name("FILE");
+  app.option("--io", options.io,
+             "Where samples come from: lcm, a plant on the bus; simulation, the plant of the gains "
+             "in this process; device, converters behind devices; or a driver of your own, a "
+             "shared library (default: the rig file's, or lcm)")
+      .type_name("NAME");
+  app.option("--duration", options.duration_s,
+             "Seconds after which a run on a rig ends (default: at Ctrl-C or SIGTERM)")
+      .check(cli::positive_number());
   app.option("--timeout", options.timeout_s,
              "Seconds without a word from the plant after which the run has failed")
       .check(cli::positive_number())
@@ -197,6 +220,10 @@ void say_counters(const LoopCounters& counters) {
     spdlog::warn("{} faults, {} times back in the loop", counters.n_faults.load(),
                  counters.n_rejoins.load());
   }
+  if (counters.drift != 0) {
+    spdlog::info("the clock of the samples: {:+.1f} ppm of this machine's, {} times found anew",
+                 -1e6 * counters.drift, counters.n_locks.load());
+  }
   if (counters.n_page_faults > 0) {
     spdlog::warn("{} page faults in the loop", counters.n_page_faults.load());
   }
@@ -218,8 +245,7 @@ class WallClock {
         outside_(outside),
         presence_(link.instance(), monotonic_ns()),
         latch_(latch) {
-    session_options_ = {.lcm_url = lcm_url(options.lcm_url),
-                        .timeout_s = options.timeout_s,
+    session_options_ = {.timeout_s = options.timeout_s,
                         .phase = options.phase,
                         .any_run = !options.run_id,
                         .flight_folder = options.flight_folder,
@@ -234,13 +260,8 @@ class WallClock {
   int serve(Start start) {
     while (true) {
       if (start.over) return close(*start.over);
-      Session session(link_, gains_, policy_, presence_, latch_, outside_.disk, session_options_,
-                      start.start_monotonic_ns);
-      const Outcome outcome = session.run();
-      session.add_to(counters_, times_);
-      say_counters(session.counters());
-      if (outcome == Outcome::refused) throw Refusal(session.reason());
-      never_active_ = session.never_active();
+      LcmStream stream(lcm_url(options_.lcm_url), link_.run_info(), link_.instance(), policy_);
+      const Outcome outcome = run_session(stream, start.start_monotonic_ns);
       if (outcome != Outcome::began_anew) return close(outcome);
       spdlog::info("the plant begins anew");
       link_.forget();
@@ -248,7 +269,27 @@ class WallClock {
     }
   }
 
+  /// On a rig, which this process speaks for. Without an end it ends when it is told to.
+  int serve_rig(Io& io, const RigFile& rig) {
+    ScaledIo scaled(io, rig.channels, rig.setting(gains_).n_floor, rig.setting(gains_).n_frame);
+    Outcome outcome = run_session(scaled, monotonic_ns());
+    if (outcome == Outcome::interrupted && !options_.duration_s) outcome = Outcome::ended;
+    link_.publish_end();
+    return close(outcome);
+  }
+
  private:
+  Outcome run_session(Io& io, std::int64_t start_ns) {
+    Session session(io, link_, gains_, policy_, presence_, latch_, outside_.disk, session_options_,
+                    start_ns);
+    const Outcome outcome = session.run();
+    session.add_to(counters_, times_);
+    say_counters(session.counters());
+    if (outcome == Outcome::refused) throw Refusal(session.reason());
+    never_active_ = session.never_active();
+    return outcome;
+  }
+
   int close(Outcome outcome) {
     int code = close_run(outcome, link_, counters_, options_.timeout_s, outside_.terminal);
     if (!write_files() && code == exit_done) code = exit_error;
@@ -342,6 +383,48 @@ std::string refusal_by(Check check) {
   return "";
 }
 
+/// What has to be had before forces are sent by the clock. Errors: Refusal.
+void require_real_time(const Policy& policy, ControllerLink& link) {
+  const RealtimeReport realtime = prepare_process(policy);
+  spdlog::info("real time: {}", realtime.text);
+  if (policy.realtime != Policy::Realtime::enforce || realtime.complete) return;
+  link.publish_state(link.run_info().run_id, stillframe_msgs::run_state_t::FAILED, "no real time");
+  throw Refusal("real time is enforced and was not obtained: " + realtime.text +
+                "; run as root or with CAP_SYS_NICE and CAP_IPC_LOCK, or take best_effort");
+}
+
+int serve_rig(const Options& options, const Gains& gains, const Policy& policy,
+              const std::string& policy_text, const Reasons& reasons, Outside& outside) {
+  RigFile rig = options.rig ? read_rig(*options.rig, gains) : default_rig(gains);
+  if (options.io != "lcm") rig.driver = options.io;
+  if (rig.driver.empty()) {
+    throw InputError(options.rig->string() + ": driver: missing; name one there or with --io");
+  }
+  if (gains.delay_samples < 1) {
+    throw InputError(
+        options.gains.string() + ": delay_samples: found " +
+        fmt::format("{}", gains.delay_samples) +
+        ", allowed on a rig is 1 or more: the command of a sample is known at the next");
+  }
+  for (const std::string& reason : {reasons.any, reasons.active}) {
+    if (!reason.empty()) throw Refusal(reason);
+  }
+  const LoadedIo io = load_driver(rig.driver, rig.setting(gains));
+  catch_stop_signals();
+  ignore_write_signals();
+  ControllerLink link(lcm_url(options.lcm_url), policy);
+  const auto n_samples =
+      static_cast<std::int64_t>(options.duration_s.value_or(0) * gains.sample_rate_hz);
+  link.host(describe_rig(rig, gains, YamlReader::from_file(options.gains).source_text(),
+                         options.run_id.value_or(new_run_id()), n_samples, STILLFRAME_VERSION));
+  const auto& info = link.run_info();
+  spdlog::info("run {} of {}: driver {}, {} Hz", info.run_id, info.scene_name, rig.driver,
+               info.sample_rate_hz);
+  require_real_time(policy, link);
+  Latch latch = open_latch(options, link, outside.disk);
+  return WallClock(options, gains, policy, policy_text, link, latch, outside).serve_rig(*io, rig);
+}
+
 int serve(const Options& options, const Gains& gains, const Policy& policy,
           const std::string& policy_text, const Reasons& reasons, Outside& outside) {
   catch_stop_signals();
@@ -359,13 +442,7 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
     link.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, reason);
     throw Refusal(reason);
   }
-  const RealtimeReport realtime = prepare_process(policy);
-  spdlog::info("real time: {}", realtime.text);
-  if (policy.realtime == Policy::Realtime::enforce && !realtime.complete) {
-    link.publish_state(info.run_id, stillframe_msgs::run_state_t::FAILED, "no real time");
-    throw Refusal("real time is enforced and was not obtained: " + realtime.text +
-                  "; run as root or with CAP_SYS_NICE and CAP_IPC_LOCK, or take best_effort");
-  }
+  require_real_time(policy, link);
   Latch latch = open_latch(options, link, outside.disk);
   return WallClock(options, gains, policy, policy_text, link, latch, outside).serve(start);
 }
@@ -388,6 +465,9 @@ int run(const Options& options, Outside& outside) {
   spdlog::info("{}: stable, spectral radius {:.9f}", options.gains.string(), radius);
   const Reasons reasons{.any = refusal_by([&] { force_limit(gains, policy); }),
                         .active = refusal_by([&] { require_stable_ramp(gains); })};
+  if (options.rig || options.io != "lcm") {
+    return serve_rig(options, gains, policy, policy_text, reasons, outside);
+  }
   return serve(options, gains, policy, policy_text, reasons, outside);
 }
 

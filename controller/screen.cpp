@@ -12,16 +12,15 @@ constexpr double most_floor = 1e3;
 
 }  // namespace
 
-Screen::Screen(const Policy& policy, double sample_rate_hz, std::int64_t start_ns)
+Screen::Screen(const Policy& policy, double sample_rate_hz)
     : sample_time_(1 / sample_rate_hz),
       late_after_(policy.late_periods / sample_rate_hz),
-      sigma_limit_(policy.sigma_limit_n),
-      start_ns_(start_ns) {}
+      sigma_limit_(policy.sigma_limit_n) {}
 
-bool Screen::is_new(const Measurement& measurement, std::int64_t now_ns) noexcept {
+bool Screen::is_new(const Measurement& measurement, double age) noexcept {
   if (measurement.seq <= last_seq_) return false;
   // One from the future would make all until then look like old ones.
-  if (age(measurement, now_ns) < -sample_time_) return false;
+  if (age < -sample_time_) return false;
   const double due = static_cast<double>(measurement.seq) * sample_time_;
   if (std::abs(static_cast<double>(measurement.time_ns) * 1e-9 - due) > sample_time_ / 2) {
     return false;
@@ -30,8 +29,8 @@ bool Screen::is_new(const Measurement& measurement, std::int64_t now_ns) noexcep
   return true;
 }
 
-Defect Screen::judge(const Measurement& measurement, std::int64_t now_ns) noexcept {
-  if (age(measurement, now_ns) > late_after_) return Defect::late;
+Defect Screen::judge(const Measurement& measurement, double age) const noexcept {
+  if (age > late_after_) return Defect::late;
   if (!measurement.sigma.allFinite() || !measurement.applied.allFinite() ||
       !measurement.floor.allFinite()) {
     return Defect::not_finite;

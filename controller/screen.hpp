@@ -12,25 +12,19 @@ namespace stillframe::controller {
 /// allocation.
 class Screen {
  public:
-  /// start_ns: t_0 on CLOCK_MONOTONIC, from which time_ns of a measurement counts.
-  Screen(const Policy& policy, double sample_rate_hz, std::int64_t start_ns);
+  Screen(const Policy& policy, double sample_rate_hz);
 
-  /// True if a measurement is newer than all before, not from the future of now_ns
-  /// (CLOCK_MONOTONIC), and its number belongs to its time: not a duplicate, one that was
-  /// overtaken, or one of another run played again.
-  bool is_new(const Measurement& measurement, std::int64_t now_ns) noexcept;
+  /// True if a measurement of this age (s) is newer than all before, not from the future, and its
+  /// number belongs to its time: not a duplicate, one that was overtaken, or one of another run
+  /// played again.
+  bool is_new(const Measurement& measurement, double age) noexcept;
 
-  /// What is wrong with the newest measurement, seen at now_ns; none if nothing.
-  Defect judge(const Measurement& measurement, std::int64_t now_ns) noexcept;
-
-  /// s from the sample to now.
-  double age(const Measurement& measurement, std::int64_t now_ns) const noexcept {
-    return static_cast<double>(now_ns - start_ns_ - measurement.time_ns) * 1e-9;
-  }
+  /// What is wrong with the newest measurement, of this age (s); none if nothing.
+  Defect judge(const Measurement& measurement, double age) const noexcept;
 
  private:
   double sample_time_, late_after_, sigma_limit_;
-  std::int64_t start_ns_, last_seq_ = -1;
+  std::int64_t last_seq_ = -1;
 };
 
 }  // namespace stillframe::controller

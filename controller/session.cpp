@@ -23,9 +23,10 @@ constexpr std::int64_t asleep_ns = 50'000'000;  // no other could begin in that 
 constexpr double silent_samples = 3;            // in a row, of a plant that is there
 // A controller that comes to a run which has gone on for longer than this was not there before.
 constexpr std::int64_t joined_after_ns = 500'000'000;
+constexpr std::int64_t announce_every_ns = 500'000'000;
 
 LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
-                       std::int32_t n_floor) {
+                       const ControllerLink& link) {
   const std::int64_t now = monotonic_ns();
   const auto samples = static_cast<double>(now - start_ns) * 1e-9 * gains.sample_rate_hz;
   return {.sample_rate_hz = gains.sample_rate_hz,
@@ -33,7 +34,9 @@ LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
           .start_ns = start_ns,
           .now_ns = now,
           .first_seq = now - start_ns > joined_after_ns ? std::llround(samples) : 0,
-          .n_floor = n_floor};
+          .n_floor = link.run_info().n_floor,
+          .n_frame = link.run_info().n_frame,
+          .disciplined = link.hosts()};
 }
 
 Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active,
@@ -47,21 +50,21 @@ Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active,
 
 }  // namespace
 
-Session::Session(ControllerLink& link, const Gains& gains, const Policy& policy,
+Session::Session(Io& io, ControllerLink& link, const Gains& gains, const Policy& policy,
                  const Presence& presence, Latch& latch, Background& disk,
                  const SessionOptions& options, std::int64_t start_ns)
-    : link_(link),
+    : io_(io),
+      link_(link),
       policy_(policy),
       presence_(presence),
       latch_(latch),
       disk_(disk),
       options_(options),
-      stream_(options.lcm_url, link.run_info(), presence.instance(), policy),
       start_ns_(start_ns),
       sample_rate_hz_(gains.sample_rate_hz),
-      loop_(stream_, supervisor_of(gains, policy, link.run_info().loop != "passive", latch), policy,
-            setting_of(gains, options.phase, start_ns, link.run_info().n_floor)),
-      telemetry_(link, loop_, stream_, presence, options.policy_text),
+      loop_(io, supervisor_of(gains, policy, link.run_info().loop != "passive", latch), policy,
+            setting_of(gains, options.phase, start_ns, link)),
+      telemetry_(link, loop_, io, presence, options.policy_text),
       told_latched_(latch.fault() != Fault::none),
       alive_ns_(monotonic_ns()) {}
 
@@ -69,6 +72,7 @@ Outcome Session::run() {
   LoopThread thread(loop_, policy_, sample_rate_hz_);
   while (!is_over(thread)) {
     listen();
+    announce();
     serve_requests();
     telemetry_.publish_records();
     tell(false);
@@ -76,7 +80,7 @@ Outcome Session::run() {
     look_for_end();
   }
   thread.end();
-  if (end_ == Outcome::ended) {
+  if (end_ == Outcome::ended && !link_.hosts()) {
     n_unheard_ = std::max<std::int64_t>(link_.run_info().n_samples - 1 - loop_.last_seq(), 0);
   } else if (loop_.counters().driving) {
     options_.warn("a force is left with the amplifiers, which hold it and then let go of it");
@@ -245,12 +249,35 @@ void Session::look_for_end() {
   if (count != alive_count_) alive_ns_ = now;
   alive_count_ = count;
   if (stop_requested()) end(Outcome::interrupted);
-  if (is_overruled(stream_.obeys_another_since_ns(), now, sample_rate_hz_)) {
+  const IoState io = io_.state();
+  if (is_overruled(io.obeys_another_since_ns, now, sample_rate_hz_)) {
     reason_ = "the plant obeys another controller; end that one first";
     end(Outcome::refused);
   }
-  const std::int64_t heard_ns = std::max(alive_ns_, link_.last_heard_ns());
-  if (static_cast<double>(now - heard_ns) > options_.timeout_s * ns_per_s) end(Outcome::silent);
+  // What a rig is heard to say on the bus is said by this process.
+  const std::int64_t heard_ns =
+      link_.hosts() ? alive_ns_ : std::max(alive_ns_, link_.last_heard_ns());
+  if (io.failed || static_cast<double>(now - heard_ns) > options_.timeout_s * ns_per_s) {
+    end(Outcome::silent);
+  }
+  const std::int64_t n_samples = link_.run_info().n_samples;
+  if (link_.hosts() && n_samples > 0 &&
+      now - start_ns_ > samples_ns(static_cast<double>(n_samples))) {
+    end(Outcome::ended);
+  }
+}
+
+// A rig has no process of its own that says so.
+void Session::announce() {
+  const std::int64_t now = monotonic_ns();
+  if (!link_.hosts() || now - announced_ns_ < announce_every_ns) return;
+  announced_ns_ = now;
+  link_.announce(start_ns_);
+  const std::int64_t n_locks = loop_.counters().n_locks;
+  if (n_locks != told_locks_) {
+    options_.warn("the clock of the samples has stepped, paused or begun anew");
+    told_locks_ = n_locks;
+  }
 }
 
 std::string Session::never_active() const {

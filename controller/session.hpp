@@ -9,8 +9,8 @@
 #include "controller/background.hpp"
 #include "controller/controller_link.hpp"
 #include "controller/gains.hpp"
+#include "controller/io.hpp"
 #include "controller/latch.hpp"
-#include "controller/lcm_stream.hpp"
 #include "controller/loop.hpp"
 #include "controller/loop_thread.hpp"
 #include "controller/outcome.hpp"
@@ -23,7 +23,6 @@ namespace stillframe::controller {
 
 /// What a session needs to know beside gains and policy.
 struct SessionOptions {
-  std::string lcm_url;
   double timeout_s = 10;  ///< without a word from the plant, after which the session is over
   double phase = 0.5;     ///< of the deadlines in a sample
   bool any_run = true;    ///< another run may take the place of one that is silent
@@ -32,15 +31,17 @@ struct SessionOptions {
   std::function<void(const std::string&)> say, warn;  ///< they never wait; from any thread
 };
 
-/// One wall-clock run of one plant: the loop on a thread of its own, and beside it, on the calling
-/// thread, interlock, requests, status and telemetry, and the watch for the end. It touches neither
-/// terminal nor disk: what it says and what it records goes to threads that may hang. Set-up.
+/// One wall-clock run of one plant or rig, wherever its samples come from: the loop on a thread of
+/// its own, and beside it, on the calling thread, interlock, requests, status and telemetry, and
+/// the watch for the end. It touches neither terminal nor disk: what it says and what it records
+/// goes to threads that may hang. Set-up.
 class Session {
  public:
-  /// link follows the run; all arguments outlive the session. disk writes the flight records.
-  /// start_ns: t_0 of the run on CLOCK_MONOTONIC. Errors: as LcmStream and Supervisor.
-  Session(ControllerLink& link, const Gains& gains, const Policy& policy, const Presence& presence,
-          Latch& latch, Background& disk, const SessionOptions& options, std::int64_t start_ns);
+  /// link follows the run, or hosts it; all arguments outlive the session. disk writes the flight
+  /// records. start_ns: t_0 of the run on CLOCK_MONOTONIC. Errors: as Supervisor.
+  Session(Io& io, ControllerLink& link, const Gains& gains, const Policy& policy,
+          const Presence& presence, Latch& latch, Background& disk, const SessionOptions& options,
+          std::int64_t start_ns);
 
   /// Runs to the end, and lets go of the frame before it answers.
   Outcome run();
@@ -61,18 +62,19 @@ class Session {
   void keep_latch();
   void give_flight();
   void look_for_end();
+  void announce();
   void end(Outcome outcome);
   bool is_over(LoopThread& thread);
   bool knows_the_loop() const;
   std::int64_t samples_ns(double n) const;
 
+  Io& io_;
   ControllerLink& link_;
   const Policy& policy_;
   const Presence& presence_;
   Latch& latch_;
   Background& disk_;
   const SessionOptions& options_;
-  LcmStream stream_;
   std::int64_t start_ns_;
   double sample_rate_hz_;
   Loop loop_;
@@ -85,7 +87,7 @@ class Session {
   bool told_latched_, flight_given_ = false;
   std::int64_t told_floor_ = -1;  ///< LoopCounters::broken_floor
   std::int64_t told_ns_ = 0, told_faults_ = 0, alive_ns_, alive_count_ = 0;
-  std::int64_t n_unheard_ = 0;
+  std::int64_t n_unheard_ = 0, announced_ns_ = 0, told_locks_ = 0;
 };
 
 }  // namespace stillframe::controller

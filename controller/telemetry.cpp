@@ -90,9 +90,9 @@ LoopRecord from_message(const loop_record_t& message) {
   return record;
 }
 
-Telemetry::Telemetry(ControllerLink& link, Loop& loop, const LcmStream& stream,
-                     const Presence& presence, const std::string& policy_text)
-    : link_(link), loop_(loop), stream_(stream), presence_(presence), policy_text_(policy_text) {}
+Telemetry::Telemetry(ControllerLink& link, Loop& loop, const Io& io, const Presence& presence,
+                     const std::string& policy_text)
+    : link_(link), loop_(loop), io_(io), presence_(presence), policy_text_(policy_text) {}
 
 void Telemetry::publish_records() {
   const std::int64_t run_id = link_.run_info().run_id;
@@ -111,6 +111,7 @@ void Telemetry::publish_records() {
   };
   while (const LoopRecord* record = loop_.records().oldest()) {
     message.records.push_back(to_message(*record));
+    if (link_.hosts()) link_.publish_samples(*record);
     loop_.records().pop();
     if (message.records.size() == records_a_message) give();
   }
@@ -177,8 +178,9 @@ void Telemetry::publish_status(const LastRequest& request) {
   status.n_saturated = counters.n_saturated;
   status.n_faults = counters.n_faults;
   status.n_rejoins = counters.n_rejoins;
-  status.n_bad_messages = stream_.n_bad_messages() + link_.n_malformed();
-  status.n_commands_dropped = stream_.n_commands_dropped();
+  const IoState io = io_.state();
+  status.n_bad_messages = io.n_bad + link_.n_malformed();
+  status.n_commands_dropped = io.n_dropped;
   status.n_records_dropped = counters.n_records_dropped;
   status.n_page_faults = counters.n_page_faults;
   status.worst_wake_up_ns = counters.worst_wake_up_ns;

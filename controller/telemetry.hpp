@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "controller/controller_link.hpp"
-#include "controller/lcm_stream.hpp"
+#include "controller/io.hpp"
 #include "controller/loop.hpp"
 #include "controller/presence.hpp"
 #include "controller/request_queue.hpp"
@@ -36,17 +36,18 @@ std::string floor_in_words(const LoopCounters& counters,
 class Telemetry {
  public:
   /// All outlive the telemetry. policy_text: of the policy file, for replay.
-  Telemetry(ControllerLink& link, Loop& loop, const LcmStream& stream, const Presence& presence,
+  Telemetry(ControllerLink& link, Loop& loop, const Io& io, const Presence& presence,
             const std::string& policy_text);
 
-  /// Publishes the records and checkpoints that wait, in their order.
+  /// Publishes the records and checkpoints that wait, in their order; of a rig, which has no other
+  /// voice, also what was measured and commanded.
   void publish_records();
   void publish_status(const LastRequest& request);
 
  private:
   ControllerLink& link_;
   Loop& loop_;
-  const LcmStream& stream_;
+  const Io& io_;
   const Presence& presence_;
   const std::string& policy_text_;
 };

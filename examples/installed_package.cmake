@@ -17,7 +17,7 @@ endif()
 run(bash -c "source ${prefix}/usr/share/bash-completion/completions/stillframe
   COMP_WORDS=(stillframe sweep --se) COMP_CWORD=2; _stillframe; test \"\${COMPREPLY[*]}\" = --set
   COMP_WORDS=(stillframe swe) COMP_CWORD=1; _stillframe; test \"\${COMPREPLY[*]}\" = sweep")
-foreach(example 01_linear_model 02_gains 03_closed_loop 04_hardware 05_scene_in_cpp)
+foreach(example 01_linear_model 02_gains 03_closed_loop 04_hardware 05_scene_in_cpp 06_rig)
   run(${CMAKE_COMMAND} -S ${EXAMPLES}/${example} -B ${prefix}/${example} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
     # With other vector instructions than the package has: what one allocates the other must be able to free.
     -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${prefix}/usr -DCMAKE_CXX_FLAGS=${NATIVE})

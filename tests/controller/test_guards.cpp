@@ -31,30 +31,31 @@ Measurement measurement(std::int64_t seq, double sigma = 1, double applied = 0) 
           .floor = {}};
 }
 
-constexpr std::int64_t at(double sample) { return static_cast<std::int64_t>(sample * 1e6); }
+/// s, the age of sample k some samples after the first.
+constexpr double age(int k, double now) { return (now - k) * 1e-3; }
 
 TEST(Screen, TakesOnlyWhatIsNew) {
-  Screen screen({}, 1000, 0);
-  EXPECT_TRUE(screen.is_new(measurement(0), at(0.5)));
-  EXPECT_FALSE(screen.is_new(measurement(0), at(1)));  // twice
-  EXPECT_TRUE(screen.is_new(measurement(3), at(3)));
-  EXPECT_FALSE(screen.is_new(measurement(2), at(3)));  // overtaken
-  Measurement replayed = measurement(4);               // another number, the old time
+  Screen screen({}, 1000);
+  EXPECT_TRUE(screen.is_new(measurement(0), age(0, 0.5)));
+  EXPECT_FALSE(screen.is_new(measurement(0), age(0, 1)));  // twice
+  EXPECT_TRUE(screen.is_new(measurement(3), age(3, 3)));
+  EXPECT_FALSE(screen.is_new(measurement(2), age(2, 3)));  // overtaken
+  Measurement replayed = measurement(4);                   // another number, the old time
   replayed.time_ns = 1'000'000;
-  EXPECT_FALSE(screen.is_new(replayed, at(4)));
+  EXPECT_FALSE(screen.is_new(replayed, age(1, 4)));
   // From the future, and without any harm to those that come in their time.
-  EXPECT_FALSE(screen.is_new(measurement(1000), at(4)));
-  EXPECT_TRUE(screen.is_new(measurement(4), at(4)));
+  EXPECT_FALSE(screen.is_new(measurement(1000), age(1000, 4)));
+  EXPECT_TRUE(screen.is_new(measurement(4), age(4, 4)));
 }
 
 TEST(Screen, JudgesAgeAndValues) {
-  Screen screen({}, 1000, 5'000'000);
-  EXPECT_EQ(screen.judge(measurement(7), at(5 + 7.5)), Defect::none);
-  EXPECT_EQ(screen.judge(measurement(8), at(5 + 9.001)), Defect::late);
-  EXPECT_EQ(screen.judge(measurement(9, std::nan("")), at(14.5)), Defect::not_finite);
-  EXPECT_EQ(screen.judge(measurement(10, 1, INFINITY), at(15.5)), Defect::not_finite);
-  EXPECT_EQ(screen.judge(measurement(11, -1.001e5), at(16.5)), Defect::out_of_range);
-  EXPECT_EQ(screen.judge(measurement(12, 1, 2e5), at(17.5)), Defect::out_of_range);
+  const Screen screen({}, 1000);
+  EXPECT_EQ(screen.judge(measurement(7), 0.5e-3), Defect::none);
+  EXPECT_EQ(screen.judge(measurement(8), 1.001e-3), Defect::late);
+  EXPECT_EQ(screen.judge(measurement(9, std::nan("")), 0.5e-3), Defect::not_finite);
+  EXPECT_EQ(screen.judge(measurement(10, 1, INFINITY), 0.5e-3), Defect::not_finite);
+  EXPECT_EQ(screen.judge(measurement(11, -1.001e5), 0.5e-3), Defect::out_of_range);
+  EXPECT_EQ(screen.judge(measurement(12, 1, 2e5), 0.5e-3), Defect::out_of_range);
 }
 
 void commanded_last(Limits& limits, const VectorXd& force) {

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <atomic>
+
+#include "controller/rig/device_frames.hpp"
+#include "controller/rig/driver.hpp"
+
+namespace stillframe::controller {
+
+/// Converters behind two devices of the operating system, character devices or pipes, that carry
+/// device_frames. Options: from, to (paths; the same one if it goes both ways). A device that is
+/// not read does not hold up the loop: what it does not take is dropped, and counted.
+class DeviceIo : public Io {
+ public:
+  /// Errors: InputError if a device cannot be opened.
+  explicit DeviceIo(const DriverSetting& setting);
+  ~DeviceIo() override;
+  DeviceIo(const DeviceIo&) = delete;
+  DeviceIo& operator=(const DeviceIo&) = delete;
+
+  bool receive(Measurement& measurement) noexcept override;
+  void send(const Command& command) noexcept override;
+  void beat() noexcept override;
+  void enable(bool on) noexcept override;
+  IoState state() const noexcept override { return {.n_bad = n_bad_, .n_dropped = n_dropped_}; }
+
+ private:
+  int in_, out_;
+  FrameSearch search_;
+  std::vector<std::uint32_t> command_;
+  std::int64_t seq_ = -1;
+  std::uint32_t number_ = 0;
+  bool sent_ = false;
+  std::atomic<std::int64_t> n_bad_{0}, n_dropped_{0};
+};
+
+}  // namespace stillframe::controller

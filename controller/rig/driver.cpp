@@ -1,0 +1,39 @@
+#include "controller/rig/driver.hpp"
+
+#include <dlfcn.h>
+
+#include "controller/rig/device_io.hpp"
+#include "controller/rig/simulated_io.hpp"
+#include "core/errors/input_error.hpp"
+
+namespace stillframe::controller {
+
+const std::string& DriverSetting::option(const std::string& name) const {
+  const auto found = options.find(name);
+  if (found == options.end())
+    throw InputError("driver: " + name + ": missing, required by this driver");
+  return found->second;
+}
+
+LoadedIo load_driver(const std::string& name, const DriverSetting& setting) {
+  if (name == "simulation") return {nullptr, std::make_unique<SimulatedIo>(setting)};
+  if (name == "device") return {nullptr, std::make_unique<DeviceIo>(setting)};
+  if (name.find('/') == std::string::npos && !name.ends_with(".so")) {
+    throw InputError("driver: found '" + name +
+                     "', allowed are simulation, device and the path of a shared library");
+  }
+  const std::string path = (setting.folder / name).string();
+  const std::string found = path.find('/') == std::string::npos ? "./" + path : path;
+  const std::shared_ptr<void> library(dlopen(found.c_str(), RTLD_NOW | RTLD_LOCAL),
+                                      [](void* handle) {
+                                        if (handle != nullptr) dlclose(handle);
+                                      });
+  if (!library) throw InputError("driver: " + std::string(dlerror()));
+  using Make = Io*(const DriverSetting&);
+  auto* make = reinterpret_cast<Make*>(dlsym(library.get(), "stillframe_make_io"));
+  if (make == nullptr)
+    throw InputError("driver: " + path + ": is no driver, has no STILLFRAME_DRIVER");
+  return {library, std::unique_ptr<Io>(make(setting))};
+}
+
+}  // namespace stillframe::controller

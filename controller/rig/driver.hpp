@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "controller/gains.hpp"
+#include "controller/io.hpp"
+
+namespace stillframe::controller {
+
+/// What a driver is told: how many channels there are, and its options of the rig file.
+struct DriverSetting {
+  Eigen::Index n_legs = 0;   ///< channels of sigma, applied and force
+  Eigen::Index n_floor = 0;  ///< accelerations of the floor
+  Eigen::Index n_frame = 0;  ///< accelerations of the frame
+  double sample_rate_hz = 0;
+  const Gains* gains = nullptr;
+  std::map<std::string, std::string> options;  ///< driver: of the rig file, but for its name
+  std::filesystem::path folder;                ///< of the rig file, for paths among them
+
+  /// An option that has to be there. Errors: InputError.
+  const std::string& option(const std::string& name) const;
+};
+
+/// An Io and the library that it came from.
+class LoadedIo {
+ public:
+  LoadedIo(std::shared_ptr<void> library, std::unique_ptr<Io> io)
+      : library_(std::move(library)), io_(std::move(io)) {}
+  Io& operator*() const { return *io_; }
+
+ private:
+  std::shared_ptr<void> library_;  ///< outlives its Io
+  std::unique_ptr<Io> io_;
+};
+
+/// The driver of that name: simulation, device, or the path of a shared library that has
+/// STILLFRAME_DRIVER. Set-up. Errors: InputError, and what the driver throws.
+LoadedIo load_driver(const std::string& name, const DriverSetting& setting);
+
+}  // namespace stillframe::controller
+
+/// Makes a class, an Io constructed from a DriverSetting, a driver in a shared library of its own.
+#define STILLFRAME_DRIVER(Class)                              \
+  extern "C" stillframe::controller::Io* stillframe_make_io(  \
+      const stillframe::controller::DriverSetting& setting) { \
+    return new Class(setting);                                \
+  }

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller/gains.hpp"
+#include "controller/rig/driver.hpp"
+#include "controller/rig/scaled_io.hpp"
+#include "stillframe_msgs/run_info_t.hpp"
+
+namespace stillframe::controller {
+
+/// What a rig file says of sensors and actuators; docs/hardware.md. All of it has a default: the
+/// channels of a driver one after the other, in SI units.
+struct RigFile {
+  std::string title = "rig";
+  std::string driver;                          ///< empty: none is named
+  std::map<std::string, std::string> options;  ///< of the driver
+  std::filesystem::path folder;                ///< of the file
+  std::string scene_text;                      ///< of the scene it names, empty without
+  Channels channels;
+  std::vector<std::string> floor, frame;  ///< names of these channels
+
+  DriverSetting setting(const Gains& gains) const;
+};
+
+/// The rig of a loop without a rig file.
+RigFile default_rig(const Gains& gains);
+
+/// Reads a rig file for the legs and the floor of these gains. Errors: InputError (missing file,
+/// unknown key or leg, a leg that is left out, a channel that is used twice).
+RigFile read_rig(const std::filesystem::path& path, const Gains& gains);
+
+/// The run_info_t of a run on a rig. gains_text: of the gains file; n_samples: 0 if it has no end;
+/// version: of the program.
+stillframe_msgs::run_info_t describe_rig(const RigFile& rig, const Gains& gains,
+                                         const std::string& gains_text, std::int64_t run_id,
+                                         std::int64_t n_samples, const std::string& version);
+
+}  // namespace stillframe::controller

@@ -1,0 +1,111 @@
+#include "controller/sample_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "msgs/clock.hpp"
+
+namespace stillframe::controller {
+
+namespace {
+
+constexpr double slope_s = 10;
+constexpr double farthest_periods = 1e9;  // beyond it a number is no number of a sample
+
+}  // namespace
+
+SampleClock::SampleClock(std::int64_t start_ns, double sample_rate_hz, bool disciplined)
+    : nominal_ns_(ns_per_s / sample_rate_hz),
+      period_ns_(nominal_ns_),
+      disciplined_(disciplined),
+      start_ns_(start_ns),
+      reference_ns_(start_ns) {
+  if (!(sample_rate_hz > 0)) throw std::invalid_argument("SampleClock: no positive sample rate");
+}
+
+std::int64_t SampleClock::local_ns(std::int64_t time_ns) const noexcept {
+  if (!disciplined_) return start_ns_ + time_ns;
+  const double samples =
+      static_cast<double>(time_ns) / nominal_ns_ - static_cast<double>(reference_);
+  return reference_ns_ + std::llround(part_ns_ + samples * period_ns_);
+}
+
+double SampleClock::error_ns(std::int64_t seq, std::int64_t received_ns) const noexcept {
+  return static_cast<double>(received_ns - reference_ns_) - part_ns_ -
+         static_cast<double>(seq - reference_) * period_ns_;
+}
+
+void SampleClock::see(Measurement& measurement) noexcept {
+  if (!disciplined_) return;
+  const std::int64_t card = measurement.seq;
+  std::int64_t seq = card + epoch_;
+  const double error = error_ns(seq, measurement.received_ns);
+  const bool off = !(std::abs(error) < period_ns_ / 2) || seq <= last_;
+  if (!locked_) {
+    reference_ns_ = measurement.received_ns;
+    lock(card, measurement.received_ns);
+    locked_ = true;
+    seq = card + epoch_;
+  } else if (!off) {
+    n_off_ = 0;
+    track(seq, error);
+  } else {
+    // A burst behind a stall is off as well, but each of it by a period less than the one before.
+    const bool steady = n_off_ > 0 && card > before_ &&
+                        std::max(most_off_, error) - std::min(least_off_, error) < period_ns_ / 2;
+    n_off_ = steady ? n_off_ + 1 : 1;
+    least_off_ = steady ? std::min(least_off_, error) : error;
+    most_off_ = steady ? std::max(most_off_, error) : error;
+    before_ = card;
+    if (n_off_ >= settle) {
+      lock(card, measurement.received_ns);
+      ++n_locks_;
+      n_off_ = 0;
+      seq = card + epoch_;
+    }
+  }
+  measurement.seq = seq;
+  const double time_ns = static_cast<double>(seq) * nominal_ns_;
+  measurement.time_ns =
+      std::abs(time_ns) < farthest_periods * nominal_ns_ ? std::llround(time_ns) : -1;
+}
+
+void SampleClock::track(std::int64_t seq, double error) noexcept {
+  const std::int64_t n = seq - last_;
+  last_ = seq;
+  // The reference goes along, so that rounding stays below a ns however long it runs.
+  const double moved = part_ns_ + static_cast<double>(seq - reference_) * period_ns_;
+  part_ns_ = moved + std::min(error, most_drift * nominal_ns_ * static_cast<double>(n));
+  const double whole = std::floor(part_ns_);
+  reference_ns_ += static_cast<std::int64_t>(whole);
+  part_ns_ -= whole;
+  reference_ = seq;
+  const auto samples = static_cast<double>(reference_ - slope_from_);
+  if (samples * nominal_ns_ < slope_s * ns_per_s) return;
+  const double slope =
+      (static_cast<double>(reference_ns_ - slope_ns_) + part_ns_ - slope_part_ns_) / samples;
+  period_ns_ = nominal_ns_ * std::clamp(slope / nominal_ns_, 1 - most_drift, 1 + most_drift);
+  begin_slope();
+}
+
+void SampleClock::begin_slope() noexcept {
+  slope_ns_ = reference_ns_;
+  slope_part_ns_ = part_ns_;
+  slope_from_ = reference_;
+}
+
+// The line stays where it was to half a period, and with it the deadlines; what changes is which
+// sample of the card belongs to which of its points.
+void SampleClock::lock(std::int64_t card, std::int64_t received_ns) noexcept {
+  const double since = (static_cast<double>(received_ns - reference_ns_) - part_ns_) / period_ns_;
+  const std::int64_t seq = std::max<std::int64_t>(last_ + 1, reference_ + std::llround(since));
+  epoch_ = seq - card;
+  last_ = seq;
+  reference_ = seq;
+  reference_ns_ = received_ns;
+  part_ns_ = 0;
+  begin_slope();
+}
+
+}  // namespace stillframe::controller

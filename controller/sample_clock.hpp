@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+
+#include "controller/io.hpp"
+
+namespace stillframe::controller {
+
+/// Which instant of CLOCK_MONOTONIC a sample belongs to. Of a plant on the same clock it is
+/// start_ns + time_ns. Disciplined, the samples are paced by a card with a crystal of its own, of
+/// which only the arrivals are seen: sample k was taken at l_k = l_r + (k - r) T (1 + d), with the
+/// earliest arrivals as reference l_r, since a sample may come late but not early. What all of them
+/// take on their way counts as none.
+///   e = arrival - l_k:   e < 0: l_r += e;   0 < e < T / 2: l_r += min(e, 500e-6 T per sample);
+///   d: the slope of l_r over the last 10 s or more.
+/// The first sample is number 0.
+/// Where |e| is T / 2 or more for `settle` samples in a row and steady, the card has stepped,
+/// paused or begun anew: its samples are numbered from there on as the time says, so that numbers
+/// go on rising and a pause counts as samples lost. Construction is set-up; the rest is hot.
+class SampleClock {
+ public:
+  static constexpr int settle = 20;             ///< samples
+  static constexpr double most_drift = 500e-6;  ///< 1, of a crystal
+
+  /// sample_rate_hz as the card is set to. Errors: std::invalid_argument if it is not positive.
+  SampleClock(std::int64_t start_ns, double sample_rate_hz, bool disciplined);
+
+  /// Takes an arrival, in the order of the card, and gives it its number and its time from the
+  /// start of the run; does nothing if the clock is not disciplined.
+  void see(Measurement& measurement) noexcept;
+
+  /// CLOCK_MONOTONIC, ns, of what was taken time_ns after the start of the run.
+  std::int64_t local_ns(std::int64_t time_ns) const noexcept;
+  /// s from the sample to now_ns.
+  double age(const Measurement& measurement, std::int64_t now_ns) const noexcept {
+    return static_cast<double>(now_ns - local_ns(measurement.time_ns)) * 1e-9;
+  }
+
+  bool disciplined() const noexcept { return disciplined_; }
+  bool locked() const noexcept { return locked_; }  ///< a first sample has come
+  /// The line of samples: l_r (ns), r and T (1 + d) (ns).
+  std::int64_t reference_ns() const noexcept { return reference_ns_; }
+  std::int64_t reference() const noexcept { return reference_; }
+  double period_ns() const noexcept { return period_ns_; }
+  double drift() const noexcept { return period_ns_ / nominal_ns_ - 1; }  ///< d, 1
+  std::int64_t n_locks() const noexcept { return n_locks_; }  ///< beside the first: steps, restarts
+
+ private:
+  double error_ns(std::int64_t seq, std::int64_t received_ns) const noexcept;
+  void track(std::int64_t seq, double error) noexcept;
+  void lock(std::int64_t seq, std::int64_t received_ns) noexcept;
+  void begin_slope() noexcept;
+
+  double nominal_ns_, period_ns_;
+  bool disciplined_, locked_ = false;
+  std::int64_t start_ns_;
+  std::int64_t reference_ns_, reference_ = 0;  ///< l_r, r
+  double part_ns_ = 0;                         ///< of l_r, below a ns
+  std::int64_t epoch_ = 0;                     ///< number of a sample less that of the card
+  std::int64_t last_ = -1;                     ///< newest number on the line
+  std::int64_t slope_ns_ = 0, slope_from_ = 0;
+  double slope_part_ns_ = 0;
+  int n_off_ = 0;  ///< samples in a row that are off the line
+  double least_off_ = 0, most_off_ = 0;
+  std::int64_t before_ = 0;  ///< number of the last of them, as the card has it
+  std::int64_t n_locks_ = 0;
+};
+
+}  // namespace stillframe::controller

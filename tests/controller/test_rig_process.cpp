@@ -1,0 +1,158 @@
+#include <csignal>
+#include <regex>
+#include <thread>
+
+#include "tests/controller/controller_process.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+const std::string bin = std::string(STILLFRAME_BIN_DIR) + "/";
+
+class RigProcess : public ControllerProcess {
+ protected:
+  std::string rig(const std::string& more = "") {
+    const std::string file = folder / "rig.yaml";
+    std::ofstream(file) << "title: a rig\ndriver: {name: device, from: samples, to: commands}\n"
+                        << more;
+    return file;
+  }
+  /// The legs at 0.01 N a count, as the converter has it.
+  std::string counts(const char* key, const std::vector<std::string>& legs,
+                     const std::vector<int>& channels = {0, 1, 2, 3}, double first = 1) const {
+    std::string text = std::string(key) + ":\n";
+    for (std::size_t i = 0; i < legs.size(); ++i) {
+      text += "  " + legs[i] + ": {channel: " + std::to_string(channels[i]) +
+              ", gain: " + std::to_string(i == 0 ? 0.01 * first : 0.01) + "}\n";
+    }
+    return text;
+  }
+  ChildProcess converter(std::vector<std::string> more) {
+    std::vector<std::string> all{bin + "converter", gains_file, folder / "samples",
+                                 folder / "commands"};
+    all.insert(all.end(), more.begin(), more.end());
+    return ChildProcess(all);
+  }
+  /// What the closing line counts.
+  static int counted(const std::string& out, const std::string& what) {
+    std::smatch match;
+    return std::regex_search(out, match, std::regex("(\\d+) " + what)) ? std::stoi(match[1]) : -1;
+  }
+  static Gains of_a_rig() {
+    Gains gains = toy::damped_gains();
+    gains.force_limit_n = 100;
+    return gains;
+  }
+};
+
+TEST_F(RigProcess, ASimulatedOneRunsWithoutAPlant) {
+  ChildProcess controller(command_line(of_a_rig(), {"--io", "simulation", "--duration", "3"}));
+  EXPECT_EQ(controller.wait(), 0) << controller.err();
+  EXPECT_TRUE(contains(controller.err(), "active")) << controller.err();
+  EXPECT_GE(counted(controller.out(), "periods"), 2500);
+}
+
+TEST_F(RigProcess, EndsAtASignalWithoutDuration) {
+  ChildProcess controller(command_line(of_a_rig(), {"--io", "simulation"}));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  controller.signal(SIGTERM);
+  EXPECT_EQ(controller.wait(), 0) << controller.err();
+  EXPECT_TRUE(contains(controller.err(), "ramp_out")) << controller.err();
+}
+
+TEST_F(RigProcess, ADriverOfOnesOwnIsLoaded) {
+  const std::string library = bin + "../examples/06_rig/libown_driver.so";
+  ChildProcess controller(command_line(of_a_rig(), {"--io", library, "--duration", "2"}));
+  controller.wait();
+  // Legs that ring by themselves are no frame: what counts is that its samples were taken.
+  EXPECT_GE(counted(controller.out(), "periods"), 1500) << controller.err();
+  EXPECT_TRUE(contains(controller.err(), "driver " + library)) << controller.err();
+}
+
+/// A fast crystal, jitter and gaps, 16 bits: active to the end, no fault, what the log holds is
+/// what the converters sent.
+TEST_F(RigProcess, ConvertersBehindDevices) {
+  const Gains gains = of_a_rig();
+  const std::string log = folder / "rig.lcm";
+  const std::string file = rig(counts("sigma", gains.legs) + counts("applied", gains.legs) +
+                               counts("force", gains.legs));
+  const auto line = command_line(gains, {"--rig", file, "--duration", "6"});
+  ChildProcess logger({"lcm-logger", "-q", "-f", log});
+  ChildProcess cards({bin + "converter", gains_file, folder / "samples", folder / "commands",
+                      "duration=8", "ppm=150", "jitter_us=100", "gap_every=500"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ChildProcess controller(line);
+  EXPECT_EQ(controller.wait(), 0) << controller.err();
+  EXPECT_EQ(cards.wait(), 0) << cards.err();
+  logger.signal(SIGTERM);
+  logger.wait();
+  EXPECT_TRUE(contains(controller.err(), "info: active")) << controller.err();
+  EXPECT_TRUE(contains(controller.err(), "ramp_out")) << controller.err();
+  EXPECT_TRUE(contains(cards.out(), "enabled") && !contains(cards.out(), "never")) << cards.out();
+}
+
+/// A cable, a sign, a restart: never a larger force on the frame than the passive frame's, but for
+/// a half.
+TEST_F(RigProcess, WhatIsWrongWithItDrivesNothing) {
+  const Gains gains = of_a_rig();
+  const std::string legs =
+      counts("sigma", gains.legs) + counts("applied", gains.legs) + counts("force", gains.legs);
+  const auto largest = [&](std::vector<std::string> fault, const std::string& file) {
+    auto line = command_line(gains, {"--rig", file, "--duration", "3.5"});
+    std::vector<std::string> all{bin + "converter",   gains_file,   folder / "samples",
+                                 folder / "commands", "duration=4", "floor_rms=0.1"};
+    all.insert(all.end(), fault.begin(), fault.end());
+    ChildProcess cards(all);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    ChildProcess controller(line);
+    controller.wait();
+    EXPECT_EQ(cards.wait(), 0) << cards.err();
+    std::filesystem::remove(folder / "latch.yaml");
+    std::smatch match;
+    const std::string out = cards.out();
+    EXPECT_TRUE(std::regex_search(out, match, std::regex("by ([0-9.e+-]+) N"))) << out;
+    return std::stod(match[1]);
+  };
+  const std::string file = rig(legs);
+  // Passive: a rig file of an amplifier that is not connected.
+  std::ofstream(folder / "passive.yaml") << "start: on_request\n";
+  const double passive = [&] {
+    auto line = command_line(
+        gains, {"--rig", file, "--duration", "3.5", "--policy", folder / "passive.yaml"});
+    ChildProcess cards({bin + "converter", gains_file, folder / "samples", folder / "commands",
+                        "duration=4", "floor_rms=0.1"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    ChildProcess controller(line);
+    controller.wait();
+    cards.wait();
+    const std::string out = cards.out();
+    std::smatch match;
+    EXPECT_TRUE(std::regex_search(out, match, std::regex("by ([0-9.e+-]+) N"))) << out;
+    return std::stod(match[1]);
+  }();
+  EXPECT_LT(largest({}, file), 1.1 * passive);
+  EXPECT_LT(largest({"swap=yes"}, file), 1.5 * passive);
+  EXPECT_LT(largest({"flip=yes"}, file), 1.5 * passive);
+  EXPECT_LT(largest({"pause_at=2"}, file), 1.5 * passive);
+}
+
+TEST_F(RigProcess, BadInputIsOneMessage) {
+  struct Case {
+    std::vector<std::string> more;
+    std::string says;
+  };
+  const Gains gains = of_a_rig();
+  for (const auto& [more, says] : std::vector<Case>{
+           {{"--io", "simulated"}, "allowed are simulation, device"},
+           {{"--io", "device"}, "driver: from: missing"},
+           {{"--rig", "nowhere.yaml"}, "nowhere.yaml"},
+           {{"--rig", rig("sigma: {other: {}}\n")}, "is no leg of the gains"},
+       }) {
+    ChildProcess controller(command_line(gains, more));
+    EXPECT_EQ(controller.wait(), 2);
+    EXPECT_TRUE(contains(controller.err(), says)) << controller.err();
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::controller

@@ -1,0 +1,256 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "controller/deadlines.hpp"
+#include "controller/sample_clock.hpp"
+#include "controller/screen.hpp"
+#include "tests/controller/rig.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+/// A card with a crystal of its own, seen through what is between: sample k is taken at start + k T
+/// / (1 + ppm), and arrives after at least `way_ns`.
+struct Card {
+  double rate_hz = 1000, ppm = 0, jitter = 0.3;  ///< jitter: of a period, at most
+  std::int64_t start_ns = 5'000'000'000'000, way_ns = 30'000;
+  std::mt19937_64 random{1};
+  std::int64_t k = 0, number = 0;  ///< samples taken, and what the card calls the next one
+
+  double taken_ns(std::int64_t sample) const {
+    return static_cast<double>(sample) * 1e9 / rate_hz / (1 + 1e-6 * ppm);
+  }
+  Measurement next() {
+    Measurement m;
+    m.seq = number++;
+    const double late =
+        jitter * std::uniform_real_distribution<double>(0, 1)(random) * 1e9 / rate_hz;
+    m.received_ns = start_ns + way_ns + std::llround(taken_ns(k++) + late);
+    return m;
+  }
+  /// How far the clock's instant of a sample is from the earliest that it can have come, in
+  /// periods.
+  double error(const SampleClock& clock, const Measurement& m) const {
+    return static_cast<double>(clock.local_ns(m.time_ns) - start_ns - way_ns -
+                               std::llround(taken_ns(k - 1))) *
+           1e-9 * rate_hz;
+  }
+};
+
+TEST(SampleClock, OfAPlantOnTheSameClockIsWhatItSays) {
+  SampleClock clock(7'000, 3000, false);
+  Measurement m{.seq = 9, .time_ns = 3'000'000};
+  m.received_ns = 1'000'000'000'000;
+  clock.see(m);
+  EXPECT_EQ(m.seq, 9);
+  EXPECT_EQ(clock.local_ns(m.time_ns), 3'007'000);
+  EXPECT_THROW(SampleClock(0, 0, true), std::invalid_argument);
+}
+
+TEST(SampleClock, FollowsAnyCrystal) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> drift(-200, 200), decade(1.7, 4.3), jitter(0, 0.45);
+  for (int trial = 0; trial < 30; ++trial) {
+    Card card{
+        .rate_hz = std::pow(10, decade(random)), .ppm = drift(random), .jitter = jitter(random)};
+    SCOPED_TRACE(testing::Message()
+                 << card.rate_hz << " Hz, " << card.ppm << " ppm, " << card.jitter);
+    SampleClock clock(0, card.rate_hz, true);
+    const auto n = static_cast<std::int64_t>(60 * card.rate_hz);
+    double worst = 0, mean = 0;
+    for (std::int64_t k = 0; k < n; ++k) {
+      Measurement m = card.next();
+      clock.see(m);
+      ASSERT_EQ(m.seq, k);
+      const double error = card.error(clock, m);
+      // The first arrival may be as late as any.
+      if (k > 100) worst = std::max(worst, std::abs(error));
+      if (k > n / 2) mean += error / static_cast<double>(n - n / 2);
+    }
+    // At 500 ppm upwards and one arrival in 20 within a twentieth of the jitter: 0.01 + 0.05 *
+    // 0.45; and four times that for the luck of 60 s.
+    EXPECT_LT(worst, 0.13);
+    EXPECT_LT(std::abs(mean), 0.03);
+    // Over the 10 s of a slope, the reference is off by half the mean at each end.
+    EXPECT_NEAR(1e6 * clock.drift(), -card.ppm, 1 + 1e6 * 0.06 / (10 * card.rate_hz) + 0.05);
+    EXPECT_EQ(clock.n_locks(), 0);
+  }
+}
+
+TEST(SampleClock, StepsPausesAndRestartsAreNumberedOn) {
+  std::mt19937_64 random(5);
+  for (int trial = 0; trial < 30; ++trial) {
+    Card card{.rate_hz = 1000, .ppm = 150, .jitter = 0.2};
+    SampleClock clock(0, card.rate_hz, true);
+    std::int64_t last = -1;
+    const auto run = [&](int n) {
+      for (int i = 0; i < n; ++i) {
+        Measurement m = card.next();
+        clock.see(m);
+        const bool rises = m.seq > last;
+        last = std::max(last, m.seq);
+        if (i >= SampleClock::settle) {
+          ASSERT_TRUE(rises) << i;
+          ASSERT_LT(std::abs(card.error(clock, m)), 0.3) << i;
+        }
+      }
+    };
+    run(500);
+    ASSERT_EQ(clock.n_locks(), 0);
+    // A pause of the card that it does not count, a step, and a restart; the time that passed is
+    // found again in the numbers.
+    const std::int64_t paused = 3 + static_cast<std::int64_t>(random() % 500);
+    const std::int64_t before = last;
+    card.k += paused;
+    run(500);
+    EXPECT_EQ(clock.n_locks(), 1);
+    EXPECT_EQ(last, before + 500 + paused);
+    card.number = static_cast<std::int64_t>(random() % 100);
+    run(500);
+    EXPECT_EQ(clock.n_locks(), 2);
+    EXPECT_EQ(last, before + 1000 + paused);
+    // What is counted and only did not arrive needs no new lock.
+    card.k += 700;
+    card.number += 700;
+    run(100);
+    EXPECT_EQ(clock.n_locks(), 2);
+  }
+}
+
+TEST(SampleClock, AStallOnTheWayIsNoStep) {
+  Card card{.rate_hz = 2000, .ppm = -120, .jitter = 0.1};
+  SampleClock clock(0, card.rate_hz, true);
+  std::int64_t last = -1;
+  for (int i = 0; i < 20'000; ++i) {
+    Measurement m = card.next();
+    // Every second all of 60 ms come at once.
+    const std::int64_t in_block = card.k % 2000;
+    if (card.k > 2000 && in_block < 120) m.received_ns += (120 - in_block) * 500'000;
+    clock.see(m);
+    ASSERT_EQ(m.seq, last + 1);
+    last = m.seq;
+    if (i > 200) ASSERT_LT(std::abs(card.error(clock, m)), 0.1) << i;
+  }
+  EXPECT_EQ(clock.n_locks(), 0);
+}
+
+TEST(SampleClock, ADamagedNumberIsNotFollowed) {
+  Card card{.rate_hz = 1000};
+  SampleClock clock(0, card.rate_hz, true);
+  for (int i = 0; i < 1000; ++i) {
+    Measurement m = card.next();
+    if (i % 50 == 7) {
+      Measurement wrong = m;
+      wrong.seq = i % 100 == 7 ? std::int64_t{1} << 60 : -(std::int64_t{1} << 60);
+      clock.see(wrong);
+    }
+    clock.see(m);
+    ASSERT_EQ(m.seq, i);
+  }
+  EXPECT_EQ(clock.n_locks(), 0);
+}
+
+/// A day by the clock, without the law: deadlines and ages as the loop has them. Every ten minutes
+/// the card begins anew after a pause; every 1000 periods the loop is late by 2.3 periods.
+TEST(SampleClock, ADayAtAnyDrift) {
+  for (const double ppm : {-200.0, 200.0}) {
+    Card card{.rate_hz = 100, .ppm = ppm, .jitter = 0.3};
+    const double period_ns = 1e7;
+    SampleClock clock(0, card.rate_hz, true);
+    Screen screen({}, card.rate_hz);
+    Deadlines deadlines(card.start_ns, card.rate_hz, 0.5);
+    std::int64_t n_late = 0, n_asked_late = 0, n_stale = 0, n_missing = 0, n_pauses = 0;
+    Measurement next = card.next();
+    std::int64_t settled = 100;
+    for (std::int64_t i = 0; i < 8'640'000; ++i) {
+      std::int64_t now = deadlines.next_ns() + 20'000;
+      if (i % 1000 == 999) {
+        now += std::llround(2.3 * period_ns);
+        n_asked_late += 2;
+      }
+      n_late += deadlines.wake_up(now).n_skipped;
+      bool any = false;
+      Measurement newest;
+      const bool began = clock.locked();
+      while (next.received_ns <= now) {
+        clock.see(next);
+        if (screen.is_new(next, clock.age(next, now))) {
+          any = true;
+          newest = next;
+        }
+        if (card.k % 60'000 == 0) {  // of ten minutes; off for 1.5 s
+          card.k += 150;
+          card.number = 0;
+          ++n_pauses;
+          settled = i + 150 + 2 * SampleClock::settle;
+        }
+        next = card.next();
+      }
+      if (clock.locked()) {
+        if (!began) deadlines.begin(clock.reference_ns(), now);
+        deadlines.follow(clock.reference_ns(), clock.reference(), clock.period_ns());
+      }
+      if (i < settled) continue;
+      if (!any) {
+        ++n_missing;
+      } else if (i % 1000 != 999 && screen.judge(newest, clock.age(newest, now)) != Defect::none) {
+        ++n_stale;
+      }
+    }
+    EXPECT_EQ(n_late, n_asked_late);
+    EXPECT_EQ(n_missing, 0);
+    EXPECT_EQ(n_stale, 0);
+    EXPECT_EQ(clock.n_locks(), n_pauses);
+    EXPECT_GT(n_pauses, 140);
+  }
+}
+
+/// The whole loop on a card that drifts: active, no fault, no period late, whatever the rate; and
+/// on the same card without a disciplined clock there is one.
+TEST(SampleClock, TheLoopGoesAlongWithACard) {
+  for (const double ppm : {-200.0, 200.0}) {
+    for (const bool disciplined : {true, false}) {
+      const Gains gains = toy::damped_gains();
+      InProcessIo io(gains.n_legs(), 64);
+      const Supervisor supervisor(gains, {}, true);
+      Card card{.rate_hz = gains.sample_rate_hz, .ppm = ppm, .jitter = 0.2};
+      Loop loop(io, supervisor, {},
+                {.sample_rate_hz = gains.sample_rate_hz,
+                 .start_ns = card.start_ns,
+                 .disciplined = disciplined});
+      std::normal_distribution<double> normal;
+      Measurement next = card.next();
+      Eigen::VectorXd force = Eigen::VectorXd::Zero(gains.n_legs());
+      Command command = command_of(gains.n_legs());
+      for (int i = 0; i < 40'000; ++i) {
+        const std::int64_t now = loop.next_ns() + 15'000;
+        for (; next.received_ns <= now; next = card.next()) {
+          next.time_ns = std::llround(static_cast<double>(next.seq) * 1e9 / gains.sample_rate_hz);
+          next.applied = force;
+          next.sigma = force;
+          for (double& value : next.sigma) value += 0.01 * normal(card.random);
+          next.floor.resize(0);
+          next.frame.resize(0);
+          io.put(next);
+        }
+        loop.period(now);
+        while (io.take(command)) force = command.force;
+      }
+      const LoopCounters& counters = loop.counters();
+      if (disciplined) {
+        EXPECT_EQ(counters.state, State::active) << ppm;
+        EXPECT_EQ(counters.n_faults, 0);
+        EXPECT_EQ(counters.n_late, 0);
+        EXPECT_LE(counters.n_missing, 5);
+        EXPECT_NEAR(1e6 * counters.drift, -ppm, 3);
+      } else {
+        EXPECT_GT(counters.n_missing, 1000) << ppm;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stillframe::controller
