@@ -41,7 +41,8 @@ void SampleClock::see(Measurement& measurement) noexcept {
   const std::int64_t card = measurement.seq;
   std::int64_t seq = card + epoch_;
   const double error = error_ns(seq, measurement.received_ns);
-  const bool off = !(std::abs(error) < period_ns_ / 2) || seq <= last_;
+  const bool early = last_ < settle && error < 0 && error > -2 * period_ns_;
+  const bool off = !(early || std::abs(error) < period_ns_ / 2) || seq <= last_;
   if (!locked_) {
     reference_ns_ = measurement.received_ns;
     lock(card, measurement.received_ns);
@@ -51,15 +52,18 @@ void SampleClock::see(Measurement& measurement) noexcept {
     n_off_ = 0;
     track(seq, error);
   } else {
-    // A burst behind a stall is off as well, but each of it by a period less than the one before.
-    const bool steady = n_off_ > 0 && card > before_ &&
-                        std::max(most_off_, error) - std::min(least_off_, error) < period_ns_ / 2;
-    n_off_ = steady ? n_off_ + 1 : 1;
-    least_off_ = steady ? std::min(least_off_, error) : error;
-    most_off_ = steady ? std::max(most_off_, error) : error;
+    if (n_off_ == 0 || card <= before_) {
+      n_off_ = 0;
+      off_since_ns_ = measurement.received_ns;
+      least_off_ = error;
+    }
+    ++n_off_;
     before_ = card;
-    if (n_off_ >= settle) {
-      lock(card, measurement.received_ns);
+    least_off_ = std::min(least_off_, error);
+    // All of a burst behind a stall are off as well, but come at once.
+    const double lasted = static_cast<double>(measurement.received_ns - off_since_ns_) / period_ns_;
+    if (n_off_ >= settle && lasted >= settle / 2.0) {
+      lock(card, measurement.received_ns - std::llround(error - least_off_));
       ++n_locks_;
       n_off_ = 0;
       seq = card + epoch_;
@@ -97,13 +101,13 @@ void SampleClock::begin_slope() noexcept {
 
 // The line stays where it was to half a period, and with it the deadlines; what changes is which
 // sample of the card belongs to which of its points.
-void SampleClock::lock(std::int64_t card, std::int64_t received_ns) noexcept {
-  const double since = (static_cast<double>(received_ns - reference_ns_) - part_ns_) / period_ns_;
+void SampleClock::lock(std::int64_t card, std::int64_t taken_ns) noexcept {
+  const double since = (static_cast<double>(taken_ns - reference_ns_) - part_ns_) / period_ns_;
   const std::int64_t seq = std::max<std::int64_t>(last_ + 1, reference_ + std::llround(since));
   epoch_ = seq - card;
   last_ = seq;
   reference_ = seq;
-  reference_ns_ = received_ns;
+  reference_ns_ = taken_ns;
   part_ns_ = 0;
   begin_slope();
 }

@@ -13,10 +13,11 @@ namespace stillframe::controller {
 /// take on their way counts as none.
 ///   e = arrival - l_k:   e < 0: l_r += e;   0 < e < T / 2: l_r += min(e, 500e-6 T per sample);
 ///   d: the slope of l_r over the last 10 s or more.
-/// The first sample is number 0.
-/// Where |e| is T / 2 or more for `settle` samples in a row and steady, the card has stepped,
-/// paused or begun anew: its samples are numbered from there on as the time says, so that numbers
-/// go on rising and a pause counts as samples lost. Construction is set-up; the rest is hot.
+/// The first sample is number 0; it may have come as late as it likes. Where |e| is T / 2 or more
+/// for `settle` samples in a row that come one after the other, and not at once as behind a stall,
+/// the card has stepped, paused or begun anew: by the earliest of them its samples are numbered
+/// from there on as the time says, so that numbers go on rising and a pause counts as samples lost.
+/// Construction is set-up; the rest is hot.
 class SampleClock {
  public:
   static constexpr int settle = 20;             ///< samples
@@ -48,7 +49,7 @@ class SampleClock {
  private:
   double error_ns(std::int64_t seq, std::int64_t received_ns) const noexcept;
   void track(std::int64_t seq, double error) noexcept;
-  void lock(std::int64_t seq, std::int64_t received_ns) noexcept;
+  void lock(std::int64_t card, std::int64_t taken_ns) noexcept;
   void begin_slope() noexcept;
 
   double nominal_ns_, period_ns_;
@@ -61,7 +62,8 @@ class SampleClock {
   std::int64_t slope_ns_ = 0, slope_from_ = 0;
   double slope_part_ns_ = 0;
   int n_off_ = 0;  ///< samples in a row that are off the line
-  double least_off_ = 0, most_off_ = 0;
+  double least_off_ = 0;
+  std::int64_t off_since_ns_ = 0;
   std::int64_t before_ = 0;  ///< number of the last of them, as the card has it
   std::int64_t n_locks_ = 0;
 };

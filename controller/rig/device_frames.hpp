@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -59,7 +60,7 @@ class FrameSearch {
   std::size_t n_bytes_, from_ = 0, to_ = 0;
   std::vector<std::uint32_t> words_;
   std::vector<std::uint8_t> bytes_;
-  std::int64_t n_skipped_ = 0;
+  std::atomic<std::int64_t> n_skipped_{0};
 };
 
 }  // namespace stillframe::controller

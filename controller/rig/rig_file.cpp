@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/yaml/quoted.hpp"
 #include "core/yaml/reader.hpp"
 #include "msgs/identity.hpp"
 
@@ -118,6 +119,7 @@ RigFile read_rig(const std::filesystem::path& path, const Gains& gains) {
   if (const auto title = reader.find("title")) rig.title = title->text();
   if (const auto scene = reader.find("scene")) {
     constexpr std::size_t largest_scene = 100'000'000;
+    rig.scene = scene->text();
     rig.scene_text = scene->file_bytes(largest_scene).second;
   }
   if (const auto driver = reader.find("driver")) {
@@ -134,6 +136,32 @@ RigFile read_rig(const std::filesystem::path& path, const Gains& gains) {
     reader.require("floor").fail("are not the accelerations that the law hears, in their order");
   }
   return rig;
+}
+
+std::string to_yaml(const RigFile& rig, const Gains& gains) {
+  std::string text = "title: " + quoted(rig.title) + "\n";
+  if (!rig.scene.empty()) text += "scene: " + quoted(rig.scene) + "\n";
+  if (!rig.driver.empty()) {
+    text += "driver: {name: " + quoted(rig.driver);
+    for (const auto& [name, value] : rig.options) text += ", " + name + ": " + quoted(value);
+    text += "}\n";
+  }
+  const auto add = [&](const char* key, const std::vector<std::string>& names,
+                       const std::vector<Channel>& channels) {
+    if (names.empty()) return;
+    text += std::string(key) + ":\n";
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      text += "  " + quoted(names[i]) + ": {channel: " + std::to_string(channels[i].number) +
+              ", gain: " + shortest_digits(channels[i].gain) +
+              ", tare: " + shortest_digits(channels[i].tare) + "}\n";
+    }
+  };
+  add("sigma", gains.legs, rig.channels.sigma);
+  add("applied", gains.legs, rig.channels.applied);
+  add("force", gains.legs, rig.channels.force);
+  add("floor", rig.floor, rig.channels.floor);
+  add("frame", rig.frame, rig.channels.frame);
+  return text;
 }
 
 stillframe_msgs::run_info_t describe_rig(const RigFile& rig, const Gains& gains,

@@ -19,7 +19,8 @@ struct RigFile {
   std::string driver;                          ///< empty: none is named
   std::map<std::string, std::string> options;  ///< of the driver
   std::filesystem::path folder;                ///< of the file
-  std::string scene_text;                      ///< of the scene it names, empty without
+  std::string scene;                           ///< path of the scene it names, empty without
+  std::string scene_text;                      ///< of that scene
   Channels channels;
   std::vector<std::string> floor, frame;  ///< names of these channels
 
@@ -32,6 +33,9 @@ RigFile default_rig(const Gains& gains);
 /// Reads a rig file for the legs and the floor of these gains. Errors: InputError (missing file,
 /// unknown key or leg, a leg that is left out, a channel that is used twice).
 RigFile read_rig(const std::filesystem::path& path, const Gains& gains);
+
+/// As a rig file, with all channels written out. driver: its name.
+std::string to_yaml(const RigFile& rig, const Gains& gains);
 
 /// The run_info_t of a run on a rig. gains_text: of the gains file; n_samples: 0 if it has no end;
 /// version: of the program.

@@ -51,7 +51,7 @@ TEST(SampleClock, OfAPlantOnTheSameClockIsWhatItSays) {
 
 TEST(SampleClock, FollowsAnyCrystal) {
   std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> drift(-200, 200), decade(1.7, 4.3), jitter(0, 0.45);
+  std::uniform_real_distribution<double> drift(-200, 200), decade(1.7, 4.3), jitter(0, 0.9);
   for (int trial = 0; trial < 30; ++trial) {
     Card card{
         .rate_hz = std::pow(10, decade(random)), .ppm = drift(random), .jitter = jitter(random)};
@@ -69,10 +69,10 @@ TEST(SampleClock, FollowsAnyCrystal) {
       if (k > 100) worst = std::max(worst, std::abs(error));
       if (k > n / 2) mean += error / static_cast<double>(n - n / 2);
     }
-    // At 500 ppm upwards and one arrival in 20 within a twentieth of the jitter: 0.01 + 0.05 *
-    // 0.45; and four times that for the luck of 60 s.
-    EXPECT_LT(worst, 0.13);
-    EXPECT_LT(std::abs(mean), 0.03);
+    // At 500 ppm upwards and one arrival in 20 within a twentieth of the jitter: 0.01 + 0.05 * 0.9;
+    // and four times that for the luck of 60 s.
+    EXPECT_LT(worst, 0.22);
+    EXPECT_LT(std::abs(mean), 0.04);
     // Over the 10 s of a slope, the reference is off by half the mean at each end.
     EXPECT_NEAR(1e6 * clock.drift(), -card.ppm, 1 + 1e6 * 0.06 / (10 * card.rate_hz) + 0.05);
     EXPECT_EQ(clock.n_locks(), 0);
@@ -82,7 +82,7 @@ TEST(SampleClock, FollowsAnyCrystal) {
 TEST(SampleClock, StepsPausesAndRestartsAreNumberedOn) {
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 30; ++trial) {
-    Card card{.rate_hz = 1000, .ppm = 150, .jitter = 0.2};
+    Card card{.rate_hz = 1000, .ppm = 150, .jitter = 0.03 * trial};
     SampleClock clock(0, card.rate_hz, true);
     std::int64_t last = -1;
     const auto run = [&](int n) {
@@ -93,7 +93,8 @@ TEST(SampleClock, StepsPausesAndRestartsAreNumberedOn) {
         last = std::max(last, m.seq);
         if (i >= SampleClock::settle) {
           ASSERT_TRUE(rises) << i;
-          ASSERT_LT(std::abs(card.error(clock, m)), 0.3) << i;
+          // The earliest of twenty, and what it takes to find an earlier one.
+          ASSERT_LT(std::abs(card.error(clock, m)), 0.1 + card.jitter / 2) << i;
         }
       }
     };

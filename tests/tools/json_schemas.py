@@ -312,6 +312,13 @@ def loops(run):
     run.check("robustness", leg, "--from", "merged.json", "--no-search")
 
 
+def rigs(run):
+    gains = "rig_gains.yaml"
+    run.call("design", write("rig_leg.yaml", LEG), "--out", gains)
+    turned = "driver: {name: simulation}\nsigma: {leg: {gain: -1}}\n"
+    run.check("rig", gains, write("turned.yaml", turned), codes=(4,))
+
+
 def runs(run):
     any_verdict = (0, 4)
 
@@ -453,7 +460,7 @@ def main():
     require_table(folder / "README.md", schemas)
     run = Programs(stillframe, source, schemas)
     with tempfile.TemporaryDirectory() as empty, contextlib.chdir(empty):
-        for part in (models, loops, runs, by_the_clock):
+        for part in (models, loops, rigs, runs, by_the_clock):
             began = time.monotonic()
             part(run)
             print(f"{part.__name__}: {time.monotonic() - began:.1f} s")

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "controller/io.hpp"
+
+namespace stillframe::controller {
+
+/// The time that a probe lives in; of tests one that does not wait.
+struct ProbeTime {
+  std::function<std::int64_t()> now_ns;
+  std::function<void(std::int64_t)> sleep_until_ns;
+};
+ProbeTime real_time();
+
+/// How a rig is probed: one leg after the other by a multisine, all others at rest.
+struct ProbeSettings {
+  double sample_rate_hz = 0;
+  double force_n = 1;  ///< peak
+  /// N: a reading of a force sensor further from its mean than this and ten times what it was at
+  /// rest ends the probe.
+  double most_n = 10;
+  std::int64_t n_window =
+      200;                 ///< samples of a window; lines are whole multiples of rate / n_window
+  int n_windows = 5;       ///< that are kept of each leg
+  std::vector<int> lines;  ///< whole numbers of periods in a window
+};
+
+/// What the rig read at the lines of the probe while one leg was driven, or none.
+struct Response {
+  Eigen::VectorXcd command;       ///< lines, N, of the leg that is driven; zero of none
+  Eigen::MatrixXcd sigma;         ///< lines x m, N
+  Eigen::MatrixXcd applied;       ///< lines x m, N
+  Eigen::VectorXd sigma_scatter;  ///< m, N, standard deviation of a line's mean, rms over lines
+  Eigen::VectorXd sigma_mean;     ///< m, N
+  Eigen::VectorXd sigma_peak;     ///< m, N, of the reading from its mean
+};
+
+struct Probe {
+  Response rest;               ///< nothing driven
+  std::vector<Response> legs;  ///< m
+  double drift = 0;            ///< of the samples' clock, 1
+  std::int64_t n_samples = 0, n_lost = 0;
+};
+
+/// Probes a rig. Forces rise and fall within a window each, so that nothing is kicked. progress: of
+/// 0 to 1. Set-up, but for what goes to the Io. Errors: std::runtime_error where no samples come,
+/// too many are lost, a force is beyond most_n, or `stop` says so; the force has faded by then.
+Probe probe_rig(Io& io, Eigen::Index m, const ProbeSettings& settings, const ProbeTime& time,
+                const std::function<void(double)>& progress, const std::function<bool()>& stop);
+
+}  // namespace stillframe::controller

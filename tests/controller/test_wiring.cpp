@@ -1,0 +1,253 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+
+#include "controller/rig/rig_file.hpp"
+#include "controller/rig/simulated_plant.hpp"
+#include "controller/rig/wiring.hpp"
+#include "tests/controller/toy_plant.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace stillframe::controller {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// What a rig is like that nobody has told of. Of leg i: its force sensor is on cable sigma[i], and
+/// reads gain_sigma(i) times; likewise the others.
+struct Hidden {
+  std::vector<Index> sigma{0, 1, 2, 3}, applied{0, 1, 2, 3}, force{0, 1, 2, 3};
+  VectorXd gain_sigma = VectorXd::Ones(4), gain_applied = VectorXd::Ones(4),
+           gain_force = VectorXd::Ones(4);
+  double ppm = 0, noise = 0, floor_rms = 0.003, step = 0;  ///< step: of a converter, N
+  double lost = 0;                                         ///< part of the samples
+};
+
+/// Its cards and its plant, on a time that does not wait.
+class HiddenRig : public Io {
+ public:
+  HiddenRig(const Gains& plant, const Hidden& hidden, unsigned seed)
+      : plant_(plant, hidden.floor_rms),
+        hidden_(hidden),
+        random_(seed),
+        read_(measurement_of(4, 0)),
+        wanted_(VectorXd::Zero(4)),
+        acts_(VectorXd::Zero(4)) {}
+
+  ProbeTime time() {
+    return {.now_ns = [this] { return now_ns_; },
+            .sleep_until_ns =
+                [this](std::int64_t until) { now_ns_ = std::max(now_ns_, until + 15'000); }};
+  }
+
+  bool receive(Measurement& m) noexcept override {
+    const double period_ns = plant_.sample_time() * 1e9 / (1 + 1e-6 * hidden_.ppm);
+    const std::int64_t due = 1'000'000'000 + std::llround(static_cast<double>(k_ + 1) * period_ns);
+    if (due > now_ns_) return false;
+    if (k_ >= 0) plant_.advance(acts_);
+    ++k_;
+    plant_.read(read_);
+    for (Index leg = 0; leg < 4; ++leg) {
+      const auto i = static_cast<std::size_t>(leg);
+      const double noise = hidden_.noise * normal_(random_);
+      m.sigma(hidden_.sigma[i]) = counts(hidden_.gain_sigma(leg) * read_.sigma(leg) + noise + 3);
+      m.applied(hidden_.applied[i]) = counts(hidden_.gain_applied(leg) * read_.applied(leg));
+    }
+    m.seq = k_;
+    m.received_ns = due;
+    peak = std::max(peak, read_.sigma.cwiseAbs().maxCoeff());
+    if (uniform_(random_) < hidden_.lost) return receive(m);
+    return true;
+  }
+  void send(const Command& command) noexcept override {
+    wanted_ = command.force;
+    for (Index leg = 0; leg < 4; ++leg) {
+      acts_(leg) = hidden_.gain_force(leg) * wanted_(hidden_.force[static_cast<std::size_t>(leg)]);
+    }
+  }
+  void enable(bool on) noexcept override { enabled = on; }
+  const VectorXd& acts() const { return acts_; }
+
+  double peak = 0;
+  bool enabled = false;
+
+ private:
+  double counts(double value) const {
+    return hidden_.step > 0 ? hidden_.step * std::round(value / hidden_.step) : value;
+  }
+
+  SimulatedPlant plant_;
+  Hidden hidden_;
+  std::mt19937_64 random_;
+  std::normal_distribution<double> normal_;
+  std::uniform_real_distribution<double> uniform_{0, 1};
+  Measurement read_;
+  VectorXd wanted_, acts_;
+  std::int64_t now_ns_ = 900'000'000, k_ = -1;
+};
+
+Gains designed() {
+  Gains gains = toy::damped_gains();
+  gains.force_limit_n = 200;
+  return gains;
+}
+
+ProbeSettings settings_of(const Gains& gains) {
+  ProbeSettings settings;
+  settings.sample_rate_hz = gains.sample_rate_hz;
+  settings.force_n = 4;
+  settings.most_n = 40;
+  settings.lines = probe_lines(settings.n_window);
+  return settings;
+}
+
+Wiring probed(HiddenRig& rig, const Gains& gains, const Channels& channels) {
+  ScaledIo scaled(rig, channels, 0, 0);
+  const ProbeSettings settings = settings_of(gains);
+  return wiring_of(probe_rig(scaled, 4, settings, rig.time(), {}, {}), settings, gains, channels);
+}
+
+bool says(const Wiring& wiring, std::size_t leg, const std::string& text) {
+  return std::ranges::any_of(wiring.legs[leg].wrong, [&](const std::string& what) {
+    return what.find(text) != std::string::npos;
+  });
+}
+
+/// The plant that the rig really has: stiffness and mass up to a fifth from the model's.
+Gains off_by_a_fifth(Gains gains, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> part(0.8, 1.2);
+  const auto m = gains.n_legs();
+  const double stiffness = part(random), mass = part(random);
+  gains.plant.A.bottomLeftCorner(m, m) *= stiffness * mass;
+  gains.plant.B *= mass;
+  gains.plant.C.leftCols(m) *= stiffness;
+  return gains;
+}
+
+TEST(Wiring, ASoundRigIsSound) {
+  const Gains gains = designed();
+  HiddenRig rig(gains, {.ppm = 50, .noise = 0.01}, 1);
+  const Wiring wiring = probed(rig, gains, default_rig(gains).channels);
+  for (const LegFinding& leg : wiring.legs) {
+    EXPECT_TRUE(leg.wrong.empty())
+        << leg.leg << ": " << (leg.wrong.empty() ? "" : leg.wrong.front());
+    EXPECT_NEAR(leg.sigma_mean, 3, 0.05);
+    EXPECT_NEAR(leg.delay_samples, 0, 0.02);
+  }
+  EXPECT_TRUE(wiring.sound);
+  EXPECT_FALSE(rig.enabled);
+  EXPECT_EQ(rig.acts().norm(), 0);
+  EXPECT_LT(rig.peak, 3 * 4);
+}
+
+/// Of random rigs with a model that is off by a fifth, a crystal, noise and 16 bits: one cable pair
+/// swapped, one sign, one gain, all of it named; and a second probe with the mended rig file finds
+/// nothing wrong, with gains right to 1 %.
+TEST(Wiring, WhatIsWrongIsNamedAndMended) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> drift(-100, 100), off(0.04, 0.3);
+  for (int trial = 0; trial < 50; ++trial) {
+    SCOPED_TRACE(trial);
+    const Gains gains = designed();
+    Hidden hidden{.ppm = drift(random), .noise = 0.02, .step = 0.01, .lost = 1e-4};
+    std::vector<std::size_t> legs{0, 1, 2, 3};
+    std::ranges::shuffle(legs, random);
+    // Which is swapped, which turned, and which has another gain.
+    const auto swapped = random() % 3, turned = random() % 3, scaled = random() % 3;
+    std::vector<Index>* cables[] = {&hidden.sigma, &hidden.applied, &hidden.force};
+    VectorXd* gain[] = {&hidden.gain_sigma, &hidden.gain_applied, &hidden.gain_force};
+    std::swap((*cables[swapped])[legs[0]], (*cables[swapped])[legs[1]]);
+    (*gain[turned])(static_cast<Index>(legs[2])) = -1;
+    const double size = 1 + (random() % 2 ? 1 : -1) * off(random);
+    (*gain[scaled])(static_cast<Index>(legs[3])) = size;
+    const char* names[] = {"force sensor", "read-back", "amplifier"};
+
+    const Gains real = off_by_a_fifth(gains, random);
+    HiddenRig rig(real, hidden, static_cast<unsigned>(trial));
+    const Wiring found = probed(rig, gains, default_rig(gains).channels);
+    EXPECT_FALSE(found.sound);
+    ASSERT_TRUE(found.mended);
+    for (const std::size_t leg : {legs[0], legs[1]}) {
+      EXPECT_TRUE(says(found, leg, std::string(names[swapped]) + ": on the cable of"));
+      EXPECT_EQ(found.legs[leg].wrong.size(), 1u);
+    }
+    EXPECT_TRUE(says(found, legs[2], std::string(names[turned]) + ": wired the other way round"));
+    EXPECT_EQ(found.legs[legs[2]].wrong.size(), 1u);
+    EXPECT_TRUE(says(found, legs[3], std::string(names[scaled]) + ": reads"));
+    EXPECT_EQ(found.legs[legs[3]].wrong.size(), 1u);
+    const double read[] = {found.legs[legs[3]].sigma.gain, found.legs[legs[3]].applied.gain,
+                           found.legs[legs[3]].force.gain};
+    EXPECT_NEAR(read[scaled] / size, 1, 0.01);
+    EXPECT_LT(rig.peak, 3 * 4 * 1.3);
+
+    HiddenRig again(real, hidden, 1000u + static_cast<unsigned>(trial));
+    EXPECT_TRUE(probed(again, gains, found.channels).sound);
+  }
+}
+
+TEST(Wiring, ADeadCableIsNamed) {
+  const Gains gains = designed();
+  Hidden hidden{.noise = 0.02};
+  hidden.gain_sigma(1) = 0;
+  hidden.gain_applied(2) = 0;
+  hidden.gain_force(3) = 0;
+  HiddenRig rig(gains, hidden, 1);
+  const Wiring wiring = probed(rig, gains, default_rig(gains).channels);
+  EXPECT_FALSE(wiring.mended);
+  EXPECT_TRUE(wiring.legs[0].wrong.empty());
+  EXPECT_TRUE(says(wiring, 1, "force sensor: does not answer"));
+  EXPECT_TRUE(says(wiring, 2, "read-back: does not answer"));
+  EXPECT_TRUE(says(wiring, 3, "neither force sensor nor read-back answers"));
+}
+
+TEST(Wiring, ADelayOfASampleIsSeen) {
+  const Gains gains = designed();
+  Gains slow = gains;
+  slow.delay_samples = 2;
+  HiddenRig rig(slow, {.noise = 0.01}, 1);
+  const Wiring wiring = probed(rig, gains, default_rig(gains).channels);
+  for (const LegFinding& leg : wiring.legs) EXPECT_NEAR(leg.delay_samples, 1, 0.02) << leg.leg;
+  EXPECT_FALSE(wiring.sound);
+  EXPECT_FALSE(wiring.mended);
+}
+
+TEST(Wiring, LetsGoOfARigThatIsDrivenTooFar) {
+  const Gains gains = designed();
+  Hidden hidden;
+  hidden.gain_force(2) = 30;
+  HiddenRig rig(gains, hidden, 1);
+  const Channels channels = default_rig(gains).channels;
+  EXPECT_THROW(probed(rig, gains, channels), std::runtime_error);
+  EXPECT_EQ(rig.acts().norm(), 0);
+  EXPECT_FALSE(rig.enabled);
+  Hidden lossy{.lost = 0.2};
+  HiddenRig gaps(gains, lossy, 1);
+  EXPECT_THROW(probed(gaps, gains, channels), std::runtime_error);
+  EXPECT_EQ(gaps.acts().norm(), 0);
+}
+
+TEST(Wiring, AMendedRigFileReadsBack) {
+  const Gains gains = designed();
+  RigFile rig = default_rig(gains);
+  rig.title = "a \"rig\"";
+  rig.driver = "device";
+  rig.options = {{"from", "a b"}, {"to", "c"}};
+  rig.frame = {"top"};
+  rig.channels.frame = {{.number = 5, .gain = -0.25, .tare = 1e-3}};
+  std::swap(rig.channels.sigma[0].number, rig.channels.sigma[3].number);
+  const test::ScratchFolder folder;
+  const RigFile back = read_rig(folder.write("rig.yaml", to_yaml(rig, gains)), gains);
+  EXPECT_EQ(back.title, rig.title);
+  EXPECT_EQ(back.driver, rig.driver);
+  EXPECT_EQ(back.options, rig.options);
+  EXPECT_EQ(back.frame, rig.frame);
+  EXPECT_EQ(to_yaml(back, gains), to_yaml(rig, gains));
+}
+
+}  // namespace
+}  // namespace stillframe::controller
