@@ -7,6 +7,7 @@ from csv import reader
 import numpy as np
 
 from ._documents import Document, document
+from ._plots import plot_signal
 from ._program import call
 
 
@@ -15,7 +16,10 @@ class Log(Document):
 
     time_s: n; floor_acceleration, frame_acceleration: n x channels, m/s^2; sigma, applied_force, command_force:
     n x legs, N (command_force NaN where the log has no answer); seq: n, which jumps where samples were lost.
-    names: {signal: names of its columns}; info: what the log says of itself (sample_rate_hz, n_lost, ...)."""
+    names: {signal: names of its columns}; info: what the log says of itself (sample_rate_hz, n_lost, ...).
+    plot("sigma"): a picture."""
+
+    plot = plot_signal
 
 
 _groups = {"floor": "floor_acceleration", "sigma": "sigma", "applied": "applied_force", "frame": "frame_acceleration",

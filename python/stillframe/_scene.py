@@ -9,6 +9,7 @@ import numpy as np
 
 from ._documents import Document, document
 from ._log import read_log
+from ._plots import plot_singular_values
 from ._program import InputError, call
 
 
@@ -53,6 +54,13 @@ class Design(Document):
             scene._call("design", dict(options, mat=path), answers=(0, 3))
             found = io.loadmat(path, simplify_cells=True)
         return {name: Document(value) for name, value in found.items() if isinstance(value, dict) and "A" in value}
+
+
+class SingularValues(Document):
+    """singular_values (frequencies x min(outputs, inputs), largest first) over frequencies_hz, with a controller
+    closed_singular_values and continuous_singular_values too. plot(): a picture."""
+
+    plot = plot_singular_values
 
 
 class Run(Document):
@@ -156,9 +164,9 @@ class Scene:
         return document(self._call("linearise", {"certify": certify}), LinearModel)
 
     def sigma(self, from_hz=None, to_hz=None, points=None, controller=None):
-        """singular_values (frequencies x min(outputs, inputs), largest first) over frequencies_hz; with a controller
-        closed_singular_values too."""
-        return document(self._call("sigma", {"from": from_hz, "to": to_hz, "points": points, "controller": controller}))
+        """SingularValues of the scene, or of open and closed loop where it has a controller."""
+        options = {"from": from_hz, "to": to_hz, "points": points, "controller": controller}
+        return document(self._call("sigma", options), SingularValues)
 
     def design(self, controller=None, design_scene=None):
         """A Design of the scene's controller block, or of another one. design_scene: a Scene or path whose gains are

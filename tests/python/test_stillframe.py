@@ -197,6 +197,47 @@ class Package(unittest.TestCase):
         self.assertIn("\npassed\n", done.stdout)
 
 
+class Pictures(unittest.TestCase):
+    def setUp(self):
+        try:
+            import matplotlib
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        matplotlib.use("Agg")
+
+    def test_show_the_numbers(self):
+        found = sf.Scene(LEG).sigma(points=9)
+        lines = found.plot().lines
+        self.assertEqual(len(lines), 2)
+        for line, values in zip(lines, (found.singular_values, found.closed_singular_values)):
+            np.testing.assert_array_equal(line.get_xdata(), found.frequencies_hz)
+            np.testing.assert_allclose(10 ** (line.get_ydata() / 20), values[:, 0], rtol=1e-12)
+        found = sf.Scene({k: v for k, v in LEG.items() if k != "controller"}).sigma(points=9)
+        self.assertEqual([line.get_label() for line in found.plot().lines], ["open"])
+
+    def test_the_notebook_runs_as_it_stands(self):
+        try:
+            import ipykernel  # noqa: F401
+            import nbformat
+            from nbconvert.preprocessors import ExecutePreprocessor
+        except ImportError:
+            self.skipTest("nbconvert and ipykernel are not installed")
+        notebook = nbformat.read(SOURCE / "examples/notebooks/frame.ipynb", as_version=4)
+        self.assertEqual([cell.outputs for cell in notebook.cells if cell.cell_type == "code" and cell.outputs], [])
+        before = os.environ.get("PYTHONPATH")
+        os.environ["PYTHONPATH"] = str(SOURCE / "python")
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(notebook, {"metadata": {"path": folder}})
+        finally:
+            if before is None:
+                del os.environ["PYTHONPATH"]
+            else:
+                os.environ["PYTHONPATH"] = before
+        kinds = [kind for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs for kind in out.get("data", {})]
+        self.assertEqual(kinds.count("image/png"), 2)
+
+
 class Errors(unittest.TestCase):
     def test_name_file_line_and_key(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,0 +1,45 @@
+"""Pictures by matplotlib, which is asked for only here."""
+
+import numpy as np
+
+
+def axes_of(axes):
+    """The axes that were given, or new ones. Raises ImportError without matplotlib."""
+    if axes is not None:
+        return axes
+    from matplotlib import pyplot
+
+    return pyplot.subplots(layout="constrained")[1]
+
+
+def _decibels(values):
+    values = np.asarray(values, dtype=float)
+    return 20 * np.log10(np.where(values > 0, values, np.nan))
+
+
+def plot_singular_values(document, axes=None):
+    """Singular values over frequency, dB: open and, with a controller, closed."""
+    axes = axes_of(axes)
+    for key, label, colour in (("singular_values", "open", "#d35400"), ("closed_singular_values", "closed", "#0072b2")):
+        if document.get(key) is None:
+            continue
+        lines = axes.semilogx(document["frequencies_hz"], _decibels(document[key]), color=colour, linewidth=1.2)
+        lines[0].set_label(label)
+    axes.set_xlabel("frequency (Hz)")
+    axes.set_ylabel("singular values (dB)")
+    axes.grid(True, color="0.9")
+    axes.legend(frameon=False)
+    return axes
+
+
+def plot_signal(log, signal, axes=None):
+    """A signal of a log over time, a line a column."""
+    axes = axes_of(axes)
+    units = {"floor_acceleration": "m/s²", "frame_acceleration": "m/s²"}
+    for name, values in zip(log["names"][signal], log[signal].T):
+        axes.plot(log["time_s"], values, label=name, linewidth=0.8)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel(f"{signal.replace('_', ' ')} ({units.get(signal, 'N')})")
+    axes.grid(True, color="0.9")
+    axes.legend(frameon=False, ncols=3, fontsize="small")
+    return axes
