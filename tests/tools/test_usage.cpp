@@ -35,7 +35,7 @@ TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
                  "equilibrium, buckling, linearise, sigma, superelement, design, feedback, budget, "
                  "robustness, "
                  "merge, sweep, "
-                 "run, batch, ctl, watch, replay, identify, report, export");
+                 "run, batch, ctl, watch, replay, rig, identify, report, export");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {
