@@ -214,7 +214,10 @@ int run(const IdentifyOptions& options) {
   patience.now("confidence bands");
   const auto list = shown(analysis);
   if (list.empty()) {
-    throw InputError(options.log.string() + ": nothing to identify: " + analysis.run.unreadable);
+    throw InputError(options.log.string() + ": nothing to identify: " +
+                     (analysis.run.unreadable.empty()
+                          ? "it does not say how the floor was moved, as that of a rig"
+                          : analysis.run.unreadable));
   }
   bool identified = false, compared = false, agrees = true;
   Json document{{"scene", analysis.data.scan.info.scene_name},

@@ -253,5 +253,31 @@ TEST(SampleClock, TheLoopGoesAlongWithACard) {
   }
 }
 
+TEST(SampleClock, WhatWaitedBeforeTheLoopBeganIsNotLost) {
+  const Gains gains = toy::damped_gains();
+  InProcessIo io(gains.n_legs(), 64);
+  const Supervisor supervisor(gains, {}, true);
+  Card card{.jitter = 0};
+  Loop loop(io, supervisor, {},
+            {.sample_rate_hz = 1000, .start_ns = card.start_ns, .disciplined = true});
+  std::int64_t now = 0;
+  const auto put = [&] {
+    Measurement m = measurement_of(gains.n_legs(), 0);
+    const Measurement taken = card.next();
+    m.seq = taken.seq;
+    m.received_ns = now = taken.received_ns;
+    io.put(m);
+  };
+  for (int i = 0; i < 30; ++i) put();
+  loop.period(now + 1000);
+  for (int i = 0; i < 10; ++i) {
+    put();
+    loop.period(loop.next_ns() + 1000);
+  }
+  EXPECT_EQ(loop.counters().n_lost, 0);
+  EXPECT_EQ(loop.counters().n_answered, 11);
+  EXPECT_EQ(loop.last_seq(), 10);
+}
+
 }  // namespace
 }  // namespace stillframe::controller
