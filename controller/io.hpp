@@ -64,7 +64,8 @@ class Io {
   /// Called once a period, with a command or without: while it comes, the loop is alive.
   virtual void beat() noexcept {}
 
-  /// Before the first command of a force, and once there is none any more.
+  /// On before the first command of a force; off when none is commanded any more and amplifiers
+  /// that held one have let go of it.
   virtual void enable(bool) noexcept {}
 
   /// From any thread.

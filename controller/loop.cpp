@@ -14,6 +14,9 @@ namespace {
 
 constexpr auto relaxed = std::memory_order_relaxed;
 constexpr double checkpoint_s = 0.1, telemetry_s = 1, after_fault_s = 0.5;
+// In which an amplifier lets go of a force that it holds (docs/hardware.md).
+constexpr double amplifiers_s = 1.5;
+constexpr std::int64_t amplifiers_samples = 15;
 constexpr int most_taken = 4096;  // measurements a period
 constexpr std::int64_t longest_sleep_ns = 50'000'000;
 
@@ -58,6 +61,7 @@ Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const Loo
       clock_(setting.start_ns, setting.sample_rate_hz, setting.disciplined),
       screen_(policy, setting.sample_rate_hz),
       deadlines_(setting.start_ns, setting.sample_rate_hz, setting.phase),
+      disable_after_(samples(amplifiers_s, setting.sample_rate_hz) + amplifiers_samples),
       checkpoint_every_(samples(checkpoint_s, setting.sample_rate_hz)),
       last_answered_(setting.first_seq - 1),
       page_faults_every_(samples(1, setting.sample_rate_hz)),
@@ -99,10 +103,7 @@ void Loop::period(std::int64_t now_ns) noexcept {
                                   record_.command);
   record_.computed_ns = monotonic_ns();
   io_.beat();
-  if (supervisor_.driving() != enabled_) {
-    enabled_ = !enabled_;
-    io_.enable(enabled_);
-  }
+  enable();
   if (record_.sent) io_.send(record_.command);
   record_.published_ns = monotonic_ns();
 
@@ -115,6 +116,15 @@ void Loop::period(std::int64_t now_ns) noexcept {
   count(now_ns);
   requests_.done(asked);
   give_record();
+}
+
+// A force that was left to the amplifiers still acts when nothing is commanded: they are switched
+// off once they have let go of it.
+void Loop::enable() noexcept {
+  idle_ = supervisor_.driving() ? 0 : idle_ + record_.n_elapsed;
+  const bool on = idle_ == 0 || (enabled_ && idle_ < disable_after_);
+  if (on != enabled_) io_.enable(on);
+  enabled_ = on;
 }
 
 // Bounded, so that a flood costs lateness that is counted, and not a loop that never answers again.

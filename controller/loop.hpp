@@ -97,6 +97,7 @@ class Loop {
  private:
   Defect take_newest(std::int64_t now_ns) noexcept;
   void count(std::int64_t now_ns) noexcept;
+  void enable() noexcept;
   void give_checkpoint() noexcept;
   void give_record() noexcept;
 
@@ -106,6 +107,7 @@ class Loop {
   Screen screen_;
   Deadlines deadlines_;
   bool enabled_ = false;
+  std::int64_t disable_after_, idle_ = 0;  ///< periods without driving
   std::int64_t checkpoint_every_, since_checkpoint_ = 0;
   std::int64_t period_ = -1, last_answered_, page_faults_at_start_ = -1;
   std::int64_t page_faults_every_, since_page_faults_ = 0;

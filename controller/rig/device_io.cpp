@@ -94,17 +94,22 @@ void DeviceIo::send(const Command& command) noexcept {
     command_[static_cast<std::size_t>(leg) + 3] =
         static_cast<std::uint32_t>(static_cast<std::int32_t>(count));
   }
-  beat();
+  write_frame();
 }
 
-// Before the command of a period, and once more with it: the later one counts.
-void DeviceIo::beat() noexcept {
+// Off has no command of its own behind it.
+void DeviceIo::enable(bool on) noexcept {
+  command_[2] = on ? 1 : 0;
+  if (on) return;
+  std::fill(command_.begin() + 3, command_.end() - 1, 0u);
+  write_frame();
+}
+
+void DeviceIo::write_frame() noexcept {
   command_[1] = number_;
   command_.back() = sum_of(std::span(command_).first(command_.size() - 1));
   const auto size = static_cast<ssize_t>(4 * command_.size());
   if (write(out_, command_.data(), static_cast<std::size_t>(size)) != size) ++n_dropped_;
 }
-
-void DeviceIo::enable(bool on) noexcept { command_[2] = on ? 1 : 0; }
 
 }  // namespace stillframe::controller

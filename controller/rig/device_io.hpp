@@ -12,7 +12,8 @@ namespace stillframe::controller {
 /// Converters behind two devices of the operating system, character devices or pipes, that carry
 /// device_frames. Options: from, to (paths; the same one if it goes both ways). A thread waits for
 /// samples, since what the loop goes by is when they come and not when it looks. A device that is
-/// not read does not hold up the loop: what it does not take is dropped, and counted.
+/// not read does not hold up the loop: what it does not take is dropped, and counted. In a period
+/// without a command nothing is sent, so that amplifiers hear that there is none.
 class DeviceIo : public Io {
  public:
   /// Errors: InputError if a device cannot be opened.
@@ -25,7 +26,6 @@ class DeviceIo : public Io {
     return measurements_.take(measurement);
   }
   void send(const Command& command) noexcept override;
-  void beat() noexcept override;
   void enable(bool on) noexcept override;
   IoState state() const noexcept override {
     return {.n_bad = n_bad_ + search_.n_skipped(), .n_dropped = n_dropped_};
@@ -33,6 +33,7 @@ class DeviceIo : public Io {
 
  private:
   void read_on() noexcept;
+  void write_frame() noexcept;
   void take_frame(std::span<const std::uint32_t> frame, std::int64_t now_ns) noexcept;
 
   int in_, out_;

@@ -113,9 +113,9 @@ int main(int argc, char** argv) try {
         force(leg) = step * static_cast<std::int32_t>(command[static_cast<std::size_t>(leg) + 3]) *
                      command[2];
       }
+      if (flip) force(0) = -force(0);
     }
     acting = unheard > 10 ? Eigen::VectorXd(0.99 * acting) : force;
-    if (flip) acting(0) = -force(0);
     if (k > 0) plant.advance(acting);
     plant.read(read);
     largest = std::max(largest, read.sigma.lpNorm<Eigen::Infinity>());

@@ -177,6 +177,55 @@ TEST(Loop, FullTelemetryIsCountedAndHurtsNothing) {
   EXPECT_EQ(rig.loop().counters().n_records_dropped, 2000 + 30 - 11);
 }
 
+/// Switched on before the first force; and after a sleep, which leaves a force to the amplifiers,
+/// not switched off while they still let go of it.
+TEST(Loop, EnablesAndLeavesAmplifiersTheirTime) {
+  struct Watched : InProcessIo {
+    using InProcessIo::InProcessIo;
+    void enable(bool to) noexcept override { on = to; }
+    void send(const Command& command) noexcept override {
+      if (command.force.cwiseAbs().maxCoeff() > 0 && !on) sent_off = true;
+      InProcessIo::send(command);
+    }
+    bool on = false, sent_off = false;
+  };
+  const Gains gains = toy::damped_gains();
+  Watched io(gains.n_legs());
+  const Supervisor supervisor(gains, {}, true);
+  Loop loop(io, supervisor, {}, {.sample_rate_hz = gains.sample_rate_hz});
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  Command command = command_of(gains.n_legs());
+  std::int64_t k = 0;
+  const auto step = [&] {
+    Measurement m = measurement_of(gains.n_legs(), 0);
+    m.seq = k;
+    m.time_ns = m.received_ns = k * 1'000'000;
+    m.applied = command.force;
+    for (Eigen::Index leg = 0; leg < m.sigma.size(); ++leg) {
+      m.sigma(leg) = m.applied(leg) + 0.01 * normal(random);
+    }
+    io.put(m);
+    loop.period(k * 1'000'000 + 500'000);
+    while (io.take(command)) {
+    }
+    ++k;
+  };
+  EXPECT_FALSE(io.on);
+  for (int i = 0; i < 2500; ++i) step();
+  ASSERT_EQ(loop.counters().state, State::active);
+  EXPECT_TRUE(io.on);
+  loop.request(Request::stop);
+  while (loop.counters().driving) step();
+  for (int i = 0; i < 1500; ++i) {
+    ASSERT_TRUE(io.on) << i;
+    step();
+  }
+  for (int i = 0; i < 20; ++i) step();
+  EXPECT_FALSE(io.on);
+  EXPECT_FALSE(io.sent_off);
+}
+
 TEST(Ring, BringsEverythingAcrossThreadsInOrder) {
   Ring<int> ring(7, 0);
   constexpr int n = 100'000;

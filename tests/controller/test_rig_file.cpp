@@ -1,4 +1,7 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <random>
 
@@ -98,6 +101,47 @@ TEST(Driver, IsFoundByItsName) {
   EXPECT_THROW(load_driver("simulation", odd), InputError);
   Measurement m = measurement_of(gains.n_legs(), 0);
   EXPECT_TRUE((*load_driver("simulation", setting)).receive(m));
+}
+
+/// A beat is no command: an amplifier that the loop leaves to itself has to hear nothing.
+TEST(DeviceIo, SendsCommandsAndNothingElse) {
+  const test::ScratchFolder folder;
+  for (const char* name : {"from", "to"}) ASSERT_EQ(mkfifo((folder / name).c_str(), 0600), 0);
+  const int to = open((folder / "to").c_str(), O_RDWR | O_NONBLOCK);
+  const Gains gains = toy::damped_gains();
+  DriverSetting setting = default_rig(gains).setting(gains);
+  setting.options = {{"from", folder / "from"}, {"to", folder / "to"}};
+  const LoadedIo io = load_driver("device", setting);
+  FrameSearch search(mark_commands, 8);
+  const auto heard = [&]() -> std::vector<std::uint32_t> {
+    const auto room = search.room();
+    const ssize_t n = read(to, room.data(), room.size());
+    if (n > 0) search.filled(static_cast<std::size_t>(n));
+    const auto frame = search.next();
+    return {frame.begin(), frame.end()};
+  };
+  (*io).beat();
+  EXPECT_TRUE(heard().empty());
+  (*io).enable(true);
+  (*io).beat();
+  EXPECT_TRUE(heard().empty());
+  Command command = command_of(4);
+  command.force << 1, -2, 3.4, 0;
+  (*io).send(command);
+  std::vector<std::uint32_t> frame = heard();
+  ASSERT_EQ(frame.size(), 8u);
+  EXPECT_EQ(frame[2], 1u);
+  EXPECT_EQ(frame[3], 1u);
+  EXPECT_EQ(static_cast<std::int32_t>(frame[4]), -2);
+  EXPECT_EQ(frame[5], 3u);
+  (*io).beat();
+  EXPECT_TRUE(heard().empty());
+  (*io).enable(false);
+  frame = heard();
+  ASSERT_EQ(frame.size(), 8u);
+  EXPECT_EQ(std::vector(frame.begin() + 2, frame.end() - 1), std::vector<std::uint32_t>(5, 0));
+  EXPECT_TRUE(heard().empty());
+  close(to);
 }
 
 /// Frames among noise, cut anywhere into pieces, some bytes damaged: what is found was sent, and
