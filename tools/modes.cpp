@@ -11,6 +11,7 @@
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/sparse/damped_modes.hpp"
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
+#include "core/mechanics/state_space.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
 #include "report/table.hpp"
@@ -167,19 +168,28 @@ Found lowest_of_many(const Model& model, Index n_modes, Patience& patience) {
   return found;
 }
 
+/// lowest: how many, 0 for all.
+Found found_modes(const Scene& scene, Index lowest, Patience& patience) {
+  std::optional<Model> model;
+  if (lowest > 0) model = large_scene(scene, lowest);
+  if (model) return lowest_of_many(*model, lowest, patience);
+  try {
+    Found found = all_modes(scene, patience);
+    if (lowest > 0) keep_lowest(found, lowest);
+    return found;
+  } catch (const Massless&) {
+    // Without dofs what has no mass follows the rest, and there are fewer modes than coordinates.
+    model = large_scene(scene, 1, 0);
+    if (!model) throw;
+    return lowest_of_many(*model, lowest > 0 ? std::min(lowest, model->n_c) : model->n_c, patience);
+  }
+}
+
 int run(const ModesOptions& options) {
   Patience patience("reading the scene");
   const Scene scene = read_scene(options.scene);
   hint_at_units(scene);
-  Found found;
-  const std::optional<Model> large =
-      options.lowest > 0 ? large_scene(scene, options.lowest) : std::nullopt;
-  if (large) {
-    found = lowest_of_many(*large, options.lowest, patience);
-  } else {
-    found = all_modes(scene, patience);
-    if (options.lowest > 0) keep_lowest(found, options.lowest);
-  }
+  const Found found = found_modes(scene, options.lowest, patience);
   options.json ? print_json(scene, found) : print_page(scene, found);
   return exit_done;
 }
@@ -209,8 +219,9 @@ void add_modes(cli::Command& app, int& exit_code) {
       "  damping_ratios          -re / |.|, one a pair\n"
       "  n_growing_eigenvalues   how many have a positive real part\n"
       "  mode_shapes             a row a dof, a column a natural frequency, mass-normalised\n"
-      "With --lowest, of a large scene with `dofs: auto`: dofs are all free coordinates of the "
-      "nodes,\n"
+      "Of a scene with `dofs: auto` that is large, with --lowest, or where a dof moves no mass: "
+      "dofs\n"
+      "are all free coordinates of the nodes, there are as many modes as have mass,\n"
       "and eigenvalues those that the lowest modes turn into when they are damped, null where one "
       "is "
       "not found\n"

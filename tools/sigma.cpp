@@ -131,7 +131,8 @@ void print_table(const std::string& title, const Curves& curves,
   std::cout << table.print();
   if (reduced) {
     std::cout << "Off by at most: the largest singular value of the difference from the whole "
-                 "model; -: no bound, from the first mode that is left out\n";
+                 "model; -: no bound, from the first mode that is left out, or where what is left "
+                 "out is damped too strongly\n";
   }
 }
 
@@ -312,7 +313,8 @@ void add_sigma(cli::Command& app, int& exit_code) {
       "                               above the largest singular value of the difference from "
       "the whole\n"
       "                               model; null: no bound, from the first mode that is left "
-      "out\n"
+      "out,\n"
+      "                               or where what is left out is damped too strongly\n"
       "  peaks                        of, hz, singular_value: between two of frequencies_hz the\n"
       "                               highest point of the open, closed or continuous curve,\n"
       "                               where it is more than 1 dB above both; the table has rows "

@@ -19,8 +19,26 @@ using Eigen::VectorXd;
 
 namespace {
 
+/// S e (n_e) of deformations (n_e).
+VectorXd stresses_of(const Model& model, const VectorXd& e) {
+  VectorXd sigma = VectorXd::Zero(model.n_e);
+  for (const ModelElement& item : model.elements) {
+    for (Index i = 0; i < item.S.rows(); ++i) {
+      for (Index j = 0; j < item.S.cols(); ++j) {
+        if (item.zero[static_cast<size_t>(j)]) continue;
+        sigma(item.row[static_cast<size_t>(i)]) +=
+            item.S(i, j) * e(item.row[static_cast<size_t>(j)]);
+      }
+    }
+  }
+  return sigma;
+}
+
 /// What is out of balance and its Jacobian for one load factor, as load_path.hpp asks for it. Goes
-/// from one position to the next by travel().
+/// from one position to the next by travel(). G is that of the stresses which the last step was to
+/// lead to, as if they were unknowns as well (as in the mixed form, core/mechanics/sparse): where a
+/// stiff element turns, it is not that it is strained on the way which decides how far a step may
+/// go.
 class ForceBalance {
  public:
   struct State {
@@ -35,6 +53,7 @@ class ForceBalance {
         lineariser_(model, {}, {}, {.mass = false, .damping = false, .stiffness = true}),
         at_{VectorXd::Zero(model.n_d), NominalMotion(model)},
         f_(model.n_d),
+        ahead_(VectorXd::Zero(model.n_e)),
         loads_(loads),
         rates_(rates),
         along_{VectorXd::Zero(model.n_d), VectorXd::Zero(model.n_d)} {}
@@ -42,6 +61,7 @@ class ForceBalance {
   void set_factor(double factor) {
     data_.load_factor = factor * loads_;
     factor_ = factor;
+    ahead_.setZero();
   }
   void go_along(const Rates& rates) { along_ = rates; }
   bool forces() {
@@ -59,16 +79,25 @@ class ForceBalance {
     return out_of_balance(model_, data_, at_.motion, f_);
   }
   bool solve() {
-    step_ = motion_against(linear().stiffness(), f_);
+    K_ = lineariser_.about(at_.motion, data_.load_factor, ahead_).stiffness();
+    step_ = motion_against(K_, f_);
     return true;
   }
+  /// By the last step's stiffness, which was short where Newton's method has contracted.
+  Index n_negative() const { return stillframe::n_negative(K_); }
   double length() const { return largest_move(model_, data_.DF * step_); }
   double length_now() const {
     return largest_move(model_, data_.DF * step_, scene_size(model_, data_.x));
   }
   bool take() {
+    VectorXd strains = VectorXd::Zero(model_.n_e);
+    strains.tail(model_.n_redundant) = data_.DF_e * step_;
+    const VectorXd expected =
+        (data_.sigma + stresses_of(model_, strains)).tail(model_.n_redundant);
     at_.q += step_;
-    return forces();
+    if (!forces()) return false;
+    ahead_.tail(model_.n_redundant) = expected - data_.sigma.tail(model_.n_redundant);
+    return true;
   }
   bool holds() {
     const double work = largest_work(model_, data_, f_);
@@ -91,7 +120,8 @@ class ForceBalance {
   Data data_;
   Lineariser lineariser_;
   State at_;
-  VectorXd f_, step_;
+  VectorXd f_, step_, ahead_;
+  MatrixXd K_;
   double loads_, rates_;
   Rates along_;
   double factor_ = 1;

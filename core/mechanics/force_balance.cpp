@@ -1,5 +1,7 @@
 #include "core/mechanics/force_balance.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <cmath>
 
@@ -70,6 +72,18 @@ VectorXd motion_against(const MatrixXd& stiffness, const VectorXd& force) {
   factors.setThreshold(unresisted);
   factors.compute(scale.asDiagonal() * stiffness * scale.asDiagonal());
   return scale.cwiseProduct(factors.solve(scale.cwiseProduct(force)));
+}
+
+Index n_negative(const MatrixXd& stiffness) {
+  // On a unit diagonal stiff elements do not hide a soft direction that has become negative.
+  MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
+  const VectorXd scale =
+      K.diagonal().unaryExpr([](double k) { return k > 0 ? 1 / std::sqrt(k) : 1.0; });
+  K = scale.asDiagonal() * K * scale.asDiagonal();
+  if (Eigen::LLT<MatrixXd>(K).info() == Eigen::Success) return 0;
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
+  return (values.array() < -unresisted * values.cwiseAbs().maxCoeff()).count();
 }
 
 bool out_of_balance(const Model& model, Data& data, const NominalMotion& motion, VectorXd& f) {

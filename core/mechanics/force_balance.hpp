@@ -32,6 +32,10 @@ double work_of_rounding(const Model& model, const Data& data, const Eigen::Matri
 /// where there are motions that nothing resists.
 Eigen::VectorXd motion_against(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& force);
 
+/// In how many directions a stiffness (n_d x n_d, of which the symmetric part counts) pushes on
+/// what moves, by more than rounding.
+Eigen::Index n_negative(const Eigen::MatrixXd& stiffness);
+
 /// f_dd - M q''^d (n_d): what is out of balance at a motion, from the positions near those in data.
 /// False if the position cannot be reached. set-up.
 bool out_of_balance(const Model& model, Data& data, const NominalMotion& motion,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <string>
 
@@ -23,6 +24,7 @@ inline constexpr int most_attempts = 1000;
 ///   length_now()     the same beside its size as it is now
 ///   take()           goes that step, then as forces()
 ///   holds()          whether nothing but rounding is out of balance
+///   n_negative()     in how many directions the stiffness of the last step pushes on what moves
 ///
 /// Newton's method at one load factor, from the balance's position. The second step may be a
 /// twentieth of the first at most: then all that is not linear on the way is small beside what is,
@@ -60,18 +62,28 @@ bool balance_at(Balance& balance, double factor, int& iterations) {
 }
 
 /// Follows the loads from zero, in one step or in as many as Newton's method needs to contract from
-/// its start in each. The balance stays at the last load that was reached.
+/// its start in each. Where stiffness grows with the loads themselves, not with what they have
+/// moved, it can be negative beyond a load at which the path turns away from there: so what is
+/// unstable in more directions than the path has been is reached by steps down to the least, and
+/// then the path itself goes through. The balance stays at the last load that was reached.
 template <class Balance>
 LoadPath follow_loads(Balance& balance) {
   LoadPath path;
   double step = 1;
+  Eigen::Index most_negative = 0;
   // Towards a limit load steps shrink as what is left of it does, to a tenth or so; 2^-16 of the
   // load is where the path has ended. The first step may be as small as a load is large.
-  while (path.reached < 1 && step >= (path.reached > 0 ? 0x1p-16 * path.reached : 0x1p-40) &&
-         path.attempts < most_attempts) {
+  const auto least = [&] { return path.reached > 0 ? 0x1p-16 * path.reached : 0x1p-40; };
+  while (path.reached < 1 && step >= least() && path.attempts < most_attempts) {
     ++path.attempts;
     const double factor = std::min(1.0, path.reached + step);
-    if (balance_at(balance, factor, path.iterations)) {
+    const auto start = balance.state();
+    bool taken = balance_at(balance, factor, path.iterations);
+    if (taken && balance.n_negative() > most_negative) {
+      taken = 0.5 * step < least();
+      taken ? void(most_negative = balance.n_negative()) : balance.return_to(start);
+    }
+    if (taken) {
       path.reached = factor;
       step *= 2;
       if (path.reached < 1) ++path.load_steps;

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/mechanics/unstable.hpp"
@@ -46,26 +47,29 @@ Shapes by_singular_values(const Eigen::LLT<MatrixXd>& K, const Eigen::LLT<Matrix
 Shapes natural_shapes(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
   const MatrixXd stiffness = model.stiffness();
   const MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
-  const Eigen::LLT<MatrixXd> factors(K);
+  Eigen::LLT<MatrixXd> factors(K);
   if (factors.info() == Eigen::Success) return by_singular_values(factors, M);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(K, model.M);
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  const Shapes direct{solver.eigenvalues(), solver.eigenvectors()};
+  const double noise = 1e-14 * static_cast<double>(K.rows()) * direct.squares.cwiseAbs().maxCoeff();
+  const auto elastic = std::find_if(direct.squares.begin(), direct.squares.end(),
+                                    [&](double square) { return square > noise; });
+  if (direct.squares(0) < -noise || elastic == direct.squares.end()) return direct;
+  // Only what moves freely: from a shift below the others, so that these and the slow ones lose
+  // epsilon omega_max as well.
+  const double shift = 0.1 * *elastic;
+  factors.compute(K + shift * model.M);
+  if (factors.info() != Eigen::Success) return direct;
+  Shapes shapes = by_singular_values(factors, M);
+  for (Index i = 0; i < K.rows(); ++i) {
+    const bool free = shapes.squares(i) < 2 * shift;
+    shapes.squares(i) =
+        free ? shapes.V.col(i).dot(K * shapes.V.col(i)) : shapes.squares(i) - shift;
+  }
+  return shapes;
 }
 
-/// Whether nothing but rounding makes K + N + G not positive semidefinite. Scaled to a unit
-/// diagonal, so that stiff elements do not hide a soft direction that has become negative; rounding
-/// of n terms leaves some n epsilon.
-bool is_stable(const LinearModel& model) {
-  const MatrixXd stiffness = model.stiffness();
-  MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
-  const VectorXd scale =
-      K.diagonal().unaryExpr([](double k) { return k > 0 ? 1 / std::sqrt(k) : 1.0; });
-  K = scale.asDiagonal() * K * scale.asDiagonal();
-  if (Eigen::LLT<MatrixXd>(K).info() == Eigen::Success) return true;
-  const VectorXd values =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
-  return values(0) >= -1e-12 * values.cwiseAbs().maxCoeff();
-}
+bool is_stable(const LinearModel& model) { return n_negative(model.stiffness()) == 0; }
 
 /// Of the parts that are not symmetric by construction, on a unit diagonal: so that neither units
 /// nor the choice of dofs have a say.
@@ -88,14 +92,17 @@ Eigen::VectorXcd imaginary_pairs(const VectorXd& squares) {
   return values;
 }
 
-/// What they are known to, from the shapes: of an undamped model at rest those are its
-/// eigenvectors.
-VectorXd known_to(const LinearModel& model, const Eigen::VectorXcd& values, const MatrixXd& V) {
-  const EigenvalueRounding rounding(model);
-  VectorXd known(values.size());
-  for (Index i = 0; i < V.cols(); ++i) {
-    const Eigen::VectorXcd v = V.col(i).cast<Complex>();
-    known.segment<2>(2 * i).setConstant(rounding.known_to(values(2 * i), v, v));
+/// What natural frequencies are known to, rad/s, from the shapes: without damping and gyroscopy
+/// those are the eigenvectors.
+VectorXd known_to(const LinearModel& model, const Shapes& shapes) {
+  LinearModel undamped = model;
+  undamped.C.setZero();
+  undamped.D.setZero();
+  const EigenvalueRounding rounding(undamped);
+  VectorXd known(shapes.squares.size());
+  for (Index i = 0; i < known.size(); ++i) {
+    const Eigen::VectorXcd v = shapes.V.col(i).cast<Complex>();
+    known(i) = rounding.known_to({0, std::sqrt(std::max(shapes.squares(i), 0.0))}, v, v);
   }
   return known;
 }
@@ -103,11 +110,14 @@ VectorXd known_to(const LinearModel& model, const Eigen::VectorXcd& values, cons
 }  // namespace
 
 void judge_eigenvalues(Modes& modes) {
-  const Eigen::VectorXcd& values = modes.eigenvalues;
+  Eigen::VectorXcd& values = modes.eigenvalues;
   modes.damping_ratios.setZero(values.size() / 2);
   for (Index i = 0; i < values.size(); ++i) {
     const double modulus = std::abs(values(i)), real = values(i).real();
-    if (modulus <= modes.known_to(i)) continue;
+    if (modulus <= modes.known_to(i)) {
+      values(i) = 0;
+      continue;
+    }
     double& ratio = modes.damping_ratios(i / 2);
     ratio = i % 2 == 0 ? -real / modulus : std::min(ratio, -real / modulus);
     // Nor is it growth what the position is off by: forces balance to some 1e-9 of the largest.
@@ -129,8 +139,10 @@ Modes modes(const LinearModel& model) {
       throw Unstable(std::string("omega^2 = ") + square + " (rad/s)^2 in mode 1", shapes.V.col(0));
     }
     if (stable) {
+      const VectorXd omega = shapes.squares.cwiseMax(0.0).cwiseSqrt(),
+                     known = known_to(model, shapes);
       result.natural_frequencies_hz =
-          shapes.squares.cwiseMax(0.0).cwiseSqrt() / (2 * std::numbers::pi);
+          (omega.array() > known.array()).select(omega, 0) / (2 * std::numbers::pi);
       if (!result.natural_frequencies_hz.allFinite()) {
         throw Refusal(
             "numbers of the model overflow: a natural frequency is not finite; look for a length, "
@@ -140,7 +152,7 @@ Modes modes(const LinearModel& model) {
       undamped = !result.moving && model.D.isZero(0);
       if (undamped) {
         result.eigenvalues = imaginary_pairs(shapes.squares);
-        result.known_to = known_to(model, result.eigenvalues, shapes.V);
+        result.known_to = known.replicate(1, 2).transpose().reshaped();
       }
     }
   }

@@ -13,6 +13,7 @@ namespace stillframe {
 /// frequencies repeat); they are empty where that has no meaning: K + N + G is not symmetric, or
 /// the model moves and a square is negative. eigenvalues are those of the state matrix A, in n_d
 /// neighbours sorted by modulus: a conjugate pair, positive imaginary part first, or two real ones.
+/// What rounding does not tell from zero is 0.
 /// damping_ratios are -Re / |.| of those pairs, 1 or -1 for real ones (that of the one that grows).
 /// Source: deck, section 9.
 struct Modes {
@@ -29,7 +30,8 @@ struct Modes {
 /// symmetric, and a square of a natural frequency negative (not stable).
 Modes modes(const LinearModel& model);
 
-/// Writes damping_ratios and n_growing of eigenvalues and what they are known to.
+/// Writes damping_ratios and n_growing of eigenvalues and what they are known to; those that are
+/// not told from zero become 0.
 void judge_eigenvalues(Modes& modes);
 
 /// Whether a disturbed operating point comes back or stays about, as modes() judges it: by the

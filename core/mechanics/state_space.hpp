@@ -3,14 +3,21 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/systems/sampled_plant.hpp"
 #include "core/systems/state_space_model.hpp"
 
 namespace stillframe {
 
+/// Refusal of equations of motion where a dof moves no mass.
+class Massless : public Refusal {
+ public:
+  using Refusal::Refusal;
+};
+
 /// Cholesky factors of M (n_d x n_d, kg and the like), by which every state equation is solved.
-/// Errors: Refusal naming the dof that moves no mass if M is not positive definite to rounding.
+/// Errors: Massless naming the dof that moves no mass if M is not positive definite to rounding.
 Eigen::LLT<Eigen::MatrixXd> mass_factors(const LinearModel& model);
 
 /// A = [0 I; -M^-1 (K + N + G) -M^-1 (C + D)], 2 n_d x 2 n_d, state (q^d, dq^d/dt). Source: deck,

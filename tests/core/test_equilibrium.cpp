@@ -137,6 +137,78 @@ TEST(Equilibrium, OfManyTurnsTakesStepsByTheirNumber) {
   EXPECT_LT(found.iterations, 1200);
 }
 
+/// A clamped strip of EI = 400 N m^2 and 1 m, Euler's load 987 N, under a force at its tip.
+std::string strip(const std::string& dofs, double push, double aside) {
+  return "title: A strip\nplanar: true\nnodes: {root: {position: [0, 0]}, tip: {position: [1, 0]}}\n"
+         "masses: []\nelements: {strip: {type: beam, nodes: [root, tip], EA: 4e6, EI: 400, divide: "
+         "20}}\nsupports: [{nodes: [root], fix: [x, y, rotation]}]\nloads: [{node: tip, force: [" +
+         std::to_string(-push) + ", " + std::to_string(-aside) + "]}]\ndofs: " + dofs + "\n";
+}
+
+/// The angle of its tip as a differential equation has it, without length changes: EI theta'' = F_x
+/// sin(theta) - F_y cos(theta), theta' = 0 at the tip, which bends aside from where it is clamped.
+double elastica_tip_angle(double push, double aside) {
+  constexpr int n_steps = 2000;
+  const auto bent_back = [&](double tip) {  // the angle at the clamp of a strip of this tip angle
+    double theta = tip, slope = 0;
+    for (int k = 0; k < n_steps; ++k) {  // midpoint rule, from the tip back
+      const double h = -1.0 / n_steps;
+      const auto bend = [&](double angle) {
+        return (-push * std::sin(angle) + aside * std::cos(angle)) / 400;
+      };
+      const double theta_half = theta + 0.5 * h * slope, slope_half = slope + 0.5 * h * bend(theta);
+      theta += h * slope_half;
+      slope += h * bend(theta_half);
+    }
+    return theta;
+  };
+  // The smallest bend at which the clamp is where it is.
+  double large = -1e-3;
+  while (bent_back(large) > 0) large *= 1.1;
+  double small = large / 1.1;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (small + large);
+    (bent_back(middle) > 0 ? small : large) = middle;
+  }
+  return large;
+}
+
+// Beyond Euler's load there is an equilibrium on the other side as well, where nothing stays, and
+// Newton's method contracts to it from the start, as the stiffness of the loads is in its first
+// step.
+TEST(Equilibrium, BeyondBucklingIsWhereTheStripWasPushedTo) {
+  for (const double push : {900.0, 1100.0, 1500.0, 2000.0, 3000.0}) {
+    const double expected = elastica_tip_angle(push, 20);
+    for (const std::string dofs : {"auto", "[{deformations: strip}]"}) {
+      const Model model = make_model(parse_scene(strip(dofs, push, 20), "strip"));
+      const Eigen::VectorXd x = solve_equilibrium(model).motion.x;
+      const double turned =
+          x(model.nodes[static_cast<size_t>(model.node_index("tip"))].rotation.column[0]);
+      // 20 parts bend by 0.2 to 0.5 % too much, and shorten by P / EA, less than 0.1 %.
+      EXPECT_NEAR(turned / expected, 1, 6e-3) << push << " " << dofs;
+    }
+  }
+}
+
+// And not by how far its parts, which hardly stretch, would be stretched on the way.
+TEST(Equilibrium, OfAStripTakesStepsByHowFarItBends) {
+  const auto steps = [](const std::string& dofs) {
+    return solve_equilibrium(make_model(parse_scene(strip(dofs, 2000, 20), "strip"))).load_steps;
+  };
+  // 118 and 73; with the geometric stiffness of the strains on the way 1000 did not lead there.
+  EXPECT_LT(steps("auto"), 3 * steps("[{deformations: strip}]"));
+}
+
+// The straight column itself goes on, unstable, where nothing pushes it aside.
+TEST(Equilibrium, OfAStraightStripBeyondBucklingIsStraight) {
+  for (const std::string dofs : {"auto", "[{deformations: strip}]"}) {
+    const Model model = make_model(parse_scene(strip(dofs, 1100, 0), "strip"));
+    const Eigen::VectorXd x = solve_equilibrium(model).motion.x;
+    EXPECT_NEAR(model.translation_row(model.node_index("tip"), {1, 0, 0}).dot(x), -1100 / 4e6,
+                1e-12);
+  }
+}
+
 /// A column of EA = 1e4 N, 1 m long, under a load along it.
 std::string column(const std::string& force) {
   return "title: A column\nplanar: true\n"

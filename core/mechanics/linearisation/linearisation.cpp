@@ -353,8 +353,10 @@ Lineariser::Lineariser(Lineariser&&) noexcept = default;
 
 const Data& Lineariser::data() const { return work_->data; }
 
-const LinearModel& Lineariser::about(const NominalMotion& nominal, double load_factor) {
+const LinearModel& Lineariser::about(const NominalMotion& nominal, double load_factor,
+                                     const VectorXd& sigma_a) {
   work_->data.load_factor = load_factor;
+  sigma_a.size() > 0 ? work_->sigma_a = sigma_a : work_->sigma_a.setZero();
   nominal.place(work_->data);
   work_->set_state(nominal);
   work_->columns.compute(work_->model, work_->data, work_->moving);

@@ -86,9 +86,10 @@ class Lineariser {
   ~Lineariser();
   Lineariser(Lineariser&&) noexcept;
 
-  /// load_factor: of loads, gravity and preloads. Errors: Refusal if the position cannot be
-  /// reached.
-  const LinearModel& about(const NominalMotion& nominal, double load_factor = 1);
+  /// load_factor: of loads, gravity and preloads. sigma_a: stresses beside those of the elements'
+  /// laws (n_e), none if empty. Errors: Refusal if the position cannot be reached.
+  const LinearModel& about(const NominalMotion& nominal, double load_factor = 1,
+                           const Eigen::VectorXd& sigma_a = {});
   /// Kinematics and stresses of the last nominal motion.
   const Data& data() const;
 

@@ -106,16 +106,14 @@ void read_force(const YamlReader& block, SceneDisturbance& disturbance) {
   }
 }
 
-/// The text that a file's path stands in, with all of the path; as it is where the path is written
-/// with escapes.
+/// The text that a file's path stands in, with all of the path.
 std::string with_full_path(const YamlReader& file, const std::filesystem::path& path) {
   std::string text =
       file.source_text_with(std::filesystem::absolute(path).lexically_normal().string());
-  // One that was counted is many.
-  if (text == file.source_text() && text.find("repeat") != std::string::npos) {
+  if (text == file.source_text()) {
     file.fail(
         "a run keeps its scene with all of the path, which cannot be written in the place of this "
-        "one; write it without # and escapes, or from /");
+        "one; write it without # and escapes, on one line, or from /");
   }
   return text;
 }

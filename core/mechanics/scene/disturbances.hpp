@@ -63,7 +63,8 @@ struct SceneDisturbance {
 std::vector<SceneDisturbance> read_disturbances(const YamlReader& root, const Scene& scene);
 
 /// The scene's text, in which recordings of forces and bodies are called by their full paths:
-/// whoever reads it in another folder finds them.
+/// whoever reads it in another folder finds them. Errors: InputError at a relative path that is
+/// written with escapes or by shorthand, in whose place no other can be written.
 std::string text_with_full_paths(const Scene& scene);
 
 }  // namespace stillframe

@@ -190,10 +190,14 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
   if (!settled) throw Refusal("the lowest modes were not found: no shift tells them apart");
   look_closer(pencil, free, seen);
   LowestModes result;
-  result.squares = seen.squares.unaryExpr(
-      [&](double square) { return std::abs(square) <= free ? 0.0 : square; });
+  result.squares = seen.squares;
   result.shapes = seen.shapes;
   result.known_to = seen.known_to;
+  for (Index i = 0; i < seen.squares.size(); ++i) {
+    if (std::abs(seen.squares(i)) > free) continue;
+    result.squares(i) = 0;
+    result.known_to(i) = std::max(seen.known_to(i), std::abs(seen.squares(i)));
+  }
   if (result.squares.size() == 0) throw Refusal("nothing that resists has mass");
   if (result.squares(0) < 0 || !pencil.stable(shift)) {
     char why[64] = "the stiffness is not positive definite";

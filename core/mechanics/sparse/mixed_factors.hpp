@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCholesky>
+#include <type_traits>
 #include <vector>
 
 #include "core/mechanics/sparse/mixed_model.hpp"
@@ -22,6 +23,14 @@ class MixedFactors {
   /// or not to be told from one that is.
   bool compute(const SparseMatrix& E, const Vector& compliance,
                const Eigen::SparseMatrix<Scalar>& A);
+
+  /// The negative eigenvalues of the stiffness matrix that was last factorised, by Sylvester's law.
+  Eigen::Index n_negative() const
+    requires std::is_same_v<Scalar, double>
+  {
+    return in_long_double_ ? (long_double_.of.vectorD().array() < 0).count()
+                           : (double_.of.vectorD().array() < 0).count();
+  }
 
   /// Solves -c s + E x = e, E^T s + A x = f. e: n_rows or empty for zero; f: n_c. Writes s and x.
   void solve(const Vector& e, const Vector& f, Vector& s, Vector& x) const;

@@ -116,7 +116,7 @@ class Reducer {
 
   Index n_m_ = 0;
   double shift_ = 0, first_left_out_ = 0, to_hz_ = 0;
-  VectorXd squares_;
+  VectorXd squares_, known_to_;
   MatrixXd V_m_, M_V_m_, K_V_m_, Z_, K_Z_, V_, K_V_;  ///< K: times K_s
   VectorXd Z_masses_;  ///< of corrections with z^T K_s z = 1, the heaviest first
   MixedFactors<double> factors_;
@@ -147,6 +147,7 @@ void Reducer::find_modes(const SceneReduction& asked) {
     ++n_m_;
   }
   squares_ = found.squares.head(n_m_);
+  known_to_ = found.known_to.head(n_m_);
   V_m_ = found.shapes.leftCols(n_m_);
   const bool all = n_m_ == n_found;
   first_left_out_ = all ? std::numeric_limits<double>::infinity() : std::sqrt(found.squares(n_m_));
@@ -396,6 +397,7 @@ ReductionBound Reducer::bound(LinearModel V) const {
   bound.n_modes = n_m_;
   bound.damping = largest_damping();
   bound.shift = shift_;
+  bound.known_to = known_to_;
   bound.first_left_out = first_left_out_;
   bound.projected = std::move(V);
   return bound;

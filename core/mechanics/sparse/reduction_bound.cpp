@@ -74,11 +74,16 @@ Residuals residuals(const ReductionBound& bound, Complex s) {
   };
   const MatrixXcd q = solver.solve(f);
   y = (V.Y_p + s * V.Y_v + square * V.Y_a).transpose();
+  const MatrixXcd q_l = solver.solve(y);
   take(q, left.in);
-  take(solver.solve(y), left.out);
+  take(q_l, left.out);
+  const Index n_m = bound.n_modes;
   left.rounding =
       10 * eps * static_cast<double>(n) *
-      ((y.cwiseAbs().transpose() * q.cwiseAbs()).norm() + transfer_function(V, s).norm());
+          ((y.cwiseAbs().transpose() * q.cwiseAbs()).norm() + transfer_function(V, s).norm()) +
+      (q_l.topRows(n_m).cwiseAbs().transpose() * bound.known_to.asDiagonal() *
+       q.topRows(n_m).cwiseAbs())
+          .norm();
   return left;
 }
 

@@ -19,7 +19,8 @@ namespace stillframe {
 ///     + ((1 / alpha_0 - 1) / 2 + (w mu + delta) / (alpha_0 alpha)) |R_l| |R|,
 /// norms in K_s^-1. R and R_l are combinations of the same few columns W, whose coefficients at a
 /// frequency are small matrices. G_V is on the modes and corrections as they are; what a model
-/// without their smallest masses differs from it is computed. Source:
+/// without their smallest masses differs from it is computed. What rounding makes of the squares
+/// of the kept modes, by which slow ones answer far below what resists, is added. Source:
 /// docs/decisions/0036-reduced-models.md.
 struct ReductionBound {
   /// W^T K_s^-1 W where the kept modes have no part. Columns of W, n_c each: forces of the inputs
@@ -28,6 +29,7 @@ struct ReductionBound {
   double rounding = 0;  ///< of its entries, over the lengths of both columns
   Eigen::Index n_modes = 0;
   double shift = 0;           ///< (rad/s)^2
+  Eigen::VectorXd known_to;   ///< n_modes, what the squares of the kept modes are, (rad/s)^2
   double first_left_out = 0;  ///< w_c, rad/s; infinite if nothing with mass was left out
   double damping = 0;         ///< mu, s
   LinearModel projected;      ///< on modes and corrections as they are: G_V

@@ -8,6 +8,7 @@
 
 namespace stillframe {
 
+using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
@@ -36,12 +37,14 @@ class MixedBalance {
       x_step_.setZero(out_.size());
       return true;
     }
+    factorised_ = true;
     if (!factors_.compute(E_, mixed_.compliance(), mixed_.geometric_stiffness(at_))) {
       return false;
     }
     factors_.solve(strained_, out_, s_step_, x_step_);
     return x_step_.allFinite();
   }
+  Index n_negative() const { return factorised_ ? factors_.n_negative() : 0; }
   double length() const { return largest_move(mixed_.model(), moved()); }
   double length_now() const {
     return largest_move(mixed_.model(), moved(), scene_size(mixed_.model(), at_.x));
@@ -78,6 +81,7 @@ class MixedBalance {
   SparseMatrix E_;
   VectorXd strained_, applied_, out_, s_step_, x_step_;
   MixedFactors<double> factors_;
+  bool factorised_ = false;
 };
 
 }  // namespace
