@@ -11,8 +11,8 @@
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/sparse/damped_modes.hpp"
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
-#include "core/mechanics/state_space.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
+#include "core/mechanics/state_space.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
 #include "report/table.hpp"
 #include "tools/largest_parts.hpp"
@@ -179,7 +179,7 @@ Found found_modes(const Scene& scene, Index lowest, Patience& patience) {
     return found;
   } catch (const Massless&) {
     // Without dofs what has no mass follows the rest, and there are fewer modes than coordinates.
-    model = large_scene(scene, 1, 0);
+    model = large_scene(scene, 0, 0);
     if (!model) throw;
     return lowest_of_many(*model, lowest > 0 ? std::min(lowest, model->n_c) : model->n_c, patience);
   }

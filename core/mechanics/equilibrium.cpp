@@ -89,11 +89,13 @@ class ForceBalance {
   double length_now() const {
     return largest_move(model_, data_.DF * step_, scene_size(model_, data_.x));
   }
+  double moved(const State& from) const {
+    return largest_move(model_, at_.motion.x - from.motion.x);
+  }
   bool take() {
     VectorXd strains = VectorXd::Zero(model_.n_e);
     strains.tail(model_.n_redundant) = data_.DF_e * step_;
-    const VectorXd expected =
-        (data_.sigma + stresses_of(model_, strains)).tail(model_.n_redundant);
+    const VectorXd expected = (data_.sigma + stresses_of(model_, strains)).tail(model_.n_redundant);
     at_.q += step_;
     if (!forces()) return false;
     ahead_.tail(model_.n_redundant) = expected - data_.sigma.tail(model_.n_redundant);

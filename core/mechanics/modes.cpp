@@ -63,8 +63,7 @@ Shapes natural_shapes(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
   Shapes shapes = by_singular_values(factors, M);
   for (Index i = 0; i < K.rows(); ++i) {
     const bool free = shapes.squares(i) < 2 * shift;
-    shapes.squares(i) =
-        free ? shapes.V.col(i).dot(K * shapes.V.col(i)) : shapes.squares(i) - shift;
+    shapes.squares(i) = free ? shapes.V.col(i).dot(K * shapes.V.col(i)) : shapes.squares(i) - shift;
   }
   return shapes;
 }
@@ -141,13 +140,13 @@ Modes modes(const LinearModel& model) {
     if (stable) {
       const VectorXd omega = shapes.squares.cwiseMax(0.0).cwiseSqrt(),
                      known = known_to(model, shapes);
-      result.natural_frequencies_hz =
-          (omega.array() > known.array()).select(omega, 0) / (2 * std::numbers::pi);
-      if (!result.natural_frequencies_hz.allFinite()) {
+      if (!omega.allFinite() || !known.allFinite()) {
         throw Refusal(
             "numbers of the model overflow: a natural frequency is not finite; look for a length, "
             "stiffness or mass with a wrong power of ten");
       }
+      result.natural_frequencies_hz =
+          (omega.array() > known.array()).select(omega, 0) / (2 * std::numbers::pi);
       result.shapes = shapes.V;
       undamped = !result.moving && model.D.isZero(0);
       if (undamped) {

@@ -36,9 +36,10 @@ Eigen::LLT<MatrixXd> mass_factors(const LinearModel& model) {
       factors.info() == Eigen::Success &&
       (factors.matrixLLT().diagonal().array().square() > least * model.M.diagonal().array()).all();
   if (!positive) {
-    throw Massless("the mass matrix is not positive definite: dof " + massless_dof(model) +
-                  " moves no mass; give a node that it moves a mass or an inertia, or hold it; the "
-                  "nodes within a divided beam turn about its axis with inertia_per_length alone");
+    throw Massless(
+        "the mass matrix is not positive definite: dof " + massless_dof(model) +
+        " moves no mass; give a node that it moves a mass or an inertia, or hold it; the "
+        "nodes within a divided beam turn about its axis with inertia_per_length alone");
   }
   return factors;
 }

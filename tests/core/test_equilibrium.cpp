@@ -139,7 +139,8 @@ TEST(Equilibrium, OfManyTurnsTakesStepsByTheirNumber) {
 
 /// A clamped strip of EI = 400 N m^2 and 1 m, Euler's load 987 N, under a force at its tip.
 std::string strip(const std::string& dofs, double push, double aside) {
-  return "title: A strip\nplanar: true\nnodes: {root: {position: [0, 0]}, tip: {position: [1, 0]}}\n"
+  return "title: A strip\nplanar: true\nnodes: {root: {position: [0, 0]}, tip: {position: [1, "
+         "0]}}\n"
          "masses: []\nelements: {strip: {type: beam, nodes: [root, tip], EA: 4e6, EI: 400, divide: "
          "20}}\nsupports: [{nodes: [root], fix: [x, y, rotation]}]\nloads: [{node: tip, force: [" +
          std::to_string(-push) + ", " + std::to_string(-aside) + "]}]\ndofs: " + dofs + "\n";

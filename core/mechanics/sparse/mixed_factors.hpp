@@ -25,9 +25,7 @@ class MixedFactors {
                const Eigen::SparseMatrix<Scalar>& A);
 
   /// The negative eigenvalues of the stiffness matrix that was last factorised, by Sylvester's law.
-  Eigen::Index n_negative() const
-    requires std::is_same_v<Scalar, double>
-  {
+  Eigen::Index n_negative() const requires std::is_same_v<Scalar, double> {
     return in_long_double_ ? (long_double_.of.vectorD().array() < 0).count()
                            : (double_.of.vectorD().array() < 0).count();
   }
