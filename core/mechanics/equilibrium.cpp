@@ -89,9 +89,8 @@ class ForceBalance {
   double length_now() const {
     return largest_move(model_, data_.DF * step_, scene_size(model_, data_.x));
   }
-  double moved(const State& from) const {
-    return largest_move(model_, at_.motion.x - from.motion.x);
-  }
+  static const VectorXd& position(const State& state) { return state.motion.x; }
+  double way(const VectorXd& x) const { return largest_move(model_, x); }
   bool take() {
     VectorXd strains = VectorXd::Zero(model_.n_e);
     strains.tail(model_.n_redundant) = data_.DF_e * step_;
@@ -157,7 +156,14 @@ std::string shown_share(double share) {
 LoadPath follow(const Model& model, ForceBalance& balance) {
   const LoadPath path = follow_loads(balance);
   if (path.reached == 1) return path;
-  if (path.reached > 0) refuse_load(path, largest_move_in_words(model, balance.motion().x));
+  if (path.reached > 0) {
+    const bool bends = std::any_of(model.dofs.begin(), model.dofs.end(),
+                                   [](const Model::Dof& dof) { return dof.is_deformation; });
+    refuse_load(path, largest_move_in_words(model, balance.motion().x) +
+                          (bends ? "; a beam that is a dof cannot bend by a quarter turn: divide "
+                                   "it more finely, or let dofs be auto"
+                                 : ""));
+  }
   const std::string dof = unresisted_dof(model, -ForceBalance(model, 0, 0).linear().stiffness());
   if (dof.empty()) {
     throw Refusal(

@@ -25,7 +25,8 @@ inline constexpr int most_attempts = 1000;
 ///   take()           goes that step, then as forces()
 ///   holds()          whether nothing but rounding is out of balance
 ///   n_negative()     in how many directions the stiffness of the last step pushes on what moves
-///   moved(from)      how far the nodes are from where they were in a State
+///   position(state)  the displacements in a State
+///   way(x)           how far a displacement goes, as length()
 ///
 /// Newton's method at one load factor, from the balance's position. The second step may be a
 /// twentieth of the first at most: then all that is not linear on the way is small beside what is,
@@ -66,28 +67,30 @@ bool balance_at(Balance& balance, double factor, int& iterations) {
 /// its start in each. Where stiffness grows with the loads themselves, not with what they have
 /// moved, it can be negative beyond a load at which the path turns away from there: so what is
 /// unstable in more directions than the path has been is reached only where the path itself goes
-/// through, as that of a straight column does: in a small step, by about as much as in the step
-/// before. The balance stays at the last load that was reached.
+/// through, as that of a straight column does: in a small step, where the step before was heading.
+/// The balance stays at the last load that was reached.
 template <class Balance>
 LoadPath follow_loads(Balance& balance) {
   LoadPath path;
-  double step = 1, last_step = 0, last_move = 0;
+  double step = 1, last_step = 0;
+  Eigen::VectorXd last_move;
   Eigen::Index most_negative = 0;
   // Towards a limit load steps shrink as what is left of it does, to a tenth or so; 2^-16 of the
   // load is where the path has ended. The first step may be as small as a load is large.
   const auto least = [&] { return path.reached > 0 ? 0x1p-16 * path.reached : 0x1p-40; };
-  // Beside a load at which the path turns away, another branch is on the other side: four times the
-  // last step's way, or more, unless what turns it is below 1e-5 of the way.
-  const auto goes_through = [&](double move) {
+  // Where a path turns away what has moved most of late is on the other side on another branch.
+  const auto goes_through = [&](const Eigen::VectorXd& move) {
     if (path.reached == 0) return 0.5 * step < least();
-    return step <= 0x1p-8 * path.reached && move * last_step <= 2 * last_move * step;
+    const Eigen::VectorXd expected = step / last_step * last_move;
+    return step <= 0x1p-8 * path.reached &&
+           balance.way(move - expected) <= 0.5 * balance.way(expected);
   };
   while (path.reached < 1 && step >= least() && path.attempts < most_attempts) {
     ++path.attempts;
     const double factor = std::min(1.0, path.reached + step);
     const auto start = balance.state();
     bool taken = balance_at(balance, factor, path.iterations);
-    const double move = taken ? balance.moved(start) : 0;
+    const Eigen::VectorXd move = balance.position(balance.state()) - balance.position(start);
     if (taken && balance.n_negative() > most_negative) {
       taken = goes_through(move);
       if (taken) {

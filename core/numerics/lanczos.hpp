@@ -22,8 +22,10 @@ struct LanczosPairs {
 /// as often as they are multiple. A: n x n, symmetric; solve: S^-1, of a symmetric S. S: as a map,
 /// which has to be positive definite, and S-normalised are the vectors then; without it A has to be
 /// positive semidefinite, and A-normalised are they. By implicitly restarted Lanczos; where A is on
-/// few coordinates by a dense matrix of those.
+/// few coordinates by a dense matrix of those, and in_any_time on up to 3000 where Lanczos' method
+/// does not converge.
 LanczosPairs largest_pairs(const Eigen::SparseMatrix<double>& A, Eigen::Index n_pairs,
-                           Largest order, const LinearMap& solve, const LinearMap& S = {});
+                           Largest order, const LinearMap& solve, const LinearMap& S = {},
+                           bool in_any_time = false);
 
 }  // namespace stillframe

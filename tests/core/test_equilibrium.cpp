@@ -200,6 +200,26 @@ TEST(Equilibrium, OfAStripTakesStepsByHowFarItBends) {
   EXPECT_LT(steps("auto"), 3 * steps("[{deformations: strip}]"));
 }
 
+// However little out of straight: where it bends to does not depend on the dofs, nor is it beside
+// the other branch.
+TEST(Equilibrium, OfAColumnHardlyOutOfStraightIsWhereItBends) {
+  const auto tip = [](const std::string& dofs) -> Eigen::Vector2d {
+    const Model model = make_model(parse_scene(
+        "title: A column\nplanar: true\nnodes: {a: {position: [0, 0]}, b: {position: [1e-5, 1]}}\n"
+        "masses: []\nelements: {s: {type: beam, nodes: [a, b], EA: 1e5, EI: 1, divide: 4}}\n"
+        "supports: [{nodes: [a], fix: [x, y, rotation]}]\nloads: [{node: b, force: [0, -6.1685]}]\n"
+        "dofs: " +
+            dofs + "\n",
+        "column"));
+    const Eigen::VectorXd x = solve_equilibrium(model).motion.x;
+    const Index b = model.node_index("b");
+    return {model.translation_row(b, {1, 0, 0}).dot(x), model.translation_row(b, {0, 1, 0}).dot(x)};
+  };
+  // By another program, which minimises the energy along the path: 0.72297, -1.28018.
+  EXPECT_LE((tip("auto") - Eigen::Vector2d(0.72297, -1.28018)).norm(), 1e-4);
+  EXPECT_LE((tip("[{deformations: s}]") - tip("auto")).norm(), 1e-9);
+}
+
 // The straight column itself goes on, unstable, where nothing pushes it aside.
 TEST(Equilibrium, OfAStraightStripBeyondBucklingIsStraight) {
   for (const std::string dofs : {"auto", "[{deformations: strip}]"}) {

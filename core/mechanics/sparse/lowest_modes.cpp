@@ -47,16 +47,19 @@ class Pencil {
         largest_(largest_square(E_, mixed.stiffness(), M_)) {}
 
   double largest() const { return largest_; }
+  bool regular() const { return regular_; }  ///< from one shift at least
 
   /// False where the shift is not enough to tell the matrix from a singular one, or modes from
   /// what moves freely.
-  bool see_from(double shift, Index n_modes, Seen& seen) const {
+  /// in_any_time: as of largest_pairs.
+  bool see_from(double shift, Index n_modes, Seen& seen, bool in_any_time = false) const {
     MixedFactors<double> factors;
     if (!factors.compute(E_, mixed_.compliance(), SparseMatrix(shift * M_ + G_))) return false;
+    regular_ = true;
     VectorXd s;
-    const LanczosPairs pairs =
-        largest_pairs(M_, n_modes, Largest::modulus,
-                      [&](const VectorXd& f, VectorXd& y) { factors.solve({}, f, s, y); });
+    const LanczosPairs pairs = largest_pairs(
+        M_, n_modes, Largest::modulus,
+        [&](const VectorXd& f, VectorXd& y) { factors.solve({}, f, s, y); }, {}, in_any_time);
     if (!pairs.converged) return false;
     // What has no mass has no mode: rounding of the largest.
     Index n = 0;
@@ -124,6 +127,7 @@ class Pencil {
   const MixedModel& mixed_;
   SparseMatrix E_, M_, G_;
   double largest_;
+  mutable bool regular_ = false;
 };
 
 /// Modes that rounding of the lowest ones hides, seen anew from their own height. free: up to where
@@ -162,17 +166,31 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
   if (!(shift > 0) || !std::isfinite(shift)) throw Refusal("nothing that resists has mass");
   Seen seen;
   double free = 0, seen_from = 0;
-  bool settled = false;
-  const double farthest = 1e-7 * pencil.largest();
-  for (int attempt = 0; attempt < 9 && !settled; ++attempt) {
-    if (!pencil.see_from(shift, n_modes, seen)) {
+  bool settled = false, in_any_time = false;
+  double farthest = 1e-7 * pencil.largest();
+  for (int attempt = 0; attempt < 16 && !settled; ++attempt) {
+    if (!pencil.see_from(shift, n_modes, seen, in_any_time)) {
+      if (seen_from > 0 && !in_any_time) {
+        in_any_time = true;
+        continue;
+      }
       settled = seen_from > 0;  // what was seen from farther is as good as it gets
       if (settled) {
         shift = seen_from;
         break;
       }
-      shift *= 1e4;
-      if (shift > farthest) refuse_singular();
+      shift *= in_any_time ? 30 : 1e4;
+      if (shift <= farthest) continue;
+      if (in_any_time && pencil.regular()) {
+        throw Refusal(
+            "modes are hidden by the rounding of slower ones, or of what moves freely: ask for "
+            "fewer, or hold the scene");
+      }
+      if (in_any_time || !pencil.regular()) refuse_singular();
+      // Beside what moves freely many modes may be beyond what Lanczos' method converges to.
+      in_any_time = true;
+      farthest = pencil.largest();
+      shift = 1e-10 * pencil.largest();
       continue;
     }
     free = 1e-9 * shift;
@@ -194,9 +212,11 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
   result.shapes = seen.shapes;
   result.known_to = seen.known_to;
   for (Index i = 0; i < seen.squares.size(); ++i) {
-    if (std::abs(seen.squares(i)) > free) continue;
+    // What is negative by little beside the shift is told by stable().
+    const double square = seen.squares(i);
+    if (square > std::max(free, seen.known_to(i)) || square < -1e-3 * shift) continue;
     result.squares(i) = 0;
-    result.known_to(i) = std::max(seen.known_to(i), std::abs(seen.squares(i)));
+    result.known_to(i) = std::max(seen.known_to(i), std::abs(square));
   }
   if (result.squares.size() == 0) throw Refusal("nothing that resists has mass");
   if (result.squares(0) < 0 || !pencil.stable(shift)) {

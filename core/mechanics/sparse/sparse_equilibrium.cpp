@@ -49,7 +49,8 @@ class MixedBalance {
   double length_now() const {
     return largest_move(mixed_.model(), moved(), scene_size(mixed_.model(), at_.x));
   }
-  double moved(const State& from) const { return largest_move(mixed_.model(), at_.x - from.x); }
+  static const VectorXd& position(const State& state) { return state.x; }
+  double way(const VectorXd& x) const { return largest_move(mixed_.model(), x); }
   bool take() {
     at_.s += s_step_;
     at_.x.head(x_step_.size()) += x_step_;
