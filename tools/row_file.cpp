@@ -1,6 +1,7 @@
 #include "tools/row_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 
 #include "core/control/robustness/parallel.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 #include "msgs/stop_signal.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
@@ -23,6 +25,10 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
     : path_(std::move(path)), kind_(kind) {
   std::error_code missing;
   if (!std::filesystem::exists(path_, missing)) return;
+  if (!std::filesystem::is_regular_file(path_, missing)) {
+    throw InputError(path_.string() +
+                     ": found something that is no file, allowed is a file that grows by rows");
+  }
   std::ifstream file(path_, std::ios::binary);
   std::stringstream bytes;
   bytes << file.rdbuf();
@@ -44,6 +50,7 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
     std::string key = key_of(row);
     rows_[std::move(key)] = std::move(row);
   }
+  size_ = begin;
   if (begin == text.size()) return;
   // What a killed program left, and nothing else.
   const std::string first = R"({"version":)", rest = text.substr(begin, first.size());
@@ -76,12 +83,36 @@ void RowFile::add(const Json& row) {
   if (unfinished_ != std::string::npos) std::filesystem::resize_file(path_, unfinished_);
   unfinished_ = std::string::npos;
   const std::string line = line_of(row);
+  const auto fail = [&](const std::string& why) {
+    throw OutputError(path_.string() + why +
+                      "; the same command goes on from the rows that it has");
+  };
   const int file = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
-  const bool written =
-      file >= 0 && write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  if (file < 0) fail(std::string(": cannot be written: ") + std::strerror(errno));
+  struct stat before {};
+  fstat(file, &before);
+  const auto size = static_cast<std::uintmax_t>(before.st_size);
+  if (size < size_) {
+    close(file);
+    fail(": rows were taken out of it while it was written");
+  }
+  std::size_t written = 0;
+  ssize_t part = 0;
+  while (written < line.size() &&
+         (part = write(file, line.data() + written, line.size() - written)) > 0) {
+    written += static_cast<std::size_t>(part);
+  }
   const int error = errno;
-  if (file >= 0) close(file);
-  if (!written) throw Failure(path_.string() + ": cannot be written: " + std::strerror(error));
+  // Half a line, if nobody else has added to it.
+  struct stat after {};
+  const bool whole = written == line.size();
+  if (!whole && fstat(file, &after) == 0 &&
+      static_cast<std::uintmax_t>(after.st_size) == size + written) {
+    static_cast<void>(ftruncate(file, before.st_size) == 0);
+  }
+  close(file);
+  if (!whole) fail(std::string(": cannot be written: ") + std::strerror(error));
+  size_ = size + written;
 }
 
 std::vector<Json> fill_rows(const RowStudy& study, const std::vector<std::size_t>& points, int jobs,

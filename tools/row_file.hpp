@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -30,7 +31,8 @@ class RowFile {
   const Json* find(const Json& row) const;
   /// By the text of their identity.
   const std::map<std::string, Json>& rows() const { return rows_; }
-  /// Errors: Failure where the file does not grow.
+  /// Errors: OutputError where the file does not grow, or has lost what was in it; half a line is
+  /// taken off again.
   void add(const Json& row);
 
  private:
@@ -39,6 +41,7 @@ class RowFile {
   std::filesystem::path path_;
   RowKind kind_;
   std::size_t unfinished_ = std::string::npos;  ///< where the line without an end begins
+  std::uintmax_t size_ = 0;                     ///< bytes that were in it, at least
   std::map<std::string, Json> rows_;
 };
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "controller/flight_file.hpp"
 #include "controller/timing_file.hpp"
 #include "core/files/whole_file.hpp"
@@ -104,6 +106,27 @@ TEST_F(FullDisk, LeavesTheOlderFileWhole) {
   expect_whole_or_older(
       "spread.png",
       "robustness " + frame_ + uncertainty + " --samples 5 --no-search --plot spread.png", 140);
+}
+
+// Rows are whole, those that are there stay, and what is written on goes on from them.
+TEST_F(FullDisk, LeavesWholeRowsOfASweep) {
+  const std::string sweep =
+      "$BIN/stillframe sweep " + frame_ + " --set controller.target_hz=2:20:20 --out rows.jsonl";
+  expect_full(here_ + "trap '' XFSZ\nulimit -f 3\nexec " + sweep,
+              "rows.jsonl: cannot be written: File too large; the same command goes on from the "
+              "rows that it has");
+  const std::string rows = text_of(folder_ / "rows.jsonl");
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(rows.back(), '\n');
+  ASSERT_EQ(shell(here_ + "exec " + sweep).exit_code, 0);
+  const std::string all = text_of(folder_ / "rows.jsonl");
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 20);
+  EXPECT_EQ(all.substr(0, rows.size()), rows);
+  // What is endless is not read.
+  EXPECT_EQ(shell(here_ + "exec $BIN/stillframe sweep " + frame_ +
+                  " --set controller.target_hz=2,3 --out /dev/full")
+                .exit_code,
+            2);
 }
 
 TEST_F(FullDisk, EndsARunThatSaysWhy) {
