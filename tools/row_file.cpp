@@ -55,12 +55,14 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
   // What a killed program left, and nothing else.
   const std::string first = R"({"version":)", rest = text.substr(begin, first.size());
   if (first.compare(0, rest.size(), rest) != 0) refuse(line + 1);
-  unfinished_ = begin;
+  unfinished_ = text.size() - begin;
 }
 
 std::string RowFile::key_of(const Json& row) const {
   std::string key;
-  for (const std::string& name : kind_.identity) key += row.at(name).dump() + " ";
+  for (const std::string& name : kind_.identity) {
+    key += nlohmann::json(row.at(name)).dump() + " ";  // sorted: in whatever order keys were given
+  }
   return key;
 }
 
@@ -80,8 +82,6 @@ std::string line_of(const Json& row) {
 }
 
 void RowFile::add(const Json& row) {
-  if (unfinished_ != std::string::npos) std::filesystem::resize_file(path_, unfinished_);
-  unfinished_ = std::string::npos;
   const std::string line = line_of(row);
   const auto fail = [&](const std::string& why) {
     throw OutputError(path_.string() + why +
@@ -91,7 +91,13 @@ void RowFile::add(const Json& row) {
   if (file < 0) fail(std::string(": cannot be written: ") + std::strerror(errno));
   struct stat before {};
   fstat(file, &before);
-  const auto size = static_cast<std::uintmax_t>(before.st_size);
+  auto size = static_cast<std::uintmax_t>(before.st_size);
+  // Where the file is as it was read; another program may have taken it off and gone on.
+  if (unfinished_ > 0 && size == size_ + unfinished_ &&
+      ftruncate(file, static_cast<off_t>(size_)) == 0) {
+    size = size_;
+  }
+  unfinished_ = 0;
   if (size < size_) {
     close(file);
     fail(": rows were taken out of it while it was written");
@@ -108,7 +114,7 @@ void RowFile::add(const Json& row) {
   const bool whole = written == line.size();
   if (!whole && fstat(file, &after) == 0 &&
       static_cast<std::uintmax_t>(after.st_size) == size + written) {
-    static_cast<void>(ftruncate(file, before.st_size) == 0);
+    static_cast<void>(ftruncate(file, static_cast<off_t>(size)) == 0);
   }
   close(file);
   if (!whole) fail(std::string(": cannot be written: ") + std::strerror(error));

@@ -40,8 +40,8 @@ class RowFile {
 
   std::filesystem::path path_;
   RowKind kind_;
-  std::size_t unfinished_ = std::string::npos;  ///< where the line without an end begins
-  std::uintmax_t size_ = 0;                     ///< bytes that were in it, at least
+  std::size_t unfinished_ = 0;  ///< bytes of the line without an end
+  std::uintmax_t size_ = 0;     ///< bytes that were in it, at least
   std::map<std::string, Json> rows_;
 };
 

@@ -65,7 +65,7 @@ void print_table(const std::string& title, const SweepQuestion& question,
   report::Table table(header, n_left);
   for (const Json& row : rows) {
     std::vector<std::string> cells;
-    for (const auto& [path, value] : row["set"].items()) cells.push_back(value);
+    for (const SweptKey& key : question.grid.keys()) cells.push_back(row["set"].at(key.path));
     if (!row["failure"].is_null()) {
       cells.resize(header.size());
       cells[n_left + 1] = "no design";

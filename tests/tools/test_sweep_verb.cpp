@@ -145,6 +145,20 @@ TEST_F(SweepVerb, GoesOnWhereItWasKilledAndTakesNothingOfAnotherQuestion) {
   EXPECT_EQ(std::count(grown.begin(), grown.end(), '\n'), 10);
 }
 
+// Whichever --set comes first: the rows are known, and stand in the columns of their keys.
+TEST_F(SweepVerb, TheOrderOfItsKeysMakesNoOtherRows) {
+  const auto scene = write("scene.yaml", leg_scene()), out = folder_ / "rows.jsonl";
+  const std::string a = "controller.target_hz=4,6", b = "controller.damping_ratio=0.5,0.7";
+  const Said first = run({"sweep", scene, "--set", a, "--set", b, "--out", out});
+  ASSERT_EQ(first.exit_code, 0) << first.error;
+  const std::string rows = bytes_of(out);
+  const Said swapped = run({"sweep", scene, "--set", b, "--set", a, "--out", out});
+  EXPECT_EQ(swapped.exit_code, 0) << swapped.error;
+  EXPECT_EQ(bytes_of(out), rows);
+  const Said anew = run({"sweep", scene, "--set", b, "--set", a});
+  EXPECT_EQ(swapped.output, anew.output);
+}
+
 TEST_F(SweepVerb, APointWithoutADesignIsSaidAndTheOthersStand) {
   const auto scene = write("scene.yaml", leg_scene());
   const Said said = run({"sweep", scene, "--set", "controller.delay_samples=-1,0,1,1.5", "--json"});

@@ -99,7 +99,11 @@ class Pencil {
           const VectorXd sigma = mixed_.stiffness().cwiseProduct(E_ * x);
           y.noalias() = E_.transpose() * sigma + shift * (M_ * x);
         });
-    return pairs.converged && !(pairs.values.size() > 0 && pairs.values(0) > 1 + 1e-9);
+    if (!pairs.converged) {
+      throw Refusal(
+          "whether the configuration is stable was not found: Lanczos' method does not end");
+    }
+    return !(pairs.values.size() > 0 && pairs.values(0) > 1 + 1e-9);
   }
 
  private:
@@ -186,7 +190,7 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
             "modes are hidden by the rounding of slower ones, or of what moves freely: ask for "
             "fewer, or hold the scene");
       }
-      if (in_any_time || !pencil.regular()) refuse_singular();
+      if (!pencil.regular()) refuse_singular();
       // Beside what moves freely many modes may be beyond what Lanczos' method converges to.
       in_any_time = true;
       farthest = pencil.largest();

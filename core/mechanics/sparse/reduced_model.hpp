@@ -27,7 +27,7 @@ struct ReducedModel {
 /// that psi w'' and psi w' pull at. Statically exact, and stress resultants and reactions follow
 /// from the balance of forces. Corrections that move no mass follow their forces at once. Source:
 /// docs/decisions/0036-reduced-models.md; Craig 1981, chapter 19. Errors: as lowest_modes and
-/// mixed_signals; Refusal if dampers carry so much that there is no bound in the band.
+/// mixed_signals.
 ReducedModel reduced_model(const MixedModel& mixed, const MixedState& state,
                            const std::vector<SceneSignal>& inputs,
                            const std::vector<SceneSignal>& outputs, const SceneReduction& asked);
