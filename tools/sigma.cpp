@@ -237,6 +237,13 @@ int run(const SigmaOptions& options) {
     const std::string left_out = left_out_of_analysis(design->scene.instruments);
     if (!left_out.empty()) std::cerr << "stillframe: note: " << left_out << "\n";
   }
+  if (design && !(design->radius < largest_stable_radius)) {
+    std::cerr << report::cell(
+        "stillframe: warning: the loop that runs is not stable (spectral radius %.9g), and its "
+        "closed "
+        "curves are of nothing that lasts; `stillframe design` says what would mend it\n",
+        design->radius);
+  }
   if (design && range.highest_hz > design->gains.sample_rate_hz / 2) {
     std::cerr << "stillframe: note: above half the sample rate what is sampled has no curve\n";
   }
