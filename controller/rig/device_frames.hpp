@@ -11,8 +11,8 @@
 // the sample, whole numbers as converters count, and the sum of all words before.
 //   from the converters:  mark_samples,  number, sigma, applied, floor, frame, sum
 //   to the converters:    mark_commands, number, 1 if the amplifiers are enabled else 0, force, sum
-// Numbers of samples wrap at 2^32. In a
-// period without a command there is no frame: amplifiers that hear none let go.
+// Numbers of samples wrap at 2^32. In a period without a command there is no frame: amplifiers that
+// hear none let go.
 namespace stillframe::controller {
 
 inline constexpr std::uint32_t mark_samples = 0x314d4653, mark_commands = 0x31434653;

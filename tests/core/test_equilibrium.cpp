@@ -220,6 +220,20 @@ TEST(Equilibrium, OfAColumnHardlyOutOfStraightIsWhereItBends) {
   EXPECT_LE((tip("[{deformations: s}]") - tip("auto")).norm(), 1e-9);
 }
 
+// So little that the path turns within less than a step: no other branch, but where it ends, which
+// is 1.2 % above Euler's load, as four parts have it.
+TEST(Equilibrium, OfAColumnNearlyStraightIsRefusedAtItsBucklingLoad) {
+  for (const std::string dofs : {"auto", "[{deformations: s}]"}) {
+    const std::string refusal = said(
+        "title: A column\nplanar: true\nnodes: {a: {position: [0, 0]}, b: {position: [1e-7, 1]}}\n"
+        "masses: []\nelements: {s: {type: beam, nodes: [a, b], EA: 1e5, EI: 1, divide: 4}}\n"
+        "supports: [{nodes: [a], fix: [x, y, rotation]}]\nloads: [{node: b, force: [0, -6.1685]}]\n"
+        "dofs: " +
+        dofs + "\n");
+    EXPECT_NEAR(followed(refusal), 0.4 * 1.012, 1e-3) << refusal;
+  }
+}
+
 // The straight column itself goes on, unstable, where nothing pushes it aside.
 TEST(Equilibrium, OfAStraightStripBeyondBucklingIsStraight) {
   for (const std::string dofs : {"auto", "[{deformations: strip}]"}) {
