@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/mechanics/sparse/mixed_factors.hpp"
+#include "core/numerics/balance.hpp"
 
 namespace stillframe {
 
@@ -23,92 +24,96 @@ using Complex = std::complex<double>;
 
 constexpr double not_found = std::numeric_limits<double>::quiet_NaN();
 
-/// A mode on its way: p, and v with v^T M v = 1.
+/// A mode on its way: p, and v = W y of the basis W.
 struct Damped {
   Complex p;
-  VectorXcd v;
+  VectorXcd y;
+  double change = std::numeric_limits<double>::infinity();  ///< of p in the last round, relative
+  bool settled = false;
 };
 
+/// (p^2 M + p D + K + G) v = 0 on a real basis W of unit mass: the modes V without damping and,
+/// beside them, what damping mixes into those.
 class DampedPencil {
  public:
-  /// still: rad/s, below which what moves is free.
-  DampedPencil(const MixedModel& mixed, const MixedState& state, double still)
+  DampedPencil(const MixedModel& mixed, const MixedState& state, const LowestModes& modes)
       : mixed_(mixed),
         E_(mixed.strain_rows(state.x)),
         M_(mixed.mass(state.x)),
         D_(mixed.damping(state.x)),
         G_(mixed.geometric_stiffness(state)),
-        still_(still),
-        keeps_modes_(keeps_modes()) {}
-
-  /// The root of v^T (M p^2 + D p + K + G) v = 0 that is nearest to a p, or the one above or below
-  /// where v does not yet know.
-  Complex quotient(const VectorXcd& v, Complex near) const {
-    const auto [d, k] = forms(v);
-    const Complex root = std::sqrt(d * d / 4.0 - k);
-    const Complex a = -d / 2.0 + root, b = -d / 2.0 - root;
-    // Of two real roots far apart the small one is a difference; their product is not.
-    const Complex large = std::abs(a) > std::abs(b) ? a : b;
-    const Complex small = std::abs(large) > 0 ? k / large : large;
-    return std::abs(large - near) < std::abs(small - near) ? large : small;
-  }
-  /// D on the modes V (n_c x n) without damping, n x n, without what rounding strains the dampers
-  /// by.
-  MatrixXd projected_damping(const MatrixXd& V) const {
-    const MatrixXd E_V = E_ * V;
-    const VectorXd viscosity = mixed_.stiffness().cwiseProduct(mixed_.damping_time());
-    MatrixXd D = E_V.transpose() * viscosity.asDiagonal() * E_V + V.transpose() * (D_ * V);
-    const MatrixXd sizes = V.cwiseAbs(),
-                   rounding = 1e-15 * sizes.transpose() * (D_.cwiseAbs() * sizes);
-    return (D.cwiseAbs().array() > rounding.array()).select(D, 0);
+        modes_(modes),
+        held_(mixed.stiffness()),
+        W_(modes.shapes) {
+    // So stiff that it changes no square by more than 1e-12 of the highest, and not so stiff that
+    // rounding of V strains it.
+    const double stiff = 1e12 * modes.squares.maxCoeff() * M_.diagonal().maxCoeff();
+    held_ = (mixed.compliance().array() == 0).select(stiff, held_);
+    project();
   }
 
-  /// From near an eigenvalue p to it.
-  Damped converged(Complex p, const VectorXcd& start) const {
-    constexpr double enough = 1e-12, settled = 1e-7;  // rounding may be all that still changes it
-    constexpr int most = 30;
+  /// All 2 n of the basis but the conjugates.
+  std::vector<Damped> ritz_modes() const {
+    const Index n = W_.cols();
+    MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
+    A.topRightCorner(n, n).setIdentity();
+    A.bottomLeftCorner(n, n) = -stiffness_;
+    A.bottomRightCorner(n, n) = -damping_;
+    const VectorXd scale = balancing_scales(A);
+    const Eigen::EigenSolver<MatrixXd> solver(scale.cwiseInverse().asDiagonal() * A *
+                                              scale.asDiagonal());
+    std::vector<Damped> found;
+    for (Index i = 0; i < 2 * n; ++i) {
+      const Complex p = solver.eigenvalues()(i);
+      if (p.imag() < 0) continue;
+      const VectorXcd y = (scale.asDiagonal() * solver.eigenvectors().col(i)).head(n).normalized();
+      found.push_back({quotient(y, p), y});
+    }
+    return found;
+  }
+
+  /// Puts into the basis what a step of inverse iteration makes of each mode that is not settled.
+  /// The basis keeps V and what the modes have of the rest, and they are written in it.
+  void widen(std::vector<Damped>& modes) {
     // From beside the eigenvalue, where the matrix is not singular, and on the side where no others
-    // are; each step is shorter by so much over the distance to the next one.
+    // are.
     constexpr double beside = 1e-4;
-    Damped mode{p, start};
-    if (std::abs(p) <= still_) mode.p = 0;
-    if (keeps_modes_ || mode.p == 0.0) return mode;
+    const Index n_rest = W_.cols() - modes_.shapes.cols();
+    const MatrixXd rest = W_.rightCols(n_rest);
+    std::vector<VectorXcd> kept, steps;
     MixedFactors<Complex> factors;
-    VectorXcd s, y;
-    double last = 0;
-    for (int k = 0; k < most; ++k) {
+    VectorXcd s, x;
+    for (const Damped& mode : modes) {
+      if (n_rest > 0) kept.push_back(rest * mode.y.tail(n_rest));
+      if (mode.settled) continue;
       const Complex q = mode.p + beside * std::abs(mode.p);
       const Eigen::SparseMatrix<Complex> A =
           (q * q) * M_.cast<Complex>() + q * D_.cast<Complex>() + G_.cast<Complex>();
-      if (!factors.compute(E_, compliance(q), A)) break;
-      factors.solve({}, M_ * mode.v, s, y);
-      const Complex square = y.transpose() * (M_ * y), before = mode.p;
-      mode.v = y / std::sqrt(square);
-      mode.p = quotient(mode.v, before);
-      const double change = std::abs(mode.p - before) / std::abs(before);
-      if (change <= enough || (change <= settled && change >= 0.5 * last)) return mode;
-      last = change;
+      if (!factors.compute(E_, compliance(q), A)) continue;
+      factors.solve({}, M_ * (W_ * mode.y), s, x);
+      if (x.allFinite()) steps.push_back(x / x.norm());
     }
-    mode.p = {not_found, not_found};
-    return mode;
+    const MatrixXd before = W_;
+    W_ = modes_.shapes;
+    for (const auto* columns : {&kept, &steps}) {
+      for (const VectorXcd& column : *columns) {
+        take_up(column.real(), column.norm());
+        take_up(column.imag(), column.norm());
+      }
+    }
+    const MatrixXd to_new = W_.transpose() * (M_ * before);
+    for (Damped& mode : modes) mode.y = to_new * mode.y;
+    project();
   }
-  Complex overlap(const VectorXcd& a, const VectorXcd& b) const { return a.transpose() * (M_ * b); }
 
- private:
-  VectorXcd compliance(Complex p) const {
-    return (mixed_.compliance().array() / (1.0 + mixed_.damping_time().array() * p)).matrix();
+  /// Rounding of the modes without damping, in p, as far as the mode is made of them: rad/s.
+  double known_to(const Damped& mode) const {
+    const Index n = modes_.squares.size();
+    const double change = mode.y.head(n).cwiseAbs2().dot(modes_.known_to), a = mode.y.squaredNorm(),
+                 b = std::abs(2.0 * mode.p * a + mode.y.dot(damping_ * mode.y));
+    return change > 0 ? 2 * change / (b + std::sqrt(b * b + 4 * a * change)) : 0.0;
   }
-  struct Forms {
-    Complex d, k;
-  };
-  /// v^T D v and v^T (K + G) v, of strains and not of K.
-  Forms forms(const VectorXcd& v) const {
-    const VectorXcd e = E_ * v, energies = e.cwiseProduct(e).cwiseProduct(mixed_.stiffness());
-    Forms forms{v.transpose() * (D_ * v), v.transpose() * (G_ * v)};
-    forms.d += energies.cwiseProduct(mixed_.damping_time()).sum();
-    forms.k += energies.sum();
-    return forms;
-  }
+
   /// Whether all stiffness has one damping time, and there is nothing else that resists: then the
   /// modes are those without damping.
   bool keeps_modes() const {
@@ -123,92 +128,158 @@ class DampedPencil {
     return true;
   }
 
+ private:
+  VectorXcd compliance(Complex p) const {
+    return (mixed_.compliance().array() / (1.0 + mixed_.damping_time().array() * p)).matrix();
+  }
+
+  /// The root of y^T (p^2 + D p + K) y = 0 that is nearest to a p, which knows it to the square of
+  /// what y is off by. Of modes that have one p, y may be a sum for which that says nothing.
+  Complex quotient(const VectorXcd& y, Complex near) const {
+    const Complex m = y.transpose() * y;
+    if (std::abs(m) < 0.1 * y.squaredNorm()) return near;
+    const Complex d = Complex(y.transpose() * damping_ * y) / m,
+                  k = Complex(y.transpose() * stiffness_ * y) / m;
+    const Complex root = std::sqrt(d * d / 4.0 - k);
+    const Complex a = -d / 2.0 + root, b = -d / 2.0 - root;
+    // Of two real roots far apart the small one is a difference; their product is not.
+    const Complex large = std::abs(a) > std::abs(b) ? a : b;
+    const Complex small = std::abs(large) > 0 ? k / large : large;
+    Complex p = std::abs(large - near) < std::abs(small - near) ? large : small;
+    if (near.imag() == 0) p.imag(0);
+    return p;
+  }
+
+  void project() {
+    const MatrixXd E_W = E_ * W_;
+    const VectorXd viscosity = mixed_.stiffness().cwiseProduct(mixed_.damping_time());
+    damping_ = E_W.transpose() * viscosity.asDiagonal() * E_W + W_.transpose() * (D_ * W_);
+    // Without what rounding strains the dampers by.
+    const MatrixXd sizes = W_.cwiseAbs(),
+                   rounding = 1e-15 * sizes.transpose() * (D_.cwiseAbs() * sizes);
+    damping_ = (damping_.cwiseAbs().array() > rounding.array()).select(damping_, 0);
+    stiffness_ = E_W.transpose() * held_.asDiagonal() * E_W + W_.transpose() * (G_ * W_);
+    const Index n = modes_.shapes.cols();
+    stiffness_.topLeftCorner(n, n) = modes_.squares.asDiagonal();
+  }
+
+  /// whole: the size beside which what is left of a column says nothing.
+  void take_up(VectorXd column, double whole) {
+    constexpr double nothing = 1e-8;  // its square is in p
+    for (int twice = 0; twice < 2; ++twice) column -= W_ * (W_.transpose() * (M_ * column));
+    const double mass = column.dot(M_ * column);
+    if (!(mass > 0) || column.norm() <= nothing * whole) return;
+    W_.conservativeResize(Eigen::NoChange, W_.cols() + 1);
+    W_.rightCols<1>() = column / std::sqrt(mass);
+  }
+
   const MixedModel& mixed_;
   SparseMatrix E_, M_, D_, G_;
-  double still_;
-  bool keeps_modes_;
+  const LowestModes& modes_;
+  VectorXd held_;  ///< the stiffness, and one of conditions, which rounding breaks
+  MatrixXd W_, stiffness_, damping_;
 };
 
-/// The damped modes of what moves in the undamped ones alone, by modulus: of a conjugate pair that
-/// with the positive imaginary part, real ones two by two. With less damping than keeps a mode from
-/// ringing they are near those of the whole.
-std::vector<Damped> ritz_modes(const LowestModes& modes, const MatrixXd& D) {
-  const Index n = modes.squares.size();
-  MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
-  A.topRightCorner(n, n).setIdentity();
-  A.bottomLeftCorner(n, n).diagonal() = -modes.squares;
-  A.bottomRightCorner(n, n) = -D;
-  const Eigen::EigenSolver<MatrixXd> solver(A);
-  std::vector<Damped> found, real;
-  for (Index i = 0; i < 2 * n; ++i) {
-    const Complex p = solver.eigenvalues()(i);
-    if (p.imag() < 0) continue;
-    const VectorXcd y = solver.eigenvectors().col(i).head(n);
-    (p.imag() > 0 ? found : real).push_back({p, modes.shapes * y});
+/// To each mode the nearest of those found, to no two the same: the nearest pairs first.
+void follow(std::vector<Damped>& modes, const std::vector<Damped>& found) {
+  constexpr double enough = 1e-12, rounding = 1e-7;  // rounding may be all that still changes it
+  struct Step {
+    double length;
+    size_t from, to;
+  };
+  std::vector<Step> steps;
+  for (size_t i = 0; i < modes.size(); ++i) {
+    for (size_t j = 0; j < found.size(); ++j) {
+      steps.push_back({std::abs(modes[i].p - found[j].p), i, j});
+    }
   }
-  const auto lower = [](const Damped& a, const Damped& b) { return std::abs(a.p) < std::abs(b.p); };
-  std::sort(real.begin(), real.end(), lower);
-  std::stable_sort(found.begin(), found.end(), lower);
-  for (size_t i = 0; i + 1 < real.size(); i += 2) {
-    const auto at = std::upper_bound(found.begin(), found.end(), real[i], lower);
-    found.insert(at, {real[i], real[i + 1]});
+  std::sort(steps.begin(), steps.end(),
+            [](const Step& a, const Step& b) { return a.length < b.length; });
+  std::vector<bool> gone(modes.size()), taken(found.size());
+  for (const Step& step : steps) {
+    if (gone[step.from] || taken[step.to]) continue;
+    gone[step.from] = taken[step.to] = true;
+    Damped& mode = modes[step.from];
+    if (mode.settled) continue;
+    const double last = mode.change, change = step.length / std::abs(mode.p);
+    mode = found[step.to];
+    mode.change = change;
+    mode.settled = change <= enough || (change <= rounding && change >= 0.5 * last);
   }
-  return found;
 }
 
-VectorXcd eigenvalues_of(const MixedModel& mixed, const MixedState& state,
-                         const LowestModes& modes) {
-  const Index n = modes.squares.size();
-  VectorXcd values(2 * n);
-  if (!mixed.damped()) {
-    for (Index i = 0; i < n; ++i) {
-      const double omega = std::sqrt(modes.squares(i));
-      values.segment<2>(2 * i) << Complex(0, omega), Complex(0, -omega);
-    }
-    return values;
+/// What the modes turn into when they are damped, in neighbours by modulus: pairs, and real ones
+/// two by two. Those that were not found are last.
+void damp(const MixedModel& mixed, const MixedState& state, const LowestModes& lowest,
+          Modes& result) {
+  constexpr int most = 8;
+  DampedPencil pencil(mixed, state, lowest);
+  std::vector<Damped> modes = pencil.ritz_modes();
+  // What stands still without damping and with it has no other basis to be sought in.
+  double still = lowest.squares(lowest.squares.size() - 1);
+  for (const double square : lowest.squares) {
+    if (square > 0) still = std::min(still, square);
   }
-  double lowest = modes.squares(n - 1);
-  for (const double square : modes.squares) {
-    if (square > 0) lowest = std::min(lowest, square);
+  still = 1e-7 * std::sqrt(still);
+  const bool kept = pencil.keeps_modes();
+  for (Damped& mode : modes) {
+    if (std::abs(mode.p) <= still) mode.p = 0;
+    mode.settled = kept || mode.p == 0.0;
   }
-  const DampedPencil pencil(mixed, state, 1e-7 * std::sqrt(lowest));
-  std::vector<Damped> found;
-  const auto add = [&](const Damped& start) {
-    const Damped mode = pencil.converged(start.p, start.v);
-    for (const Damped& other : found) {
-      if (mode.p != 0.0 && std::abs(mode.p - other.p) <= 1e-9 * std::abs(mode.p) &&
-          std::abs(pencil.overlap(mode.v, other.v)) > 0.5) {
-        return Complex(not_found, not_found);
-      }
+  const auto unsettled = [](const Damped& mode) { return !mode.settled; };
+  for (int k = 0; k < most && std::any_of(modes.begin(), modes.end(), unsettled); ++k) {
+    pencil.widen(modes);
+    follow(modes, pencil.ritz_modes());
+  }
+  std::vector<std::pair<Damped, Damped>> pairs;
+  std::vector<Damped> real;
+  for (const Damped& mode : modes) {
+    if (!mode.settled) continue;
+    if (mode.p.imag() == 0) {
+      real.push_back(mode);
+      continue;
     }
-    found.push_back(mode);
-    return mode.p;
+    pairs.emplace_back(mode, mode);
+    pairs.back().second.p = std::conj(mode.p);
+  }
+  const auto smaller = [](const Damped& a, const Damped& b) {
+    return std::abs(a.p) < std::abs(b.p);
   };
-  const std::vector<Damped> starts = ritz_modes(modes, pencil.projected_damping(modes.shapes));
-  Index at = 0;
-  for (const Damped& start : starts) {
-    const Complex value = add(start);
-    values(at++) = value;
-    if (start.p.imag() != 0) values(at++) = std::conj(value);
+  std::sort(real.begin(), real.end(), smaller);
+  if (real.size() % 2 != 0) real.push_back({{not_found, not_found}, real.back().y});
+  for (size_t i = 0; i < real.size(); i += 2) pairs.emplace_back(real[i], real[i + 1]);
+  std::sort(pairs.begin(), pairs.end(),
+            [&](const auto& a, const auto& b) { return smaller(a.first, b.first); });
+  const Index n = lowest.squares.size();
+  result.eigenvalues.setConstant(2 * n, {not_found, not_found});
+  result.known_to.setZero(2 * n);
+  for (Index i = 0; i < std::min(n, static_cast<Index>(pairs.size())); ++i) {
+    const auto& [one, other] = pairs[static_cast<size_t>(i)];
+    result.eigenvalues.segment<2>(2 * i) << one.p, other.p;
+    result.known_to.segment<2>(2 * i) << pencil.known_to(one), pencil.known_to(other);
   }
-  return values;
 }
 
 }  // namespace
 
 Modes sparse_modes(const MixedModel& mixed, const MixedState& state, Index n_modes) {
   const LowestModes lowest = lowest_modes(mixed, state, n_modes);
+  const Index n = lowest.squares.size();
   Modes modes;
   modes.natural_frequencies_hz = lowest.natural_frequencies_hz;
   modes.shapes = lowest.shapes;
-  modes.eigenvalues = eigenvalues_of(mixed, state, lowest);
-  modes.known_to.resize(modes.eigenvalues.size());
-  for (Index i = 0; i < lowest.squares.size(); ++i) {
-    // d omega = d omega^2 / (2 omega), or what the square of nothing is known to.
-    const double omega = std::sqrt(lowest.squares(i)),
-                 known =
-                     omega > 0 ? lowest.known_to(i) / (2 * omega) : std::sqrt(lowest.known_to(i));
-    modes.known_to.segment<2>(2 * i).setConstant(known);
+  if (mixed.damped()) {
+    damp(mixed, state, lowest, modes);
+  } else {
+    modes.eigenvalues.resize(2 * n);
+    modes.known_to.resize(2 * n);
+    for (Index i = 0; i < n; ++i) {
+      const double omega = std::sqrt(lowest.squares(i));
+      modes.eigenvalues.segment<2>(2 * i) << Complex(0, omega), Complex(0, -omega);
+      // d omega = d omega^2 / (2 omega), or what the square of nothing is known to.
+      modes.known_to.segment<2>(2 * i).setConstant(omega > 0 ? lowest.known_to(i) / (2 * omega)
+                                                             : std::sqrt(lowest.known_to(i)));
+    }
   }
   judge_eigenvalues(modes);
   return modes;
