@@ -72,16 +72,17 @@ class DampedPencil {
     return found;
   }
 
-  /// Puts into the basis what a step of inverse iteration makes of each mode that is not settled.
+  /// Steps of inverse iteration for one factorisation, from so far beside the eigenvalue, where the
+  /// matrix is not singular, and on the side where no others are.
+  static constexpr int steps = 2;
+  static constexpr double beside = 1e-4;
+
+  /// Puts into the basis what steps of inverse iteration make of each mode that is not settled.
   /// The basis keeps V and what the modes have of the rest, and they are written in it.
   void widen(std::vector<Damped>& modes) {
-    // From beside the eigenvalue, where the matrix is not singular, and on the side where no others
-    // are.
-    constexpr double beside = 1e-4;
     const Index n_rest = W_.cols() - modes_.shapes.cols();
     const MatrixXd rest = W_.rightCols(n_rest);
-    std::vector<VectorXcd> kept, steps;
-    MixedFactors<Complex> factors;
+    std::vector<VectorXcd> kept, stepped;
     VectorXcd s, x;
     for (const Damped& mode : modes) {
       if (n_rest > 0) kept.push_back(rest * mode.y.tail(n_rest));
@@ -89,13 +90,18 @@ class DampedPencil {
       const Complex q = mode.p + beside * std::abs(mode.p);
       const Eigen::SparseMatrix<Complex> A =
           (q * q) * M_.cast<Complex>() + q * D_.cast<Complex>() + G_.cast<Complex>();
-      if (!factors.compute(E_, compliance(q), A)) continue;
-      factors.solve({}, M_ * (W_ * mode.y), s, x);
-      if (x.allFinite()) steps.push_back(x / x.norm());
+      if (!factors_.compute(E_, compliance(q), A)) continue;
+      x = W_ * mode.y;
+      for (int step = 0; step < steps; ++step) {
+        factors_.solve({}, M_ * x, s, x);
+        if (!x.allFinite()) break;
+        x.normalize();
+        stepped.push_back(x);
+      }
     }
     const MatrixXd before = W_;
     W_ = modes_.shapes;
-    for (const auto* columns : {&kept, &steps}) {
+    for (const auto* columns : {&kept, &stepped}) {
       for (const VectorXcd& column : *columns) {
         take_up(column.real(), column.norm());
         take_up(column.imag(), column.norm());
@@ -178,11 +184,24 @@ class DampedPencil {
   const LowestModes& modes_;
   VectorXd held_;  ///< the stiffness, and one of conditions, which rounding breaks
   MatrixXd W_, stiffness_, damping_;
+  MixedFactors<Complex> factors_;
 };
+
+/// What p of a mode that changed by so much is off by: a step of inverse iteration leaves of what
+/// v is off by the share beside over the distance to the next eigenvalue, of p the square of that.
+double left_over(const Damped& mode, const std::vector<Damped>& found) {
+  double gap = std::abs(mode.p);
+  for (const Damped& other : found) {
+    if (other.p != mode.p) gap = std::min(gap, std::abs(other.p - mode.p));
+  }
+  const double share = DampedPencil::beside * std::abs(mode.p) / gap;
+  return mode.change * std::pow(share, 2 * DampedPencil::steps);
+}
 
 /// To each mode the nearest of those found, to no two the same: the nearest pairs first.
 void follow(std::vector<Damped>& modes, const std::vector<Damped>& found) {
   constexpr double enough = 1e-12, rounding = 1e-7;  // rounding may be all that still changes it
+  constexpr double small = 1e-4;                     // for what is left of v to be small
   struct Step {
     double length;
     size_t from, to;
@@ -204,7 +223,8 @@ void follow(std::vector<Damped>& modes, const std::vector<Damped>& found) {
     const double last = mode.change, change = step.length / std::abs(mode.p);
     mode = found[step.to];
     mode.change = change;
-    mode.settled = change <= enough || (change <= rounding && change >= 0.5 * last);
+    mode.settled = change <= enough || (change <= rounding && change >= 0.5 * last) ||
+                   (change <= small && left_over(mode, found) <= enough);
   }
 }
 
