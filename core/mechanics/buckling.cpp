@@ -1,11 +1,11 @@
 #include "core/mechanics/buckling.hpp"
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/equilibrium.hpp"
+#include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/linearisation/projection.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
 
@@ -39,10 +39,11 @@ void refuse_without_load() {
   throw Refusal("there is no load to multiply: add loads, gravity or preloads");
 }
 
-void refuse_free_to_move() {
+void refuse_free_to_move(const std::string& coordinate) {
   throw Refusal(
-      "the stiffness matrix of the unloaded scene is not positive definite: it can move "
-      "without strain, or has dofs that nothing resists");
+      "the stiffness matrix of the unloaded scene is not positive definite: " +
+      (coordinate.empty() ? "it can move without strain, or has dofs that nothing resists"
+                          : "nothing resists a motion of " + coordinate));
 }
 
 void scale_to_largest(MatrixXd& shapes) {
@@ -74,7 +75,7 @@ Buckling buckling(const Model& model) {
     refuse_without_load();
   }
   const Eigen::LLT<MatrixXd> factors(K);
-  if (factors.info() != Eigen::Success) refuse_free_to_move();
+  if (factors.info() != Eigen::Success) refuse_free_to_move(unresisted_dof(model, K));
   Columns columns(model, MatrixXd::Zero(model.n_r, 0), {});
   columns.compute(model, data, false);
   first_order_stresses(model, data, columns, factors.solve(data.f_dd));

@@ -14,9 +14,9 @@ struct Buckling {
 };
 
 /// What both ways to them share: the refusals of a scene without a load and of one whose K is not
-/// positive definite, and the scale of shapes.
+/// positive definite (for a coordinate that nothing resists, or empty), and the scale of shapes.
 [[noreturn]] void refuse_without_load();
-[[noreturn]] void refuse_free_to_move();
+[[noreturn]] void refuse_free_to_move(const std::string& coordinate);
 void scale_to_largest(Eigen::MatrixXd& shapes);
 
 /// Errors: Refusal if the scene has no load, if a prescribed motion has a rate or an acceleration,

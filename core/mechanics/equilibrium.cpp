@@ -1,10 +1,7 @@
 #include "core/mechanics/equilibrium.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/force_balance.hpp"
@@ -128,30 +125,6 @@ class ForceBalance {
   double factor_ = 1;
 };
 
-/// The dof with the largest part in a motion that nothing resists at a position, K scaled to a unit
-/// diagonal so that metres and radians compare; empty if there is none.
-std::string unresisted_dof(const Model& model, const MatrixXd& jacobian) {
-  const VectorXd scale = jacobian.diagonal().unaryExpr(
-      [](double k) { return k != 0 ? 1 / std::sqrt(std::abs(k)) : 1.0; });
-  const MatrixXd K = scale.asDiagonal() * jacobian * scale.asDiagonal();
-  if (!K.allFinite()) return "";
-  const Eigen::BDCSVD<MatrixXd> svd(K, Eigen::ComputeFullV);
-  if (svd.singularValues()(model.n_d - 1) > unresisted) return "";
-  Index largest = 0;
-  svd.matrixV().col(model.n_d - 1).cwiseAbs().maxCoeff(&largest);
-  return model.dofs[static_cast<size_t>(largest)].name;
-}
-
-/// A share below 1 in four digits, rounded down: what was not reached is not said to be.
-std::string shown_share(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", share);
-  if (std::strtod(text, nullptr) <= share) return text;
-  const double digit = std::pow(10, std::floor(std::log10(share)) - 3);
-  std::snprintf(text, sizeof text, "%.4g", share - digit);
-  return text;
-}
-
 /// Follows the loads from zero, all of them or not at all.
 LoadPath follow(const Model& model, ForceBalance& balance) {
   const LoadPath path = follow_loads(balance);
@@ -165,15 +138,7 @@ LoadPath follow(const Model& model, ForceBalance& balance) {
                                  : ""));
   }
   const std::string dof = unresisted_dof(model, -ForceBalance(model, 0, 0).linear().stiffness());
-  if (dof.empty()) {
-    throw Refusal(
-        "no equilibrium found: not even a small part of the loads can be balanced, from the scene "
-        "as written or near it");
-  }
-  throw Refusal("no equilibrium found: the scene is a mechanism, nothing resists a motion of dof " +
-                dof +
-                ", and the loads push it; hold it, give it a stiffness, or write the scene where "
-                "it hangs");
+  refuse_any_load(dof.empty() ? "" : "dof " + dof);
 }
 
 /// Where positions are dofs, the balance at q'^d = 0 is not that of what goes along: it strains and
@@ -196,18 +161,6 @@ void go_along(const Model& model, ForceBalance& balance, int& iterations) {
 }
 
 }  // namespace
-
-void refuse_load(const LoadPath& path, const std::string& moved) {
-  throw Refusal(
-      "no equilibrium found: the loads can be followed up to " + shown_share(path.reached) +
-      " of their size" +
-      (path.attempts < most_attempts
-           ? "; beyond, the configuration collapses (a limit or buckling load) or nothing resists"
-           : " in " + std::to_string(most_attempts) +
-                 " steps, and are far too large for what has to bear them (a wrong power of "
-                 "ten?)") +
-      (moved.empty() ? "" : "; there, " + moved));
-}
 
 Equilibrium solve_equilibrium(const Model& model) {
   ForceBalance balance(model, 1, 1);

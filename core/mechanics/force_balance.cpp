@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <cmath>
 
 #include "core/mechanics/dynamics.hpp"
@@ -84,6 +85,18 @@ Index n_negative(const MatrixXd& stiffness) {
   const VectorXd values =
       Eigen::SelfAdjointEigenSolver<MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
   return (values.array() < -unresisted * values.cwiseAbs().maxCoeff()).count();
+}
+
+std::string unresisted_dof(const Model& model, const MatrixXd& stiffness) {
+  const VectorXd scale = stiffness.diagonal().unaryExpr(
+      [](double k) { return k != 0 ? 1 / std::sqrt(std::abs(k)) : 1.0; });
+  const MatrixXd K = scale.asDiagonal() * stiffness * scale.asDiagonal();
+  if (!K.allFinite()) return "";
+  const Eigen::BDCSVD<MatrixXd> svd(K, Eigen::ComputeFullV);
+  if (svd.singularValues()(model.n_d - 1) > unresisted) return "";
+  Index largest = 0;
+  svd.matrixV().col(model.n_d - 1).cwiseAbs().maxCoeff(&largest);
+  return model.dofs[static_cast<size_t>(largest)].name;
 }
 
 bool out_of_balance(const Model& model, Data& data, const NominalMotion& motion, VectorXd& f) {

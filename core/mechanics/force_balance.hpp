@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/mechanics/linearisation/linearisation.hpp"
 
 // What is out of balance at a motion, and beside which forces that is nothing.
@@ -35,6 +37,10 @@ Eigen::VectorXd motion_against(const Eigen::MatrixXd& stiffness, const Eigen::Ve
 /// In how many directions a stiffness (n_d x n_d, of which the symmetric part counts) pushes on
 /// what moves, by more than rounding.
 Eigen::Index n_negative(const Eigen::MatrixXd& stiffness);
+
+/// The dof with the largest part in a motion that a stiffness (n_d x n_d) does not resist, on a
+/// unit diagonal so that metres and radians compare; empty if there is none.
+std::string unresisted_dof(const Model& model, const Eigen::MatrixXd& stiffness);
 
 /// f_dd - M q''^d (n_d): what is out of balance at a motion, from the positions near those in data.
 /// False if the position cannot be reached. set-up.

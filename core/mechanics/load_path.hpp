@@ -116,4 +116,8 @@ LoadPath follow_loads(Balance& balance) {
 /// (in words, or empty) there.
 [[noreturn]] void refuse_load(const LoadPath& path, const std::string& moved);
 
+/// Refuses loads of which not even a small part could be: for what nothing resists, or for no
+/// reason that is known (empty).
+[[noreturn]] void refuse_any_load(const std::string& unresisted);
+
 }  // namespace stillframe

@@ -180,6 +180,42 @@ dofs: auto
   }
 }
 
+// A mass on a bar at the end of a chain: nothing resists its swinging across the bar.
+TEST_F(ModesVerb, WhatNothingResistsIsNamedInScenesOfAnySize) {
+  const auto scene = [&](int n_parts, const std::string& mass) {
+    return write("bar.yaml", R"(title: A bar at the end of a chain
+nodes: {a: {position: [0, 0, 0]}, b: {position: [10, 0.1, 0]}, p: {position: [10, 1, 0]}}
+masses: [)" + mass + R"(]
+elements:
+  s: {type: beam, nodes: [a, b], orientation: [0, 0.2, 1], EA: 3e7, GJ: 4e3, EI_y: 5e3, EI_z: 6e3, mass_per_length: 1, inertia_per_length: 4e-4, divide: )" +
+                                   std::to_string(n_parts) + R"(}
+  t: {type: truss, nodes: [b, p], stiffness: 1e6}
+supports: [{nodes: [a], fix: [x, y, z, rotation]}]
+loads: [{node: p, force: [1, 0, 0.2]}]
+operating_point: equilibrium
+dofs: auto
+)");
+  };
+  const auto refused = [&](std::vector<std::string> arguments) {
+    const Said said = run(arguments);
+    EXPECT_EQ(said.exit_code, 3) << said.output;
+    return said.error;
+  };
+  for (const int n_parts : {3, 100, 1000}) {
+    const auto heavy = scene(n_parts, "{node: p, mass: 1}");
+    for (const char* verb : {"equilibrium", "buckling"}) {
+      const std::string error = refused({verb, heavy});
+      EXPECT_TRUE(error.find("(p)") != std::string::npos) << n_parts << " " << error;
+    }
+  }
+  std::ifstream stream(scene(100, ""));
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  text.erase(text.find("loads:"), text.find("operating_point") - text.find("loads:"));
+  const std::string error = refused({"modes", write("light.yaml", text), "--lowest", "6"});
+  EXPECT_NE(error.find("(p) can move and has neither stiffness nor mass"), std::string::npos)
+      << error;
+}
+
 // One answer for few nodes and for many, with --lowest and without: two modes, of a mass on a
 // massless cantilever, k = 3 EI / l^3 across and EA / l along it.
 TEST_F(ModesVerb, NodesWithoutMassFollow) {

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/sparse/mixed_factors.hpp"
+#include "core/mechanics/sparse/unresisted.hpp"
 #include "core/mechanics/unstable.hpp"
 #include "core/numerics/lanczos.hpp"
 
@@ -23,12 +25,6 @@ namespace {
 double largest_square(const SparseMatrix& E, const VectorXd& stiffness, const SparseMatrix& M) {
   const SparseMatrix squares = E.cwiseAbs2();
   return (squares.transpose() * stiffness.cwiseAbs()).sum() / M.diagonal().sum();
-}
-
-[[noreturn]] void refuse_singular() {
-  throw Refusal(
-      "the equations are singular: conditions (rigid elements, supports) are not independent, or "
-      "something can move that has neither stiffness nor mass");
 }
 
 /// The squares that are lowest, seen from -shift, upwards.
@@ -47,6 +43,16 @@ class Pencil {
         largest_(largest_square(E_, mixed.stiffness(), M_)) {}
 
   double largest() const { return largest_; }
+
+  [[noreturn]] void refuse_singular(double shift) const {
+    const std::string light = unresisted_coordinate(mixed_, E_, SparseMatrix(shift * M_ + G_));
+    throw Refusal("the equations are singular: " +
+                  (light.empty()
+                       ? "conditions (rigid elements, supports) are not independent, or something "
+                         "can move that has neither stiffness nor mass"
+                       : light + " can move and has neither stiffness nor mass"));
+  }
+  bool stressed() const { return G_.nonZeros() > 0; }
   bool regular() const { return regular_; }  ///< from one shift at least
 
   /// False where the shift is not enough to tell the matrix from a singular one, or modes from
@@ -87,10 +93,12 @@ class Pencil {
   /// K + G is positive semidefinite, rounding aside: of (shift M - G) v = theta (K + shift M) v no
   /// theta is above one.
   bool stable(double shift) const {
-    if (G_.nonZeros() == 0) return true;
+    if (!stressed()) return true;
     const SparseMatrix A = shift * M_ - G_;
     MixedFactors<double> factors;
-    if (!factors.compute(E_, mixed_.compliance(), SparseMatrix(shift * M_))) refuse_singular();
+    if (!factors.compute(E_, mixed_.compliance(), SparseMatrix(shift * M_))) {
+      refuse_singular(shift);
+    }
     VectorXd s;
     const LanczosPairs pairs = largest_pairs(
         A, 1, Largest::algebraic,
@@ -190,7 +198,7 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
             "modes are hidden by the rounding of slower ones, or of what moves freely: ask for "
             "fewer, or hold the scene");
       }
-      if (!pencil.regular()) refuse_singular();
+      if (!pencil.regular()) pencil.refuse_singular(shift);
       // Beside what moves freely many modes may be beyond what Lanczos' method converges to.
       in_any_time = true;
       farthest = pencil.largest();
@@ -216,9 +224,10 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
   result.shapes = seen.shapes;
   result.known_to = seen.known_to;
   for (Index i = 0; i < seen.squares.size(); ++i) {
-    // What is negative by little beside the shift is told by stable().
+    // What is negative by little beside the shift is told by stable(); without stresses by any.
     const double square = seen.squares(i);
-    if (square > std::max(free, seen.known_to(i)) || square < -1e-3 * shift) continue;
+    if (square > std::max(free, seen.known_to(i))) continue;
+    if (square < -1e-3 * shift && pencil.stressed()) continue;
     result.squares(i) = 0;
     result.known_to(i) = std::max(seen.known_to(i), std::abs(square));
   }

@@ -3,6 +3,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/sparse/mixed_factors.hpp"
+#include "core/mechanics/sparse/unresisted.hpp"
 #include "core/numerics/lanczos.hpp"
 
 namespace stillframe {
@@ -15,7 +16,10 @@ Buckling sparse_buckling(const MixedModel& mixed, Index n_shapes) {
   if (f.isZero(0) && mixed.model().preload.isZero(0)) refuse_without_load();
   const SparseMatrix E = mixed.strain_rows(x);
   MixedFactors<double> K;
-  if (!K.compute(E, mixed.compliance(), SparseMatrix(E.cols(), E.cols()))) refuse_free_to_move();
+  const SparseMatrix nothing(E.cols(), E.cols());
+  if (!K.compute(E, mixed.compliance(), nothing)) {
+    refuse_free_to_move(unresisted_coordinate(mixed, E, nothing));
+  }
   VectorXd s, displacement;
   K.solve({}, f, s, displacement);
   const SparseMatrix G = mixed.geometric_stiffness({x, s, 1});

@@ -1,9 +1,9 @@
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
 
-#include "core/errors/input_error.hpp"
 #include "core/mechanics/load_path.hpp"
 #include "core/mechanics/node_moves.hpp"
 #include "core/mechanics/sparse/mixed_factors.hpp"
+#include "core/mechanics/sparse/unresisted.hpp"
 #include "core/numerics/worst.hpp"
 
 namespace stillframe {
@@ -92,10 +92,9 @@ SparseEquilibrium sparse_equilibrium(const MixedModel& mixed) {
   MixedBalance balance(mixed);
   const LoadPath path = follow_loads(balance);
   if (path.reached == 0) {
-    throw Refusal(
-        "no equilibrium found: not even a small part of the loads can be balanced, from the scene "
-        "as written or near it: something can move that nothing resists, or conditions are not "
-        "independent");
+    const MixedState start{mixed.written(0), VectorXd::Zero(mixed.n_rows())};
+    refuse_any_load(unresisted_coordinate(mixed, mixed.strain_rows(start.x),
+                                          mixed.geometric_stiffness(start)));
   }
   if (path.reached < 1) {
     refuse_load(path, largest_move_in_words(mixed.model(), balance.state().x));
