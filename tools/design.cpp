@@ -51,6 +51,7 @@ int run(const DesignOptions& options) {
        {"the controller block", options.controller},
        {"the design scene", options.design_scene}},
       {{"--out", options.out}, {"--mat", options.mat}, {"--plot-trade", options.plot_trade}});
+  auto patience = std::make_unique<Patience>("linearising");
   const judge::LoopDesign design =
       judge::make_loop_design(options.scene, options.controller, options.design_scene);
   hint_at_units(design.scene);
@@ -62,7 +63,9 @@ int run(const DesignOptions& options) {
                        ": law: --plot-trade draws what designed gains cost, and these are not");
     }
   }
-  const DesignAnalysis analysis = analyse(design);
+  const DesignAnalysis analysis =
+      analyse(design, [&](const std::string& what) { patience->now(what); });
+  patience.reset();  // the line is taken away before the page
   if (options.json) {
     print(design_json(design, analysis));
   } else {
@@ -118,6 +121,7 @@ void add_design(cli::Command& app, int& exit_code) {
       "  exact_order, deck_order     lowest and highest pole over its target's, largest_real "
       "(1/s)\n"
       "  spectral_radius, misaligned_spectral_radius   the second: applied force one sample late\n"
+      "  reduction                   of a scene with `reduce`, as `linearise` has it; else null\n"
       "  frequencies_hz              of the next keys, a row each\n"
       "  singular_values             of T, open loop; closed_singular_values: of the loop that "
       "runs;\n"

@@ -10,6 +10,7 @@
 #include "core/numerics/two_pi.hpp"
 #include "tools/design_remedies.hpp"
 #include "tools/design_warnings.hpp"
+#include "tools/stability_note.hpp"
 
 namespace stillframe::tools {
 
@@ -181,14 +182,18 @@ std::optional<Recommendation> recommend(const judge::LoopDesign& design, const L
   return std::nullopt;
 }
 
-DesignAnalysis analyse(const judge::LoopDesign& design) {
+DesignAnalysis analyse(const judge::LoopDesign& design,
+                       const std::function<void(const std::string&)>& progress) {
   DesignAnalysis out;
+  progress("poles");
+  if (design.scene.reduction) out.reduced = stable_reduced_loop(design.scene);
   const bool own = design.runs_own_law();
   if (!own) out.poles = closed_loop_poles(design.settings.plant, design.loop.gains);
   if (!design.scene.controller->law) {
     out.exact = effect_of(design, GainOrder::exact);
     out.deck = effect_of(design, GainOrder::deck);
   }
+  progress("responses and their peaks");
   const ForceResponses forces(design);
   const FrequencyRange range = judge::axis_of(design, design.scene.controller->target_hz);
   const std::vector<double> round = round_frequencies(range);
@@ -201,6 +206,7 @@ DesignAnalysis analyse(const judge::LoopDesign& design) {
   }
   out.radius = design.radius;
   out.misaligned_radius = misaligned_radius(design.settings);
+  progress("margins");
   if (out.radius < largest_stable_radius) out.margins = margins(design.settings);
   if (own) {
     out.why_none = "a law of one's own has one rate";
@@ -208,12 +214,16 @@ DesignAnalysis analyse(const judge::LoopDesign& design) {
     return out;
   }
   if (out.margins && out.margins->all_disk < least_disk_margin) {
+    progress("what would widen the margins");
     out.widened = what_widens(design, out.margins->all_disk);
   }
+  progress("rates at which it is stable");
   out.rates = stable_rates(design.settings, 2 * design.scene.controller->lowest_target_hz(),
                            highest_rate_hz);
+  progress("a rate to recommend");
   out.recommended = recommend(design);
   if (!out.recommended) out.why_none = why_none_recommended(design);
+  progress("warnings");
   out.remarks = design_remarks(design, out);
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 
 #include "core/control/continuous_loop.hpp"
 #include "core/control/margins.hpp"
+#include "core/mechanics/sparse/reduced_model.hpp"
 #include "judge/loop_design.hpp"
 #include "judge/loop_peaks.hpp"
 #include "tools/remarks.hpp"
@@ -50,6 +52,8 @@ struct Recommendation {
 
 /// Everything that the design page says.
 struct DesignAnalysis {
+  /// Of a scene with `reduce`: its inputs to its outputs.
+  std::optional<ReducedModel> reduced;
   /// Of the continuous loop with the whole plant, slowest first; none with a law of one's own,
   /// which has no continuous form.
   Eigen::VectorXcd poles;
@@ -71,8 +75,10 @@ inline constexpr double least_disk_margin = 0.5;
 /// The price of sampling, dB, above which no rate is recommended.
 inline constexpr double most_price_db = 3;
 
-/// Analyses a design; an unstable one has no margins. Errors: as margins and the core's.
-DesignAnalysis analyse(const judge::LoopDesign& design);
+/// Analyses a design; an unstable one has no margins. progress: told what comes next. Errors: as
+/// margins and the core's.
+DesignAnalysis analyse(const judge::LoopDesign& design,
+                       const std::function<void(const std::string&)>& progress);
 
 /// Roll-offs that are tried, in targets, those that change least first; 0: the loop's own, with its
 /// own lead.

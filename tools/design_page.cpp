@@ -7,6 +7,7 @@
 #include "core/numerics/decibels.hpp"
 #include "report/table.hpp"
 #include "tools/matrix_table.hpp"
+#include "tools/reduction_text.hpp"
 
 namespace stillframe::tools {
 
@@ -328,9 +329,12 @@ std::string design_page(const judge::LoopDesign& design, const DesignAnalysis& a
                                 : matrix_table("K_P (1)", design.gains.K_P) +
                                       matrix_table("K_I (1/s)", design.gains.K_I) + "\n" +
                                       poles_text(design, analysis) + "\n";
-  return heading(design) + remarks_text(analysis.remarks) + "\n" + gains + transfer_text(analysis) +
-         "\n" + margins_text(design, analysis) + "\n" + limits_text(design, analysis) +
-         by_the_clock;
+  const std::string reduction =
+      analysis.reduced ? "\nPassive scene, floor to frame. " + reduction_text(*analysis.reduced)
+                       : "";
+  return heading(design) + reduction + remarks_text(analysis.remarks) + "\n" + gains +
+         transfer_text(analysis) + "\n" + margins_text(design, analysis) + "\n" +
+         limits_text(design, analysis) + by_the_clock;
 }
 
 Json design_json(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
@@ -373,6 +377,7 @@ Json design_json(const judge::LoopDesign& design, const DesignAnalysis& analysis
            {"deck_order", spread_json(analysis.deck)},
            {"spectral_radius", analysis.radius},
            {"misaligned_spectral_radius", analysis.misaligned_radius},
+           {"reduction", analysis.reduced ? reduction_json(*analysis.reduced) : Json()},
            {"frequencies_hz", frequencies},
            {"singular_values", open},
            {"closed_singular_values", closed},

@@ -16,6 +16,7 @@
 #include "tools/matrix_table.hpp"
 #include "tools/operating_point.hpp"
 #include "tools/patience.hpp"
+#include "tools/reduction_text.hpp"
 #include "tools/stability_note.hpp"
 #include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
@@ -113,59 +114,6 @@ void print_certificates(const std::vector<BlockCertificate>& certificates) {
   std::cout << table.print();
 }
 
-/// What a reduced model is off by at most, over the band that it is for.
-struct Bounds {
-  explicit Bounds(const ReducedModel& reduced)
-      : frequencies_hz(logarithmic_frequencies(reduced.to_hz / 100, reduced.to_hz, 9)),
-        at_most(frequencies_hz.size()),
-        largest(frequencies_hz.size()) {
-    for (Index i = 0; i < frequencies_hz.size(); ++i) {
-      const double omega = 2 * std::numbers::pi * frequencies_hz(i);
-      at_most(i) = reduced.bound(omega);
-      largest(i) = singular_values(transfer_function(reduced.linear, {0, omega}))(0);
-    }
-  }
-  Eigen::VectorXd frequencies_hz, at_most, largest;
-};
-
-std::optional<Bounds> bounds_of(const ReducedModel& reduced) {
-  if (reduced.linear.inputs.empty() || reduced.linear.outputs.empty()) return std::nullopt;
-  return Bounds(reduced);
-}
-
-Json json_of(const ReducedModel& reduced) {
-  Json document{{"n_modes", reduced.n_modes},
-                {"n_corrections", reduced.n_corrections},
-                {"to_hz", reduced.to_hz},
-                {"first_left_out_hz", reduced.first_left_out_hz},
-                {"bounds", Json::array()}};
-  if (const auto bounds = bounds_of(reduced)) {
-    for (Index i = 0; i < bounds->at_most.size(); ++i) {
-      document["bounds"].push_back({{"hz", bounds->frequencies_hz(i)},
-                                    {"at_most", bounds->at_most(i)},
-                                    {"largest_singular_value", bounds->largest(i)}});
-    }
-  }
-  return document;
-}
-
-void print_reduction(const ReducedModel& reduced) {
-  std::cout << report::cell("\nReduced: %td modes and %td corrections, for up to %.4g Hz; ",
-                            reduced.n_modes, reduced.n_corrections, reduced.to_hz)
-            << (std::isfinite(reduced.first_left_out_hz)
-                    ? report::cell("the first mode that is left out is at %.4g Hz\n",
-                                   reduced.first_left_out_hz)
-                    : std::string("no mode is left out\n"));
-  const auto bounds = bounds_of(reduced);
-  if (!bounds) return;
-  report::Table table({"Hz", "largest singular value", "of the difference, at most"}, 0);
-  for (Index i = 0; i < bounds->at_most.size(); ++i) {
-    table.add({report::cell("%.4g", bounds->frequencies_hz(i)),
-               report::cell("%.4e", bounds->largest(i)), report::cell("%.1e", bounds->at_most(i))});
-  }
-  std::cout << table.print();
-}
-
 int run(const LineariseOptions& options) {
   require_own_places({{"the scene", options.scene}}, {{"--mat", options.mat}});
   Patience patience("reading the scene");
@@ -179,7 +127,7 @@ int run(const LineariseOptions& options) {
   const Model model = model_of(scene);
   patience.now("linearising");
   std::optional<ReducedModel> reduced;
-  if (scene.reduction) reduced = stable_reduced_model(scene);
+  if (scene.reduction) reduced = stable_reduced_model(scene, {scene.inputs, scene.outputs});
   const LinearModel linear =
       reduced ? reduced->linear : linearise(model, scene.inputs, scene.outputs);
   const StateSpace system = state_space(linear);
@@ -197,12 +145,12 @@ int run(const LineariseOptions& options) {
                   {"stable", stable}};
     document.update(to_json(linear, system));
     document["nodal_displacements"] = to_json(model, node_displacements(model, linear.x_0));
-    document["reduction"] = reduced ? json_of(*reduced) : Json();
+    document["reduction"] = reduced ? reduction_json(*reduced) : Json();
     document["certificates"] = options.certify ? json_of(certificates) : Json();
     print(document);
   } else {
     print_page(scene, linear, system);
-    if (reduced) print_reduction(*reduced);
+    if (reduced) std::cout << "\n" << reduction_text(*reduced);
     if (options.certify) print_certificates(certificates);
   }
   if (std::all_of(certificates.begin(), certificates.end(), is_certified)) return exit_done;

@@ -12,6 +12,7 @@
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/systems/frequency_sweep.hpp"
+#include "tools/reduction_text.hpp"
 #include "tools/stability_note.hpp"
 
 namespace stillframe::tools {
@@ -55,7 +56,7 @@ OpenResponse::OpenResponse(const Scene& scene, Patience& patience) : patience_(p
   }
   patience.now("linearising");
   if (scene.reduction) {
-    reduced_ = stable_reduced_model(scene);
+    reduced_ = stable_reduced_model(scene, {scene.inputs, scene.outputs});
     linear_ = reduced_->linear;
     stable_ = true;  // what is not is not reduced
     return;
@@ -90,8 +91,7 @@ MatrixXd OpenResponse::singular_values(const VectorXd& frequencies_hz) {
 
 VectorXd OpenResponse::difference_at_most(const VectorXd& frequencies_hz) const {
   if (large_ || !reduced_) return {};
-  return frequencies_hz.unaryExpr(
-      [&](double hz) { return reduced_->bound(2 * std::numbers::pi * hz); });
+  return bounds_of(*reduced_, frequencies_hz);
 }
 
 std::optional<LargestGain> OpenResponse::peaks() const {

@@ -18,6 +18,7 @@
 #include "tools/json.hpp"
 #include "tools/open_response.hpp"
 #include "tools/patience.hpp"
+#include "tools/reduction_text.hpp"
 #include "tools/stability_note.hpp"
 #include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
@@ -36,7 +37,7 @@ struct SigmaOptions {
 
 /// A row a frequency. With a controller, closed is the loop that runs and open the frame left
 /// alone, sampled as it is, both NaN above half its rate, and continuous its law without sampling,
-/// delay and instruments. difference_at_most is of a scene with `reduce` and no controller.
+/// delay and instruments. difference_at_most is of the open one of a scene with `reduce`.
 struct Curves {
   Eigen::VectorXd frequencies_hz;
   Eigen::MatrixXd open, closed, continuous;
@@ -63,7 +64,8 @@ Curves without_controller(OpenResponse& open, const Eigen::VectorXd& frequencies
           open.difference_at_most(frequencies_hz)};
 }
 
-Curves with_controller(const judge::LoopDesign& design, const Eigen::VectorXd& frequencies_hz) {
+Curves with_controller(const judge::LoopDesign& design, const ReducedModel* reduced,
+                       const Eigen::VectorXd& frequencies_hz) {
   Curves curves{
       frequencies_hz,
       rows_of(frequencies_hz, [&](double omega) { return transfer(design.open, omega); }),
@@ -72,7 +74,7 @@ Curves with_controller(const judge::LoopDesign& design, const Eigen::VectorXd& f
               [&](double omega) {
                 return design.loop.closed({0.0, omega});
               }),
-      {}};
+      reduced ? bounds_of(*reduced, frequencies_hz) : Eigen::VectorXd()};
   for (Index i = 0; i < frequencies_hz.size(); ++i) {
     // Half the rate itself is one of them, but for the rounding of its logarithm.
     if (frequencies_hz(i) <= (1 + 1e-9) * design.gains.sample_rate_hz / 2) continue;
@@ -96,7 +98,7 @@ void print_table(const std::string& title, const Curves& curves,
       header.push_back(report::cell("%s %td", kind, i + 1));
   }
   const bool reduced = curves.difference_at_most.size() > 0;
-  if (reduced) header.push_back("off by at most");
+  if (reduced) header.push_back(loop ? "open off by at most" : "off by at most");
   if (!peaks.empty()) header.push_back("peak of");
   report::Table table(header, 0);
   for (Index f = 0; f < curves.frequencies_hz.size(); ++f) {
@@ -131,7 +133,9 @@ void print_table(const std::string& title, const Curves& curves,
   std::cout << table.print();
   if (reduced) {
     std::cout << "Off by at most: the largest singular value of the difference from the whole "
-                 "model; -: no bound, from the first mode that is left out, or where what is left "
+                 "model"
+              << (loop ? ", without sampling" : "")
+              << "; -: no bound, from the first mode that is left out, or where what is left "
                  "out is damped too strongly\n";
   }
 }
@@ -205,8 +209,10 @@ int run(const SigmaOptions& options) {
   hint_at_units(scene);
   std::optional<judge::LoopDesign> design;
   std::optional<OpenResponse> open;
+  std::optional<ReducedModel> reduced;
   if (scene.controller) {
     design = judge::make_loop_design(options.scene, options.controller);
+    if (scene.reduction) reduced = stable_reduced_loop(scene);
   } else {
     open.emplace(scene, patience);
   }
@@ -225,7 +231,8 @@ int run(const SigmaOptions& options) {
   };
   const auto curves_of = [&](const Eigen::VectorXd& frequencies) {
     patience.now("singular values");
-    return design ? with_controller(*design, frequencies) : without_controller(*open, frequencies);
+    return design ? with_controller(*design, reduced ? &*reduced : nullptr, frequencies)
+                  : without_controller(*open, frequencies);
   };
   if (open && open->is_large() && gains && range.highest_hz > open->peaks_to_hz()) {
     std::cerr << report::cell(
@@ -315,13 +322,13 @@ void add_sigma(cli::Command& app, int& exit_code) {
       "  closed_singular_values       with a controller: the loop that runs, likewise\n"
       "  continuous_singular_values   with a controller: its law without sampling, delay and\n"
       "                               instruments\n"
-      "  difference_at_most           of a scene with `reduce` and no controller: a number a "
-      "frequency,\n"
-      "                               above the largest singular value of the difference from "
-      "the whole\n"
-      "                               model; null: no bound, from the first mode that is left "
-      "out,\n"
-      "                               or where what is left out is damped too strongly\n"
+      "  difference_at_most           of a scene with `reduce`: a number a frequency, above the\n"
+      "                               largest singular value of the difference of the open loop,\n"
+      "                               without sampling, from the whole model; null: no bound, "
+      "from\n"
+      "                               the first mode that is left out, or where what is left out "
+      "is\n"
+      "                               damped too strongly\n"
       "  peaks                        of, hz, singular_value: between two of frequencies_hz the\n"
       "                               highest point of the open, closed or continuous curve,\n"
       "                               where it is more than 1 dB above both; the table has rows "

@@ -55,12 +55,19 @@ Json warn_unless_stable(const MixedModel& mixed, const MixedState& state,
   }
 }
 
-ReducedModel stable_reduced_model(const Scene& scene) {
-  return with_what_moves([&] { return reduced_model(scene, scene.inputs, scene.outputs); },
+ReducedModel stable_reduced_model(const Scene& scene, const LoopSignals& signals) {
+  return with_what_moves([&] { return reduced_model(scene, signals.inputs, signals.outputs); },
                          [&](const Eigen::VectorXd& shape) {
                            const Model model = model_of(scene);
                            return what_moves(model, MixedModel(model).written(1), shape);
                          });
+}
+
+ReducedModel stable_reduced_loop(const Scene& scene) {
+  ReducedModel reduced = stable_reduced_model(scene, loop_signals(scene));
+  reduced.n_in = static_cast<Eigen::Index>(scene.inputs.size());
+  reduced.n_out = static_cast<Eigen::Index>(scene.outputs.size());
+  return reduced;
 }
 
 }  // namespace stillframe::tools

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "core/control/design/control_loop.hpp"
 #include "core/mechanics/modes.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/unstable.hpp"
@@ -34,6 +35,9 @@ auto with_what_moves(const Solve& solve, const WhatOf& what_of) {
 
 /// The reduced model of a scene with `reduce`. Errors: as reduced_model, of Unstable with what
 /// moves.
-ReducedModel stable_reduced_model(const Scene& scene);
+ReducedModel stable_reduced_model(const Scene& scene, const LoopSignals& signals);
+
+/// That of its loop; bounds are those of the passive scene, w to y.
+ReducedModel stable_reduced_loop(const Scene& scene);
 
 }  // namespace stillframe::tools

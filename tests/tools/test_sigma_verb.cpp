@@ -363,6 +363,41 @@ TEST_F(SigmaVerb, OfAReducedSceneComesWithABound) {
   EXPECT_NE(page.output.find("off by at most"), std::string::npos) << page.output;
 }
 
+/// The curve of the passive frame is sampled; the lowest of the reduced modes stand far below half
+/// the rate, where that is nothing beside what is left out.
+TEST_F(SigmaVerb, OfAReducedSceneWithAControllerComesWithABoundToo) {
+  std::ifstream stream(config("scenes/frame_flexible.yaml"));
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  const std::string key = "controller: ../controllers/";
+  const size_t at = text.find(key);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, key.size(), "controller: " + config("controllers/").string());
+  const auto scene = write("frame.yaml", text),
+             reduced = write("reduced.yaml", text + "reduce: {modes: 3}\n");
+  const auto sigma = [&](const std::filesystem::path& file) {
+    return json({"sigma", file, "--from", "1", "--to", "25", "--points", "9"});
+  };
+  const Json whole = sigma(scene), on_modes = sigma(reduced);
+  EXPECT_TRUE(whole["difference_at_most"].is_null());
+  double nearest = 0;
+  for (size_t i = 0; i < 9; ++i) {
+    const double largest = whole["singular_values"][i][0],
+                 at_most = on_modes["difference_at_most"][i];
+    for (size_t k = 0; k < 6; ++k) {
+      const double exact = whole["singular_values"][i][k],
+                   off = std::abs(on_modes["singular_values"][i][k].get<double>() - exact);
+      EXPECT_LE(off, 1.01 * at_most + 1e-9 * largest) << i;
+      nearest = std::max(nearest, off / at_most);
+    }
+  }
+  EXPECT_GT(nearest, 0.1);  // nor is it the bound of a model without the legs' corrections
+  const Json design = json({"design", reduced});
+  EXPECT_EQ(design["reduction"]["n_modes"], 3);
+  EXPECT_GT(design["reduction"]["bounds"].size(), 3u);
+  const std::string page = run({"design", reduced}).output;
+  EXPECT_NE(page.find("Reduced: 3 modes and "), std::string::npos) << page;
+}
+
 TEST_F(SigmaVerb, PictureOfAnyScene) {
   const auto file = folder_ / "curve.png";
   ASSERT_EQ(run({"sigma", config("scenes/spinning_arm.yaml"), "--plot", file}).exit_code, 0);

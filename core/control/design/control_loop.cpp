@@ -54,10 +54,15 @@ void require_loop_signals(const Scene& scene) {
   require_accelerations(scene.monitors, "monitor");
 }
 
-LinearModel loop_model(const Scene& scene, const Model& model) {
+LoopSignals loop_signals(const Scene& scene) {
   require_loop_signals(scene);
   const auto legs = leg_signals(*scene.controller);
-  return linearise(scene, model, joined(scene.inputs, legs), joined(scene.outputs, legs));
+  return {joined(scene.inputs, legs), joined(scene.outputs, legs)};
+}
+
+LinearModel loop_model(const Scene& scene, const Model& model) {
+  const LoopSignals signals = loop_signals(scene);
+  return linearise(scene, model, signals.inputs, signals.outputs);
 }
 
 std::vector<ModeTarget> mode_targets(const SceneController& controller, Index n_modes) {

@@ -29,6 +29,12 @@ struct ControlLoop {
 /// Driving stress (as an input) or stress resultant (as an output) of each leg.
 std::vector<SceneSignal> leg_signals(const SceneController& controller);
 
+/// Inputs (w, u) and outputs (y, sigma) of a loop. Errors: as require_loop_signals.
+struct LoopSignals {
+  std::vector<SceneSignal> inputs, outputs;
+};
+LoopSignals loop_signals(const Scene& scene);
+
 /// The linear model behind it: linearises a scene about its operating point with the inputs (w, u)
 /// and outputs (y, sigma). Errors: as require_loop_signals and linearise.
 LinearModel loop_model(const Scene& scene, const Model& model);

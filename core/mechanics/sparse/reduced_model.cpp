@@ -65,6 +65,8 @@ class Reducer {
     const LinearModel V = projected();
     model.linear = with_unit_masses(V);
     model.left_out = bound(V);
+    model.n_in = model.linear.B.cols();
+    model.n_out = model.linear.Y_p.rows();
     return model;
   }
 

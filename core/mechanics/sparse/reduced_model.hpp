@@ -17,9 +17,10 @@ struct ReducedModel {
   double to_hz = 0;              ///< the band that it was asked for
   double first_left_out_hz = 0;  ///< of the lowest mode that is not in it; infinite if all are
   ReductionBound left_out;
+  Eigen::Index n_in = 0, n_out = 0;  ///< the bound is of so many first inputs and outputs: of all
 
   /// What sigma_1(G - G_r) is at most at w, rad/s.
-  double bound(double omega) const { return left_out(omega, linear); }
+  double bound(double omega) const { return left_out(omega, linear, n_in, n_out); }
 };
 
 /// X = psi w + V q: psi is the position that a prescribed motion w leads to at rest, V the lowest

@@ -42,7 +42,7 @@ struct Residuals {
   double rounding = 0;  ///< of the response on modes and corrections
 };
 
-Residuals residuals(const ReductionBound& bound, Complex s) {
+Residuals residuals(const ReductionBound& bound, Complex s, Index n_in, Index n_out) {
   const LinearModel& V = bound.projected;
   const Index n = V.M.rows(), n_u = V.B.cols(), n_y = V.Y_p.rows();
   const Complex square = s * s;
@@ -84,6 +84,8 @@ Residuals residuals(const ReductionBound& bound, Complex s) {
       (q_l.topRows(n_m).cwiseAbs().transpose() * bound.known_to.asDiagonal() *
        q.topRows(n_m).cwiseAbs())
           .norm();
+  left.in.conservativeResize(Eigen::NoChange, n_in);
+  left.out.conservativeResize(Eigen::NoChange, n_out);
   return left;
 }
 
@@ -103,7 +105,8 @@ double carried(const ReductionBound& bound, double omega) {
 
 }  // namespace
 
-double ReductionBound::operator()(double omega, const LinearModel& reduced) const {
+double ReductionBound::operator()(double omega, const LinearModel& reduced, Index n_in,
+                                  Index n_out) const {
   constexpr double none = std::numeric_limits<double>::infinity();
   if (!(omega < first_left_out)) return none;
   double undamped = 1;
@@ -114,7 +117,7 @@ double ReductionBound::operator()(double omega, const LinearModel& reduced) cons
   const double delta = carried(*this, omega), alpha = undamped - delta;
   if (!(alpha > 0)) return none;
   const Complex s(0, omega);
-  const Residuals left = residuals(*this, s);
+  const Residuals left = residuals(*this, s, n_in, n_out);
   const Measured in = measured(left.in, gram, rounding), out = measured(left.out, gram, rounding);
   const double at_rest = singular_values(MatrixXcd(left.out.transpose() * (gram * left.in)))(0) +
                          rounding * in.sizes * out.sizes;
@@ -123,8 +126,8 @@ double ReductionBound::operator()(double omega, const LinearModel& reduced) cons
   const double parted =
       0.5 * (1 + 1 / undamped) * at_rest +
       (0.5 * (1 / undamped - 1) + (omega * damping + delta) / (undamped * alpha)) * both;
-  const double missed =
-      singular_values(transfer_function(reduced, s) - transfer_function(projected, s))(0);
+  const MatrixXcd missing = transfer_function(reduced, s) - transfer_function(projected, s);
+  const double missed = singular_values(MatrixXcd(missing.topLeftCorner(n_out, n_in)))(0);
   const double bound = std::min(both / alpha, parted) + missed + left.rounding;
   return std::isfinite(bound) ? bound : none;
 }

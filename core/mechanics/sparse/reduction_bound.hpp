@@ -34,8 +34,10 @@ struct ReductionBound {
   double damping = 0;         ///< mu, s
   LinearModel projected;      ///< on modes and corrections as they are: G_V
 
-  /// sigma_1(G - G_r) at w (rad/s) of a model G_r is not above it; infinite at and above w_c.
-  double operator()(double omega, const LinearModel& reduced) const;
+  /// sigma_1(G - G_r) at w (rad/s), of the first n_in inputs to the first n_out outputs of a model
+  /// G_r, is not above it; infinite at and above w_c.
+  double operator()(double omega, const LinearModel& reduced, Eigen::Index n_in,
+                    Eigen::Index n_out) const;
 };
 
 }  // namespace stillframe

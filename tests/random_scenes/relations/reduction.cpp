@@ -101,6 +101,14 @@ std::optional<Finding> check_reduction(Case& scene, std::uint64_t seed) {
     if (difference > rounding) {
       finding.take(difference, bound + rounding, "bound of a reduced model");
     }
+    // Of one input to one output, as of the floor to the frame where the legs are there as well.
+    ReducedModel part = reduced;
+    part.n_in = part.n_out = 1;
+    const double of_one =
+        largest((G - transfer_function(reduced.linear, {0, omega})).topLeftCorner(1, 1));
+    if (of_one > rounding) {
+      finding.take(of_one, part.bound(omega) + rounding, "bound of a part of a reduced model");
+    }
   }
   if (finding.compared == 0) return std::nullopt;
   return finding;
