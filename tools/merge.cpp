@@ -34,11 +34,16 @@ std::string missing_shards(const robustness::Record& record) {
   return list;
 }
 
-/// Of which study a file has rows, if of one.
+/// Of which study a file has rows, if of one. Errors: InputError of a file that has no JSON.
 const RowKind* kind_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string line;
   std::getline(file, line);
+  if (!line.empty() && line.find_first_of("{[") != 0) {
+    throw InputError(path.string() +
+                     ": found a file that is neither a record of `robustness` nor rows of `sweep` "
+                     "or `batch`");
+  }
   const Json row = Json::parse(line, nullptr, false);
   for (const RowKind* kind : {&sweep_rows, &batch_rows}) {
     if (is_row(row, *kind)) return kind;
@@ -55,6 +60,11 @@ int merge_rows(const MergeOptions& options, const RowKind& kind) {
   for (const auto& path : options.files) {
     const RowFile file(path, kind);
     for (const auto& [key, row] : file.rows()) rows[key] = row;
+    if (file.unfinished()) {
+      std::cerr << "stillframe: note: " << path.string()
+                << ": the last line has no end, as of a program that was killed, and does not "
+                   "count\n";
+    }
   }
   std::string text;
   for (const auto& [key, row] : rows) text += line_of(row);
@@ -68,7 +78,7 @@ int run(const MergeOptions& options) {
   for (const auto& file : options.files) read.push_back({"a record", file});
   require_own_places(read, {{"--out", options.out}});
   for (const auto& file : options.files) {
-    // The first one says what they are to be.
+    // The first one with a line says what they are to be.
     if (const RowKind* kind = kind_of(file)) return merge_rows(options, *kind);
     if (std::filesystem::exists(file) && std::filesystem::file_size(file) > 0) break;
   }

@@ -15,11 +15,29 @@
 #include "core/control/robustness/parallel.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
+#include "core/mechanics/scene/scene_reader.hpp"
 #include "msgs/stop_signal.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
+
+namespace {
+
+constexpr const char* check_key = "check";
+
+std::string dumped(const Json& row) {
+  return row.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// Takes the check out of a row; false if it is not that of the rest.
+bool take_check(Json& row) {
+  const Json check = row.value(check_key, Json());
+  row.erase(check_key);
+  return check == text_hash(dumped(row));
+}
+
+}  // namespace
 
 RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
     : path_(std::move(path)), kind_(kind) {
@@ -34,19 +52,18 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
   bytes << file.rdbuf();
   if (!file) throw InputError(path_.string() + ": cannot be read");
   const std::string text = bytes.str();
-  const auto refuse = [&](std::size_t number) {
-    throw InputError(path_.string() + ":" + std::to_string(number) +
-                     ": found a line that is no row of a " + kind_.verb +
-                     "; allowed is a file "
-                     "that `" +
-                     kind_.verb + " --out` wrote, or a new one");
+  const auto refuse = [&](std::size_t number, const std::string& found) {
+    throw InputError(path_.string() + ":" + std::to_string(number) + ": found " + found +
+                     "; allowed is a file that `" + kind_.verb + " --out` wrote, or a new one");
   };
+  const std::string no_row = "a line that is no row of a " + kind_.verb;
   std::size_t begin = 0, line = 0;
   for (std::size_t end = text.find('\n'); end != std::string::npos;
        begin = end + 1, end = text.find('\n', begin)) {
     ++line;
     Json row = Json::parse(text.substr(begin, end - begin), nullptr, false);
-    if (!is_row(row, kind_)) refuse(line);
+    if (!is_row(row, kind_)) refuse(line, no_row);
+    if (!take_check(row)) refuse(line, "a row that is not as it was written");
     std::string key = key_of(row);
     rows_[std::move(key)] = std::move(row);
   }
@@ -54,7 +71,7 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
   if (begin == text.size()) return;
   // What a killed program left, and nothing else.
   const std::string first = R"({"version":)", rest = text.substr(begin, first.size());
-  if (first.compare(0, rest.size(), rest) != 0) refuse(line + 1);
+  if (first.compare(0, rest.size(), rest) != 0) refuse(line + 1, no_row);
   unfinished_ = text.size() - begin;
 }
 
@@ -78,7 +95,9 @@ bool is_row(const Json& row, const RowKind& kind) {
 }
 
 std::string line_of(const Json& row) {
-  return row.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  Json checked = row;
+  checked[check_key] = text_hash(dumped(row));
+  return dumped(checked) + "\n";
 }
 
 void RowFile::add(const Json& row) {

@@ -24,11 +24,13 @@ class RowFile {
  public:
   /// Reads it, if it is there. A last line without an end, of a program that was killed, does not
   /// count, and is taken off before the file grows. Errors: InputError of a file that cannot be
-  /// read, or that is none of these.
+  /// read, that is none of these, or of which a row was changed.
   RowFile(std::filesystem::path path, const RowKind& kind);
 
   /// The row of this identity, or null. Of one that was computed twice it is the last.
   const Json* find(const Json& row) const;
+  /// Whether its last line has no end.
+  bool unfinished() const { return unfinished_ > 0; }
   /// By the text of their identity.
   const std::map<std::string, Json>& rows() const { return rows_; }
   /// Errors: OutputError where the file does not grow, or has lost what was in it; half a line is
@@ -48,7 +50,8 @@ class RowFile {
 /// Whether a row is of this kind.
 bool is_row(const Json& row, const RowKind& kind);
 
-/// A row as a line with its end; names and reasons may be bytes that are no UTF-8.
+/// A row as a line with its end, and with a check of it, by which what was changed since is known;
+/// names and reasons may be bytes that are no UTF-8.
 std::string line_of(const Json& row);
 
 /// A study, point by point.

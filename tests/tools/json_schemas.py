@@ -279,6 +279,8 @@ def models(run):
 
 def loops(run):
     frame = run.scene("metrology_frame")
+    run.check("design", write("reduced_frame.yaml", frame.read_text(encoding="utf-8").replace("../", f"{run.config}/")
+                              + "\nreduce: {modes: 4}\n"))
     leg = write("leg.yaml", LEG + NOISE)
     run.check("design", frame)
     run.check("design", frame, "--controller", run.controller("own_law_1khz"))

@@ -133,16 +133,35 @@ TEST_F(SweepVerb, GoesOnWhereItWasKilledAndTakesNothingOfAnotherQuestion) {
   write("rows.jsonl", rows.substr(0, third + 20));
   EXPECT_EQ(json(call), whole);
   EXPECT_EQ(bytes_of(out), rows);
-  // A figure that stands there is believed: it was not computed again.
-  std::string changed = rows;
-  changed.replace(changed.find("\"peak\":"), 7, "\"peak\":7");
-  write("rows.jsonl", changed);
-  EXPECT_NE(json(call)["rows"][0]["peak"], whole["rows"][0]["peak"]);
+  // Another figure, or another value of a key, is a row that nobody wrote; nothing is added to it.
+  for (const std::string key : {"peak", "stable", "failure"}) {
+    std::string changed = rows;
+    const size_t at = changed.find("\"" + key + "\":", changed.find('\n')) + key.size() + 3;
+    changed.replace(at, changed.find(',', at) - at, key == "failure" ? "7" : "null");
+    write("rows.jsonl", changed);
+    expect_refused(call, 2, "rows.jsonl:2: found a row that is not as it was written");
+    EXPECT_EQ(bytes_of(out), changed);
+  }
+  write("rows.jsonl", rows);
   // Another mass is another scene, other frequencies are another question.
   write("scene.yaml", leg_scene("5", "401"));
   EXPECT_NE(json(call)["rows"][0]["scene_hash"], whole["rows"][0]["scene_hash"]);
   const std::string grown = bytes_of(out);
   EXPECT_EQ(std::count(grown.begin(), grown.end(), '\n'), 10);
+}
+
+TEST_F(SweepVerb, MergeSaysWhatItLeavesOut) {
+  const auto scene = write("scene.yaml", leg_scene()), out = folder_ / "rows.jsonl";
+  ASSERT_EQ(run({"sweep", scene, "--set", "controller.target_hz=4,6", "--out", out}).exit_code, 0);
+  const std::string rows = bytes_of(out);
+  const auto cut = write("cut.jsonl", rows.substr(0, rows.size() - 9));
+  const Said said = run({"merge", cut, "--out", folder_ / "all.jsonl"});
+  EXPECT_EQ(said.exit_code, 0) << said.error;
+  EXPECT_NE(said.error.find("cut.jsonl: the last line has no end"), std::string::npos)
+      << said.error;
+  EXPECT_EQ(bytes_of(folder_ / "all.jsonl"), rows.substr(0, rows.find('\n') + 1));
+  expect_refused({"merge", write("notes.txt", "some notes\n"), "--out", folder_ / "none"}, 2,
+                 "notes.txt: found a file that is neither a record of");
 }
 
 // Whichever --set comes first: the rows are known, and stand in the columns of their keys.
