@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include "msgs/clock.hpp"
+#include "msgs/stop_signal.hpp"
 
 namespace stillframe {
 
@@ -34,7 +35,7 @@ bool LogPacer::begin() {
   const std::int64_t begin = monotonic_ns();
   // The log has caught up once a nudge makes it grow by that nudge alone; an older message that had
   // not been written yet would count as one of the run, and the run be let go too far ahead.
-  while (monotonic_ns() - begin < patience_ns) {
+  while (monotonic_ns() - begin < patience_ns && !stop_requested()) {
     const std::int64_t before = size();
     sent_ = 0;
     nudge_();
@@ -68,7 +69,7 @@ bool LogPacer::wait() noexcept {
   const std::int64_t behind = mean * (by_blocks <= most_behind ? by_blocks : messages_behind);
   while (sent_ - (size() - base_) > behind) {
     const std::int64_t now = monotonic_ns();
-    if (now - begin > patience_ns) return false;
+    if (now - begin > patience_ns || stop_requested()) return false;
     if (now - nudged > pause) {
       nudge_();
       nudged = now;

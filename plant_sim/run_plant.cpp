@@ -145,9 +145,9 @@ PlantOutcome run_lock_step(Plant& plant, PlantLink& link, const PlantRunOptions&
   const bool answer_first = run.queue().needs_answer();
   link.go_direct();
   run.begin(0);
-  if (!link.begin_pacing()) return run.fail(unwritten);
+  if (!link.begin_pacing()) return run.fail(stop_requested() ? "interrupted" : unwritten);
   for (std::int64_t k = 0; k < run.n(); ++k) {
-    if (!link.wait_for_log()) return run.fail(unwritten);
+    if (!link.wait_for_log()) return run.fail(stop_requested() ? "interrupted" : unwritten);
     run.measure(k);
     std::string reason;
     if (!answer_first) reason = run.advance();

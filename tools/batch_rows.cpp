@@ -25,7 +25,10 @@ Json identity_of(const StudyCase& study, std::optional<double> duration_s) {
 Json row_of(const StudyCase& study, std::optional<double> duration_s) {
   // Before it runs: what is changed on the way is not what ran.
   Json row = identity_of(study, duration_s);
-  const StudyResult result = run_case(study, duration_s);
+  StudyResult result = run_case(study, duration_s);
+  if (result.failure.empty() && identity_of(study, duration_s) != row) {
+    result.failure = "its scene, floor or recordings were changed while it ran";
+  }
   if (!result.failure.empty()) {
     row["failure"] = result.failure;
     return row;

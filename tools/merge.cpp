@@ -51,23 +51,42 @@ const RowKind* kind_of(const std::filesystem::path& path) {
   return nullptr;
 }
 
+void require_file(const std::filesystem::path& path) {
+  std::error_code missing;
+  if (std::filesystem::is_regular_file(path, missing)) return;
+  throw InputError(path.string() + ": cannot be read: there is no such file");
+}
+
 int merge_rows(const MergeOptions& options, const RowKind& kind) {
   if (options.json) {
     throw InputError("--json: rows are lines of JSON as they stand in " + options.out.string() +
                      "; leave it out");
   }
-  std::map<std::string, Json> rows;
+  struct Found {
+    Json first, last;
+  };
+  std::map<std::string, Found> rows;
+  std::size_t n_other = 0;
   for (const auto& path : options.files) {
     const RowFile file(path, kind);
-    for (const auto& [key, row] : file.rows()) rows[key] = row;
-    if (file.unfinished()) {
-      std::cerr << "stillframe: note: " << path.string()
-                << ": the last line has no end, as of a program that was killed, and does not "
-                   "count\n";
+    for (const auto& [key, row] : file.rows()) {
+      const auto [known, is_new] = rows.try_emplace(key, Found{row, row});
+      // A copy of what was known before says nothing against what was computed since.
+      if (is_new || row == known->second.first || row == known->second.last) continue;
+      known->second.last = row;
+      ++n_other;
+    }
+    if (file.n_unfinished() > 0) {
+      std::cerr << "stillframe: note: " << path.string() << ": " << file.n_unfinished()
+                << " line(s) without an end, as of a program that was killed, do not count\n";
     }
   }
+  if (n_other > 0) {
+    std::cerr << "stillframe: note: " << n_other
+              << " row(s) answer what an earlier one answers otherwise, and count in its place\n";
+  }
   std::string text;
-  for (const auto& [key, row] : rows) text += line_of(row);
+  for (const auto& [key, found] : rows) text += line_of(found.last);
   write_whole_file(options.out, text);
   std::cout << rows.size() << " rows of `" << kind.verb << "` in " << options.out.string() << "\n";
   return exit_done;
@@ -77,10 +96,11 @@ int run(const MergeOptions& options) {
   std::vector<GivenFile> read;
   for (const auto& file : options.files) read.push_back({"a record", file});
   require_own_places(read, {{"--out", options.out}});
+  for (const auto& file : options.files) require_file(file);
   for (const auto& file : options.files) {
     // The first one with a line says what they are to be.
     if (const RowKind* kind = kind_of(file)) return merge_rows(options, *kind);
-    if (std::filesystem::exists(file) && std::filesystem::file_size(file) > 0) break;
+    if (!RowFile::is_half_a_row(file)) break;
   }
   std::vector<robustness::NamedRecord> records;
   for (const auto& file : options.files) records.push_back({file.string(), read_record(file)});
@@ -119,8 +139,11 @@ void add_merge(cli::Command& app, int& exit_code) {
       "that a single run would have written. Shards that are missing are named in a note and can "
       "be\n"
       "merged later: shards.done in the record says which there are.\n"
-      "Rows of `sweep` and `batch` may be of any questions; of one that is there twice the last\n"
-      "counts, and the last line of a program that was killed does not.\n"
+      "Rows of `sweep` and `batch` may be of any questions; of one that is there more than once "
+      "the\n"
+      "last that differs from the first counts, which is said, and the last line of a program that "
+      "was killed\n"
+      "does not.\n"
       "Example: stillframe merge part_*.json --out all.json");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }

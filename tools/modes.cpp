@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -85,6 +86,32 @@ void print_eigenvalues(const Modes& result) {
   std::cout << "Eigenvalues\n" << table.print();
 }
 
+/// Pairs of which rounding leaves less than three digits, if that is as much as a millionth of the
+/// slowest that is known: else nothing is meant by 0 but what moves freely.
+Index n_in_doubt(const Modes& modes) {
+  Index n = 0;
+  double hidden = 0, slowest = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < modes.eigenvalues.size(); ++i) {
+    const double size = std::abs(modes.eigenvalues(i));
+    if (!(modes.known_to(i) > 1e-3 * size)) {
+      slowest = std::min(slowest, size);
+      continue;
+    }
+    hidden = std::max(hidden, modes.known_to(i));
+    n += i % 2 == 0 ? 1 : 0;
+  }
+  return hidden > 1e-6 * slowest ? n : 0;
+}
+
+void print_doubt(const Modes& modes) {
+  const Index n = n_in_doubt(modes);
+  if (n == 0) return;
+  std::cout << report::cell(
+      "Rounding leaves less than three digits of %td pair(s) of eigenvalues: what is below %.2g Hz "
+      "is shown as 0\n",
+      n, modes.known_to.maxCoeff() / (2 * std::numbers::pi));
+}
+
 void print_page(const Scene& scene, const Found& found) {
   const Modes& result = found.modes;
   const bool natural = result.natural_frequencies_hz.size() == result.eigenvalues.size() / 2;
@@ -99,6 +126,7 @@ void print_page(const Scene& scene, const Found& found) {
               << "\n";
   }
   if (!natural || result.moving || found.damped) print_eigenvalues(result);
+  print_doubt(result);
   if (result.n_growing > 0) {
     std::cout << report::cell("NOT STABLE: %td eigenvalue(s) with a positive real part\n",
                               result.n_growing);
@@ -115,6 +143,7 @@ void print_json(const Scene& scene, const Found& found) {
          {"natural_frequencies_hz", to_json(result.natural_frequencies_hz)},
          {"damping_ratios", to_json(result.damping_ratios)},
          {"eigenvalues", to_json(result.eigenvalues)},
+         {"eigenvalues_known_to", to_json(result.known_to)},
          {"n_growing_eigenvalues", result.n_growing},
          {"mode_shapes", to_json(result.shapes)}});
 }
@@ -175,7 +204,12 @@ Found found_modes(const Scene& scene, Index lowest, Patience& patience) {
   if (model) return lowest_of_many(*model, lowest, patience);
   try {
     Found found = all_modes(scene, patience);
-    if (lowest > 0) keep_lowest(found, lowest);
+    if (lowest == 0) return found;
+    // Strains know what is slow better than a stiffness matrix does.
+    if (n_in_doubt(found.modes) > 0 && (model = large_scene(scene, 0, 0))) {
+      return lowest_of_many(*model, std::min(lowest, model->n_c), patience);
+    }
+    keep_lowest(found, lowest);
     return found;
   } catch (const Massless&) {
     // Without dofs what has no mass follows the rest, and there are fewer modes than coordinates.
@@ -216,6 +250,7 @@ void add_modes(cli::Command& app, int& exit_code) {
       "  natural_frequencies_hz  of (K + N + G) v = omega^2 M v, upwards; empty where that has no\n"
       "                          solution (stiffness not symmetric, or not positive in motion)\n"
       "  eigenvalues             [re, im] in rad/s, of the whole model, in pairs by modulus\n"
+      "  eigenvalues_known_to    rad/s, one an eigenvalue; what is less is 0\n"
       "  damping_ratios          -re / |.|, one a pair\n"
       "  n_growing_eigenvalues   how many have a positive real part\n"
       "  mode_shapes             a row a dof, a column a natural frequency, mass-normalised\n"

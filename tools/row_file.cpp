@@ -30,6 +30,12 @@ std::string dumped(const Json& row) {
   return row.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+/// Of a line, or as much of it as there is.
+bool begins_as_row(const std::string& line) {
+  const std::string first = R"({"version":)", begin = line.substr(0, first.size());
+  return first.starts_with(begin);
+}
+
 /// Takes the check out of a row; false if it is not that of the rest.
 bool take_check(Json& row) {
   const Json check = row.value(check_key, Json());
@@ -62,6 +68,10 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
        begin = end + 1, end = text.find('\n', begin)) {
     ++line;
     Json row = Json::parse(text.substr(begin, end - begin), nullptr, false);
+    if (row.is_discarded() && begins_as_row(text.substr(begin))) {
+      ++n_broken_;
+      continue;
+    }
     if (!is_row(row, kind_)) refuse(line, no_row);
     if (!take_check(row)) refuse(line, "a row that is not as it was written");
     std::string key = key_of(row);
@@ -70,9 +80,15 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
   size_ = begin;
   if (begin == text.size()) return;
   // What a killed program left, and nothing else.
-  const std::string first = R"({"version":)", rest = text.substr(begin, first.size());
-  if (first.compare(0, rest.size(), rest) != 0) refuse(line + 1, no_row);
+  if (!begins_as_row(text.substr(begin))) refuse(line + 1, no_row);
   unfinished_ = text.size() - begin;
+}
+
+bool RowFile::is_half_a_row(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  return file.eof() && begins_as_row(line);
 }
 
 std::string RowFile::key_of(const Json& row) const {
@@ -101,12 +117,12 @@ std::string line_of(const Json& row) {
 }
 
 void RowFile::add(const Json& row) {
-  const std::string line = line_of(row);
+  std::string line = line_of(row);
   const auto fail = [&](const std::string& why) {
     throw OutputError(path_.string() + why +
                       "; the same command goes on from the rows that it has");
   };
-  const int file = open(path_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  const int file = open(path_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
   if (file < 0) fail(std::string(": cannot be written: ") + std::strerror(errno));
   struct stat before {};
   fstat(file, &before);
@@ -120,6 +136,11 @@ void RowFile::add(const Json& row) {
   if (size < size_) {
     close(file);
     fail(": rows were taken out of it while it was written");
+  }
+  // Half a line of another program, which was killed since.
+  char end = '\n';
+  if (size > 0 && pread(file, &end, 1, static_cast<off_t>(size) - 1) == 1 && end != '\n') {
+    line.insert(0, 1, '\n');
   }
   std::size_t written = 0;
   ssize_t part = 0;

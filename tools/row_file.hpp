@@ -22,15 +22,17 @@ struct RowKind {
 /// again. Lines of any such files may be put together in any order.
 class RowFile {
  public:
-  /// Reads it, if it is there. A last line without an end, of a program that was killed, does not
-  /// count, and is taken off before the file grows. Errors: InputError of a file that cannot be
-  /// read, that is none of these, or of which a row was changed.
+  /// Reads it, if it is there. A line without an end, of a program that was killed, does not count,
+  /// and is taken off before the file grows if it is the last. Errors: InputError of a file that
+  /// cannot be read, that is none of these, or of which a row was changed.
   RowFile(std::filesystem::path path, const RowKind& kind);
 
   /// The row of this identity, or null. Of one that was computed twice it is the last.
   const Json* find(const Json& row) const;
-  /// Whether its last line has no end.
-  bool unfinished() const { return unfinished_ > 0; }
+  /// Lines without an end: the last one, and those that another program wrote on after.
+  std::size_t n_unfinished() const { return n_broken_ + (unfinished_ > 0 ? 1 : 0); }
+  /// Whether a file is empty, or has nothing but a line without an end.
+  static bool is_half_a_row(const std::filesystem::path& path);
   /// By the text of their identity.
   const std::map<std::string, Json>& rows() const { return rows_; }
   /// Errors: OutputError where the file does not grow, or has lost what was in it; half a line is
@@ -42,7 +44,8 @@ class RowFile {
 
   std::filesystem::path path_;
   RowKind kind_;
-  std::size_t unfinished_ = 0;  ///< bytes of the line without an end
+  std::size_t unfinished_ = 0;  ///< bytes of the last line, if it has no end
+  std::size_t n_broken_ = 0;    ///< lines that begin as a row and do not end as one
   std::uintmax_t size_ = 0;     ///< bytes that were in it, at least
   std::map<std::string, Json> rows_;
 };

@@ -51,8 +51,14 @@ std::string submit(const std::string& options, const std::filesystem::path& scri
     throw Failure("sbatch did not take " + script.string() +
                   "; is this a host from which Slurm takes jobs? Its own words are above");
   }
-  const std::string text = line.data();
-  return text.substr(0, text.find_first_of(";\n"));
+  const std::string text = line.data(), job = text.substr(0, text.find_first_of(";\n"));
+  if (job.empty() || job.find_first_not_of("0123456789") != std::string::npos) {
+    throw Failure("sbatch answered '" + job +
+                  "' instead of the number of a job; squeue says whether "
+                  "it took " +
+                  script.string());
+  }
+  return job;
 }
 
 }  // namespace
@@ -96,6 +102,7 @@ std::string submit_to_slurm(const std::filesystem::path& out, std::size_t n_task
                        "set -- \"$out\".part_*_of_" +
                        n +
                        "\n"
+                       "# The parts have what was known, and count last.\n"
                        "[ ! -e \"$out\" ] || set -- \"$out\" \"$@\"\n" +
                        program +
                        " merge \"$@\" --out \"$out.new\" > /dev/null\n"
@@ -105,9 +112,16 @@ std::string submit_to_slurm(const std::filesystem::path& out, std::size_t n_task
   const std::string array = submit("--job-name=stillframe --array=1-" + n +
                                        " --output=" + shell_word(out.string() + ".task_%a.log"),
                                    script);
-  const std::string after = submit("--job-name=stillframe-merge --dependency=afterany:" + array +
-                                       " --output=" + shell_word(out.string() + ".log"),
-                                   script);
+  std::string after;
+  try {
+    after = submit("--job-name=stillframe-merge --dependency=afterany:" + array +
+                       " --output=" + shell_word(out.string() + ".log"),
+                   script);
+  } catch (const Failure& failure) {
+    throw Failure(std::string(failure.what()) + "; the tasks are job " + array +
+                  " all the same: `scancel " + array + "`, or, once they have ended, `sh " +
+                  script.string() + "` puts their rows together");
+  }
   return "job " + array + ": " + n + " tasks; job " + after + ": their rows, into " + out.string() +
          "\nSee squeue, and " + out.string() +
          ".*log. Then the same command without --on prints the rows; what is missing\nit computes, "

@@ -170,7 +170,7 @@ void add_superelement(cli::Command& app, int& exit_code) {
       .type_name("FILE.yaml");
   verb.flag("--json", options->json, "Print JSON (keys below)");
   verb.footer(
-      "CalculiX writes the matrices of a free body of solid elements (no *BOUNDARY) at\n"
+      "CalculiX writes the matrices of a free body of solid elements (not C3D8I; no *BOUNDARY) at\n"
       "  *STEP\n  *FREQUENCY, SOLVER=MATRIXSTORAGE\n  10\n  *END STEP\n"
       "They are reduced to static shapes of unit displacements and rotations of the interfaces, "
       "and\n"

@@ -1,9 +1,11 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "core/errors/input_error.hpp"
 #include "core/numerics/decibels.hpp"
+#include "core/yaml/to_number.hpp"
 #include "report/table.hpp"
 #include "tools/given_files.hpp"
 #include "tools/row_place.hpp"
@@ -29,12 +31,11 @@ SweepQuestion question_of(const SweepOptions& options) {
   SweepQuestion question{
       read_scene_blocks(options.scene, options.controller), SweepGrid(std::move(keys)), {}};
   for (const std::string& text : options.at_hz) {
-    char* end = nullptr;
-    const double hz = std::strtod(text.c_str(), &end);
-    if (*end != '\0' || !(hz > 0) || !std::isfinite(hz)) {
+    const std::optional<double> hz = to_number(text);
+    if (!hz || !(*hz > 0)) {
       throw InputError("--at: found '" + text + "', allowed are numbers above 0, as in --at 10,50");
     }
-    question.at_hz.push_back(hz);
+    question.at_hz.push_back(*hz);
   }
   // A path that names nothing is one mistake and not one a point.
   with_values(question.blocks, question.grid.keys(), question.grid.values(0));

@@ -1,10 +1,11 @@
 #include "tools/sweep_grid.hpp"
 
 #include <cmath>
-#include <cstdlib>
+#include <optional>
 #include <set>
 
 #include "core/errors/input_error.hpp"
+#include "core/yaml/to_number.hpp"
 
 namespace stillframe::tools {
 
@@ -25,12 +26,9 @@ std::vector<std::string> split(const std::string& text, char between) {
 }
 
 double number(const std::string& text, const std::string& whole) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !std::isfinite(value)) {
-    throw InputError("--set: " + whole + ": found '" + text + "', allowed is a number");
-  }
-  return value;
+  const std::optional<double> value = to_number(text);
+  if (!value) throw InputError("--set: " + whole + ": found '" + text + "', allowed is a number");
+  return *value;
 }
 
 std::vector<std::string> range(const std::vector<std::string>& parts, const std::string& whole) {

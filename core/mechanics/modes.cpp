@@ -120,7 +120,8 @@ void judge_eigenvalues(Modes& modes) {
     double& ratio = modes.damping_ratios(i / 2);
     ratio = i % 2 == 0 ? -real / modulus : std::min(ratio, -real / modulus);
     // Nor is it growth what the position is off by: forces balance to some 1e-9 of the largest.
-    if (real > std::max(1e-8 * modulus, modes.known_to(i))) ++modes.n_growing;
+    // A pinned chain of 40 beams was off by 1.7 times what a double root is known to.
+    if (real > std::max(1e-8 * modulus, 4 * modes.known_to(i))) ++modes.n_growing;
   }
 }
 

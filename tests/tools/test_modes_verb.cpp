@@ -188,7 +188,7 @@ nodes: {a: {position: [0, 0, 0]}, b: {position: [10, 0.1, 0]}, p: {position: [10
 masses: [)" + mass + R"(]
 elements:
   s: {type: beam, nodes: [a, b], orientation: [0, 0.2, 1], EA: 3e7, GJ: 4e3, EI_y: 5e3, EI_z: 6e3, mass_per_length: 1, inertia_per_length: 4e-4, divide: )" +
-                                   std::to_string(n_parts) + R"(}
+                                 std::to_string(n_parts) + R"(}
   t: {type: truss, nodes: [b, p], stiffness: 1e6}
 supports: [{nodes: [a], fix: [x, y, z, rotation]}]
 loads: [{node: p, force: [1, 0, 0.2]}]
@@ -214,6 +214,52 @@ dofs: auto
   const std::string error = refused({"modes", write("light.yaml", text), "--lowest", "6"});
   EXPECT_NE(error.find("(p) can move and has neither stiffness nor mass"), std::string::npos)
       << error;
+}
+
+/// A stiff bar of 1 kg/m on a ball joint, held by a spring at its tip or braken by a dashpot. Its
+/// stiffness matrix has 0.1 Hz of rounding: the strains of its beams know better, and the page says
+/// which are in doubt.
+TEST_F(ModesVerb, SlowModesOfStiffBarsAreKnownOrSaidNotToBe) {
+  const auto bar = [&](const std::string& law) {
+    return write("bar.yaml", R"(title: A stiff bar on a ball joint
+nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}, g: {position: [1, 0, -1]}}
+masses: []
+elements:
+  beam: {type: beam, nodes: [a, b], orientation: [0, 1, 0], EA: 1e9, GJ: 1e5, EI_y: 1e5, EI_z: 1e5, mass_per_length: 1, inertia_per_length: 1e-3, divide: 80}
+  leg: {type: truss, nodes: [g, b], )" +
+                                 law + R"(}
+supports: [{nodes: [a, g], fix: [x, y, z]}]
+dofs: auto
+)");
+  };
+  const auto braked = bar("stiffness: 0, damping: 0.05");
+  const Json slow = json({"modes", braked, "--lowest", "4"})["eigenvalues"];
+  double nearest = INFINITY;
+  for (const Json& pair : slow) nearest = std::min(nearest, std::abs(pair[0].get<double>() + 0.15));
+  EXPECT_LE(nearest, 1e-7);  // c / (m / 3), as far as the bar is rigid
+  EXPECT_EQ(json({"modes", braked})["n_growing_eigenvalues"], 0);
+  const std::string page = run({"modes", braked}).output;
+  EXPECT_NE(page.find("Rounding leaves less than three digits of 3 pair(s)"), std::string::npos);
+  const auto sprung = bar("stiffness: 0.01");
+  EXPECT_NEAR(json({"modes", sprung, "--lowest", "4"})["natural_frequencies_hz"][2],
+              std::sqrt(0.03) / (2 * M_PI), 1e-7);
+}
+
+// A mass that nothing holds and nothing pushes stays where it is, beside what is loaded.
+TEST_F(ModesVerb, WhatNothingPushesNeedsNothingToHoldIt) {
+  const auto scene = write("loose.yaml", R"(title: A loaded cantilever and a loose mass
+nodes: {a: {position: [0, 0, 0]}, b: {position: [1, 0, 0]}, q: {position: [2, 0, 0]}}
+masses: [{node: q, mass: 1}]
+elements:
+  s: {type: beam, nodes: [a, b], orientation: [0, 1, 0], EA: 3e6, GJ: 40, EI_y: 50, EI_z: 60, mass_per_length: 1, inertia_per_length: 1e-4, divide: 60}
+supports: [{nodes: [a], fix: [x, y, z, rotation]}]
+loads: [{node: b, force: [0, 0, 0.5]}]
+dofs: auto
+)");
+  const Json hz = json({"modes", scene, "--lowest", "4"})["natural_frequencies_hz"];
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(hz[i], 0) << i;
+  // The slower bending of 1.8751^2 sqrt(EI / (m l^4)), hardly changed by the load.
+  EXPECT_NEAR(hz[3].get<double>(), 3.516 * std::sqrt(50.0) / (2 * M_PI), 0.01);
 }
 
 // One answer for few nodes and for many, with --lowest and without: two modes, of a mass on a

@@ -391,6 +391,18 @@ TEST_F(SigmaVerb, OfAReducedSceneWithAControllerComesWithABoundToo) {
     }
   }
   EXPECT_GT(nearest, 0.1);  // nor is it the bound of a model without the legs' corrections
+  // All that has mass: what is left of the forces is rounding, and no motion of its own.
+  std::ifstream rigid(config("scenes/metrology_frame.yaml"));
+  std::string whole_text(std::istreambuf_iterator<char>(rigid), {});
+  whole_text.replace(whole_text.find(key), key.size(),
+                     "controller: " + config("controllers/").string());
+  for (const std::string all : {"modes: 5", "modes: 6", "to_hz: 100"}) {
+    const Json of_all = json({"design", write("all.yaml", whole_text + "reduce: {" + all + "}\n")});
+    EXPECT_EQ(
+        of_all["reduction"]["n_modes"].get<int>() + of_all["reduction"]["n_corrections"].get<int>(),
+        6)
+        << all;
+  }
   const Json design = json({"design", reduced});
   EXPECT_EQ(design["reduction"]["n_modes"], 3);
   EXPECT_GT(design["reduction"]["bounds"].size(), 3u);

@@ -150,6 +150,14 @@ TEST_F(SweepVerb, GoesOnWhereItWasKilledAndTakesNothingOfAnotherQuestion) {
   EXPECT_EQ(std::count(grown.begin(), grown.end(), '\n'), 10);
 }
 
+std::vector<std::string> sorted_lines(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  std::sort(lines.begin(), lines.end());
+  return lines;
+}
+
 TEST_F(SweepVerb, MergeSaysWhatItLeavesOut) {
   const auto scene = write("scene.yaml", leg_scene()), out = folder_ / "rows.jsonl";
   ASSERT_EQ(run({"sweep", scene, "--set", "controller.target_hz=4,6", "--out", out}).exit_code, 0);
@@ -157,9 +165,37 @@ TEST_F(SweepVerb, MergeSaysWhatItLeavesOut) {
   const auto cut = write("cut.jsonl", rows.substr(0, rows.size() - 9));
   const Said said = run({"merge", cut, "--out", folder_ / "all.jsonl"});
   EXPECT_EQ(said.exit_code, 0) << said.error;
-  EXPECT_NE(said.error.find("cut.jsonl: the last line has no end"), std::string::npos)
+  EXPECT_NE(said.error.find("cut.jsonl: 1 line(s) without an end"), std::string::npos)
       << said.error;
   EXPECT_EQ(bytes_of(folder_ / "all.jsonl"), rows.substr(0, rows.find('\n') + 1));
+  // A copy of what was known says nothing against what was computed since, and the order of files
+  // of programs that were killed does not matter.
+  ASSERT_EQ(run({"sweep", scene, "--set", "controller.target_hz=4,6", "--at", "20", "--out",
+                 folder_ / "at.jsonl"})
+                .exit_code,
+            0);
+  const std::string at = bytes_of(folder_ / "at.jsonl");
+  const auto half = write("half.jsonl", rows.substr(0, 90));
+  for (const std::vector<std::string>& files :
+       {std::vector<std::string>{half, out, folder_ / "at.jsonl", out},
+        {out, folder_ / "at.jsonl"}}) {
+    std::vector<std::string> call{"merge", "--out", folder_ / "all.jsonl"};
+    call.insert(call.end(), files.begin(), files.end());
+    const Said merged = run(call);
+    EXPECT_EQ(merged.exit_code, 0) << merged.error;
+    EXPECT_NE(merged.error.find("2 row(s) answer what an earlier one"), std::string::npos)
+        << merged.error;
+    EXPECT_EQ(sorted_lines(bytes_of(folder_ / "all.jsonl")), sorted_lines(at));
+  }
+  expect_refused({"merge", out, folder_ / "nowhere.jsonl", "--out", folder_ / "none"}, 2,
+                 "nowhere.jsonl: cannot be read");
+  // Of one program that was killed while another wrote on.
+  const std::string glued = rows.substr(0, 90) + "\n" + rows;
+  EXPECT_EQ(run({"sweep", scene, "--set", "controller.target_hz=4,6", "--out",
+                 write("glued.jsonl", glued)})
+                .exit_code,
+            0);
+  EXPECT_EQ(bytes_of(folder_ / "glued.jsonl"), glued);
   expect_refused({"merge", write("notes.txt", "some notes\n"), "--out", folder_ / "none"}, 2,
                  "notes.txt: found a file that is neither a record of");
 }

@@ -196,9 +196,10 @@ Index read_dofs(const fs::path& file, FiniteElementBody& body) {
       lines.fail(line, "are directions 1 to 3: a body of solid elements");
     }
     if (!body.nodes.contains(node)) {
-      lines.fail(line,
-                 "are nodes of the deck (of shells and beams CalculiX makes nodes of its own: "
-                 "mesh the body with solids)");
+      lines.fail(
+          line,
+          "are nodes of the deck (of shells, beams and C3D8I CalculiX makes nodes of its own: "
+          "mesh the body with solids)");
     }
     auto& rows = body.rows.try_emplace(node, std::array<Index, 3>{-1, -1, -1}).first->second;
     auto& row = rows[static_cast<std::size_t>(direction - '1')];

@@ -57,12 +57,28 @@ MatrixXd read_square(const YamlReader& value, Index size, std::vector<ReadFile>&
   return 0.5 * (matrix + matrix.transpose());
 }
 
+/// That of the diagonal of K, but of no entry less than a ten-thousandth of the largest: what has
+/// hardly any stiffness, as a single interface, is not measured by its rounding. Between metres and
+/// radians is the size of the body.
+VectorXd against_largest(const FlexibleBody& body) {
+  const Eigen::Matrix<double, 6, 6> rigid = rigid_mass(from_first(body.points), body.M);
+  const double gyration = rigid.bottomRightCorner<3, 3>().trace() / rigid(0, 0),
+               square = gyration > 0 && std::isfinite(gyration) ? gyration : 1.0;
+  VectorXd lengths = VectorXd::Ones(body.K.rows());
+  for (Index k = 0; k < body.points.cols(); ++k) lengths.segment<3>(6 * k + 3).setConstant(square);
+  const VectorXd diagonal = body.K.diagonal().cwiseAbs();
+  const double largest = diagonal.cwiseQuotient(lengths).maxCoeff();
+  const VectorXd least = 1e-4 * largest * lengths;
+  return diagonal.cwiseMax(least).unaryExpr(
+      [](double k) { return k > 0 ? 1 / std::sqrt(k) : 1.0; });
+}
+
 }  // namespace
 
 std::string stiffness_fault(const FlexibleBody& body) {
   const MatrixXd E = rigid_motions(from_first(body.points), body.n_modes);
-  VectorXd scale;
-  const MatrixXd K = balanced(body.K, scale);
+  const VectorXd scale = against_largest(body);
+  const MatrixXd K = scale.asDiagonal() * body.K * scale.asDiagonal();
   static constexpr const char* names[] = {"translation along x", "translation along y",
                                           "translation along z", "turn about x",
                                           "turn about y",        "turn about z"};
@@ -77,8 +93,9 @@ std::string stiffness_fault(const FlexibleBody& body) {
   }
   const Index n_e = body.K.rows() - 6;
   if (n_e == 0) return "one interface and no modes: that is a rigid body, see masses";
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(K.bottomRightCorner(n_e, n_e)),
-                                                       Eigen::EigenvaluesOnly);
+  VectorXd own;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(
+      balanced(body.K.bottomRightCorner(n_e, n_e), own), Eigen::EigenvaluesOnly);
   // What is softer than the digits of K is no stiffness.
   if (solver.eigenvalues()(0) > 1e-12) return "";
   return "with its first interface held the body can still move without stiffness, or with a "

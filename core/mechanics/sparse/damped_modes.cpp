@@ -112,12 +112,14 @@ class DampedPencil {
     project();
   }
 
-  /// Rounding of the modes without damping, in p, as far as the mode is made of them: rad/s.
+  /// Rounding of the modes without damping, in p, as far as the mode is made of them, or what p has
+  /// changed by in the last round: rad/s.
   double known_to(const Damped& mode) const {
     const Index n = modes_.squares.size();
     const double change = mode.y.head(n).cwiseAbs2().dot(modes_.known_to), a = mode.y.squaredNorm(),
                  b = std::abs(2.0 * mode.p * a + mode.y.dot(damping_ * mode.y));
-    return change > 0 ? 2 * change / (b + std::sqrt(b * b + 4 * a * change)) : 0.0;
+    const double known = change > 0 ? 2 * change / (b + std::sqrt(b * b + 4 * a * change)) : 0.0;
+    return std::isfinite(mode.change) ? std::max(known, mode.change * std::abs(mode.p)) : known;
   }
 
   /// Whether all stiffness has one damping time, and there is nothing else that resists: then the
@@ -201,7 +203,8 @@ double left_over(const Damped& mode, const std::vector<Damped>& found) {
 /// To each mode the nearest of those found, to no two the same: the nearest pairs first.
 void follow(std::vector<Damped>& modes, const std::vector<Damped>& found) {
   constexpr double enough = 1e-12, rounding = 1e-7;  // rounding may be all that still changes it
-  constexpr double small = 1e-4;                     // for what is left of v to be small
+  constexpr double nearly = 1e-6;
+  constexpr double small = 1e-8;  // of the gap, which is one of what is not known better
   struct Step {
     double length;
     size_t from, to;
@@ -216,11 +219,16 @@ void follow(std::vector<Damped>& modes, const std::vector<Damped>& found) {
             [](const Step& a, const Step& b) { return a.length < b.length; });
   std::vector<bool> gone(modes.size()), taken(found.size());
   for (const Step& step : steps) {
-    if (gone[step.from] || taken[step.to]) continue;
-    gone[step.from] = taken[step.to] = true;
     Damped& mode = modes[step.from];
+    if (gone[step.from] || taken[step.to] || mode.p == 0.0) continue;
+    gone[step.from] = taken[step.to] = true;
     if (mode.settled) continue;
     const double last = mode.change, change = step.length / std::abs(mode.p);
+    // What was as good as found and goes away again does so by rounding of a basis that has grown.
+    if (last <= nearly && change > 10 * last) {
+      mode.settled = true;
+      continue;
+    }
     mode = found[step.to];
     mode.change = change;
     mode.settled = change <= enough || (change <= rounding && change >= 0.5 * last) ||
@@ -241,6 +249,7 @@ void damp(const MixedModel& mixed, const MixedState& state, const LowestModes& l
     if (square > 0) still = std::min(still, square);
   }
   still = 1e-7 * std::sqrt(still);
+  for (const Damped& mode : modes) still = std::max(still, 1e-12 * std::abs(mode.p));
   const bool kept = pencil.keeps_modes();
   for (Damped& mode : modes) {
     if (std::abs(mode.p) <= still) mode.p = 0;
@@ -249,7 +258,10 @@ void damp(const MixedModel& mixed, const MixedState& state, const LowestModes& l
   const auto unsettled = [](const Damped& mode) { return !mode.settled; };
   for (int k = 0; k < most && std::any_of(modes.begin(), modes.end(), unsettled); ++k) {
     pencil.widen(modes);
-    follow(modes, pencil.ritz_modes());
+    // Another free motion is none that anything turns into.
+    std::vector<Damped> found = pencil.ritz_modes();
+    std::erase_if(found, [&](const Damped& mode) { return std::abs(mode.p) <= still; });
+    follow(modes, found);
   }
   std::vector<std::pair<Damped, Damped>> pairs;
   std::vector<Damped> real;

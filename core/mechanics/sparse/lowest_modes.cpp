@@ -227,7 +227,7 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
     // What is negative by little beside the shift is told by stable(); without stresses by any.
     const double square = seen.squares(i);
     if (square > std::max(free, seen.known_to(i))) continue;
-    if (square < -1e-3 * shift && pencil.stressed()) continue;
+    if (square < -std::max(1e-3 * shift, seen.known_to(i)) && pencil.stressed()) continue;
     result.squares(i) = 0;
     result.known_to(i) = std::max(seen.known_to(i), std::abs(square));
   }

@@ -180,7 +180,7 @@ auto MixedFactors<Scalar>::refine(const Vector& e, const Vector& f, Vector& s, V
     }
     s += d_s;
     x += d_x;
-    if (k > 0) refined.rate = std::max(refined.rate * (k > 1), length / last);
+    if (k > 0) refined.rate = std::max(refined.rate, length / last);
     if (length == 0 || (k > 0 && length * length / last <= rounding * size)) {
       refined.done = true;
       return refined;

@@ -56,12 +56,13 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
     Rows& rows = rows_[k];
     const Index n_e = item.element->n_deformations();
     rows.first = static_cast<Index>(compliance.size());
-    rows.preload = rows.given = rows.prescribed = VectorXd::Zero(n_e);
+    rows.prescribed = VectorXd::Zero(n_e);
+    VectorXd preload = VectorXd::Zero(n_e);
     MatrixXd S = item.S.size() > 0 ? item.S : MatrixXd::Zero(n_e, n_e);
     std::vector<Index> conditions;
     for (Index i = 0; i < n_e; ++i) {
       const Index row = item.row[static_cast<size_t>(i)];
-      rows.preload(i) = model.preload(row);
+      preload(i) = model.preload(row);
       if (row >= model.n_e - model.n_redundant) continue;
       conditions.push_back(i);
       const Index prescribed = model.conditions[static_cast<size_t>(row)].prescribed;
@@ -77,6 +78,7 @@ MixedModel::MixedModel(const Model& model) : model_(model), rows_(model.elements
         law->col(i).setZero();
       }
     }
+    rows.given += preload;
     const double time = item.damped ? damping_time_of(S, rows.S_d) : 0;
     rows.in_D = time < 0;
     damped_ = damped_ || item.damped;
@@ -229,7 +231,7 @@ VectorXd MixedModel::forces(const VectorXd& x, double load_factor, Of of) const 
     }
   }
   for (size_t k = 0; k < rows_.size(); ++k) {
-    const LocalDeformation sigma = load_factor * given(rows_[k]);
+    const LocalDeformation sigma = load_factor * rows_[k].given;
     if (sigma.isZero(0)) continue;
     const LocalJacobian D = local_jacobian(k, x);
     LocalVector F = D.transpose() * sigma;
@@ -249,7 +251,7 @@ LocalDeformation MixedModel::deformations(size_t k, const VectorXd& x) const {
 
 LocalDeformation MixedModel::stresses(size_t k, const MixedState& state) const {
   const Rows& rows = rows_[k];
-  return state.load_factor * given(rows) + rows.Q * state.s.segment(rows.first, rows.Q.cols());
+  return state.load_factor * rows.given + rows.Q * state.s.segment(rows.first, rows.Q.cols());
 }
 
 VectorXd MixedModel::deformation_row(size_t k, Index i, const VectorXd& x) const {

@@ -84,14 +84,13 @@ class MixedModel {
   /// Of one element: sigma = sigma_given + Q s.
   struct Rows {
     Eigen::Index first = 0;
-    Eigen::MatrixXd Q;               ///< n_e x rows
-    Eigen::VectorXd preload, given;  ///< n_e: sigma_0 and the stress of prescribed deformations
-    Eigen::VectorXd prescribed;      ///< n_e: prescribed deformations, 0 of the others
-    Eigen::MatrixXd S_d;             ///< n_e x n_e, without conditions; empty where not damped
-    bool in_D = false;               ///< damped, and not as its stiffness
+    Eigen::MatrixXd Q;           ///< n_e x rows
+    Eigen::VectorXd given;       ///< n_e: preload and the stress of prescribed deformations
+    Eigen::VectorXd prescribed;  ///< n_e: prescribed deformations, 0 of the others
+    Eigen::MatrixXd S_d;         ///< n_e x n_e, without conditions; empty where not damped
+    bool in_D = false;           ///< damped, and not as its stiffness
   };
   Eigen::Index size(Of of) const;
-  static Eigen::VectorXd given(const Rows& rows) { return rows.preload + rows.given; }
   LocalJacobian local_jacobian(size_t k, const Eigen::VectorXd& x) const;
 
   const Model& model_;

@@ -248,12 +248,14 @@ void Reducer::find_corrections() {
   MatrixXd whole(M_.rows(), 3 * forms_.F.cols());
   whole << forms_.F, forms_.M_w, forms_.D_w;
   const MatrixXd f = without_modes(whole), x = solved_beside(f);
+  const VectorXd work = solved(whole).cwiseProduct(whole).colwise().sum().transpose();
   MatrixXd gram = x.transpose() * f;
   gram = (0.5 * (gram + gram.transpose())).eval();
-  // What is rounding of the whole force is none; of the others only the direction counts.
+  // What does no more than the rounding of the whole force is none; of the others only the
+  // direction counts. Seen: 1e-23 of the work of the whole, where all modes are kept.
   std::vector<Index> used;
   for (Index j = 0; j < f.cols(); ++j) {
-    if (f.col(j).norm() > 1e-13 * whole.col(j).norm() && gram(j, j) > 0) used.push_back(j);
+    if (gram(j, j) > 1e-16 * work(j)) used.push_back(j);
   }
   const auto n = static_cast<Index>(used.size());
   Z_masses_ = VectorXd::Zero(0);

@@ -38,7 +38,9 @@ class MixedBalance {
       return true;
     }
     factorised_ = true;
-    if (!factors_.compute(E_, mixed_.compliance(), mixed_.geometric_stiffness(at_))) {
+    const SparseMatrix G = mixed_.geometric_stiffness(at_);
+    if (!factors_.compute(E_, mixed_.compliance(), G) &&
+        !factors_.compute(E_, mixed_.compliance(), SparseMatrix(G + foundation()))) {
       return false;
     }
     factors_.solve(strained_, out_, s_step_, x_step_);
@@ -65,6 +67,16 @@ class MixedBalance {
   double reference() const { return std::max(worst_of(applied_), worst_of(borne())); }
 
  private:
+  /// Too soft for what anything else resists, and hard enough to leave in place what nothing
+  /// resists and nothing pushes. What is out of balance knows nothing of it.
+  SparseMatrix foundation() const {
+    VectorXd soft = 1e-9 * (E_.cwiseAbs2().transpose() * mixed_.stiffness());
+    const double most = soft.maxCoeff();
+    soft = (soft.array() > 0).select(soft, most > 0 ? most : 1.0);
+    SparseMatrix diagonal(soft.size(), soft.size());
+    diagonal.setIdentity();
+    return diagonal * soft.asDiagonal();
+  }
   VectorXd moved() const {
     VectorXd x = VectorXd::Zero(mixed_.model().n_x);
     x.head(x_step_.size()) = x_step_;
@@ -93,8 +105,8 @@ SparseEquilibrium sparse_equilibrium(const MixedModel& mixed) {
   const LoadPath path = follow_loads(balance);
   if (path.reached == 0) {
     const MixedState start{mixed.written(0), VectorXd::Zero(mixed.n_rows())};
-    refuse_any_load(unresisted_coordinate(mixed, mixed.strain_rows(start.x),
-                                          mixed.geometric_stiffness(start)));
+    refuse_any_load(
+        unresisted_coordinate(mixed, mixed.strain_rows(start.x), mixed.geometric_stiffness(start)));
   }
   if (path.reached < 1) {
     refuse_load(path, largest_move_in_words(mixed.model(), balance.state().x));
