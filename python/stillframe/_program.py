@@ -35,15 +35,19 @@ class RunFailed(ProgramError):
     """A run, or a part of what was asked, has not come about (exit code 4)."""
 
 
+# A relative STILLFRAME is of where the notebook was started, whatever folder it goes to.
+_started = pathlib.Path.cwd()
+
 _errors = {2: InputError, 3: Refusal, 4: RunFailed}
 
 
 def program(name="stillframe"):
-    """The path of a program: beside $STILLFRAME if that is set (the path of `stillframe`), else on $PATH.
+    """The path of a program: beside $STILLFRAME if that is set (the path of `stillframe`, a relative one from the
+    folder of the import), else on $PATH.
 
     Raises ProgramError where there is none."""
     given = os.environ.get("STILLFRAME")
-    found = str(pathlib.Path(given).parent / name) if given else shutil.which(name)
+    found = str((_started / given).parent / name) if given else shutil.which(name)
     if not found or not os.access(found, os.X_OK):
         where = f"beside {given}, which STILLFRAME names" if given else "on PATH"
         raise ProgramError(f"no program {name} {where}; install it, or set STILLFRAME to the path of `stillframe`")

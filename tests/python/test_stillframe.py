@@ -270,6 +270,18 @@ class Errors(unittest.TestCase):
         unstable = sf.Scene(dict(LEG, controller=naive)).design()
         self.assertGreater(unstable.spectral_radius, 1)
 
+    def test_of_a_relative_path_from_another_folder(self):
+        before = os.getcwd()
+        os.environ["STILLFRAME"] = os.path.relpath(PROGRAM)
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                os.chdir(folder)
+                self.assertEqual(sf.program(), os.path.join(before, os.path.relpath(PROGRAM, before)))
+                os.chdir(before)
+        finally:
+            os.chdir(before)
+            os.environ["STILLFRAME"] = PROGRAM
+
     def test_of_a_program_that_is_not_there(self):
         os.environ["STILLFRAME"] = "/nowhere/stillframe"
         try:
