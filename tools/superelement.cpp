@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <iostream>
 #include <memory>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "report/table.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
+#include "tools/unit_hint.hpp"
 #include "tools/verbs.hpp"
 
 namespace stillframe::tools {
@@ -73,7 +75,10 @@ BodyFiles files_of(const SuperelementOptions& options) {
 /// The matrices first: a body file without them would be half a body.
 void write(const FlexibleBody& body, const std::string& title, const BodyFiles& files) {
   for (const auto& why : {stiffness_fault(body), mass_fault(body)}) {
-    if (!why.empty()) throw InputError(title + ": " + why);
+    if (why.empty()) continue;
+    std::string message = title;
+    message += ": ";
+    throw InputError(message += why);
   }
   const std::string comment = "of " + files.body.filename().string();
   write_whole_file(files.mass, matrix_market(body.M, comment));
@@ -102,6 +107,20 @@ void print_page(const FiniteElementBody& mesh, const ReducedBody& reduced, const
             << files.stiffness.string() << "\n";
 }
 
+/// CalculiX has no units: of a mesh in millimetres the mass is a thousandth, and all else looks
+/// right.
+void hint_at_units(const FiniteElementBody& mesh, const FlexibleBody& body) {
+  Eigen::AlignedBox3d box;
+  for (const auto& [number, position] : mesh.nodes) box.extend(position);
+  for (const auto& point : body.points.colwise()) box.extend(Eigen::Vector3d(point));
+  const double length = box.sizes().maxCoeff();
+  if (length < longest_likely_m) return;
+  std::cerr << report::cell(
+      "stillframe: note: mesh and interfaces are %.4g m long; if that is millimetres, mesh in "
+      "metres, kilograms and pascals: every number of a body is in SI units\n",
+      length);
+}
+
 int run(const SuperelementOptions& options) {
   if (options.interfaces.empty()) {
     throw InputError("--interface NAME=SET is needed at least once: where the body is held");
@@ -121,6 +140,7 @@ int run(const SuperelementOptions& options) {
   KeptModes kept{.n_modes = options.n_modes, .to_hz = {}};
   if (options.modes_to_hz > 0) kept.to_hz = options.modes_to_hz;
   const ReducedBody reduced = reduce_body(mesh, interfaces, kept, stage);
+  hint_at_units(mesh, reduced.body);
   const BodyFiles files = files_of(options);
   write(reduced.body, mesh.name, files);
   const RigidProperties rigid = rigid_properties(reduced.body);

@@ -8,12 +8,6 @@
 
 namespace stillframe::tools {
 
-namespace {
-
-constexpr double longest_likely_m = 20;
-
-}  // namespace
-
 void hint_at_units(const Scene& scene) {
   std::map<std::string, Eigen::Vector3d> positions;
   for (const SceneNode& node : scene.nodes) positions[node.name] = node.position;

@@ -4,8 +4,11 @@
 
 namespace stillframe::tools {
 
-/// Says on standard error where lengths of a scene read like millimetres: an element of 20 m or
-/// more, of which frames that stand on legs have none.
+/// Frames that stand on legs have no part of that length.
+inline constexpr double longest_likely_m = 20;
+
+/// Says on standard error where lengths of a scene read like millimetres: an element of that
+/// length or more.
 void hint_at_units(const Scene& scene);
 
 }  // namespace stillframe::tools

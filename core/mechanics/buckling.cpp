@@ -1,4 +1,5 @@
 #include "core/mechanics/buckling.hpp"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
@@ -40,10 +41,9 @@ void refuse_without_load() {
 }
 
 void refuse_free_to_move(const std::string& coordinate) {
-  throw Refusal(
-      "the stiffness matrix of the unloaded scene is not positive definite: " +
-      (coordinate.empty() ? "it can move without strain, or has dofs that nothing resists"
-                          : "nothing resists a motion of " + coordinate));
+  throw Refusal("the stiffness matrix of the unloaded scene is not positive definite: " +
+                (coordinate.empty() ? "it can move without strain, or has dofs that nothing resists"
+                                    : "nothing resists a motion of " + coordinate));
 }
 
 void scale_to_largest(MatrixXd& shapes) {

@@ -110,6 +110,13 @@ TEST_F(SuperelementVerb, AMeshOfCalculixVibratesAsItDoesThere) {
     }
   }
 
+  const Said far = run(call(
+      {"--interface", "d=LENS@0,0,50", "--modes", "3", "--out", (folder_ / "far.yaml").string()}));
+  EXPECT_EQ(far.exit_code, 0) << far.error;
+  EXPECT_NE(far.error.find("mesh and interfaces are 50.1 m long; if that is millimetres"),
+            std::string::npos)
+      << far.error;
+
   // Of a single interface, which is as rigid there as it is beside the others.
   const auto one = json(call({"--interface", "d=LENS@0,0,0.05", "--modes", "3", "--out",
                               (folder_ / "one.yaml").string()}));

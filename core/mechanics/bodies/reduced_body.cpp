@@ -173,8 +173,13 @@ ReducedBody reduce_body(const FiniteElementBody& body, const std::vector<BodyInt
     // What moves no interface does not work on static shapes: what is there is rounding.
     found.K.topRightCorner(n_boundary, n_modes).setZero();
     found.K.bottomLeftCorner(n_modes, n_boundary).setZero();
-    // A single interface moves the whole body as one rigid piece.
-    if (n_boundary == 6) found.K.topLeftCorner<6, 6>().setZero();
+    // A single interface moves the whole body as one rigid piece, unless something holds that.
+    if (n_boundary == 6) {
+      const MatrixXd moves = basis.leftCols<6>().cwiseAbs(),
+                     sizes = moves.transpose() * (body.K.cwiseAbs() * moves);
+      auto block = found.K.topLeftCorner<6, 6>();
+      if ((block.cwiseAbs().array() <= 1e-9 * sizes.array()).all()) block.setZero();
+    }
     return found;
   };
   // Nothing but interfaces: rigid pieces, and what is between them.
