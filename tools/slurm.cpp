@@ -102,7 +102,7 @@ std::string submit_to_slurm(const std::filesystem::path& out, std::size_t n_task
                        "set -- \"$out\".part_*_of_" +
                        n +
                        "\n"
-                       "# The parts have what was known, and count last.\n"
+                       "# What was known comes first: the parts begin as copies of it.\n"
                        "[ ! -e \"$out\" ] || set -- \"$out\" \"$@\"\n" +
                        program +
                        " merge \"$@\" --out \"$out.new\" > /dev/null\n"

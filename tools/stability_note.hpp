@@ -33,8 +33,8 @@ auto with_what_moves(const Solve& solve, const WhatOf& what_of) {
   }
 }
 
-/// The reduced model of a scene with `reduce`. Errors: as reduced_model, of Unstable with what
-/// moves.
+/// The reduced model of a scene with `reduce`, with these inputs and outputs. Errors: as
+/// reduced_model, of Unstable with what moves.
 ReducedModel stable_reduced_model(const Scene& scene, const LoopSignals& signals);
 
 /// That of its loop; bounds are those of the passive scene, w to y.

@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <fstream>
 
 #include "tests/tools/verb.hpp"
 
@@ -112,6 +113,41 @@ TEST_F(OnSlurm, WhatCannotBeSubmittedIsOneMessage) {
   EXPECT_EQ(said.exit_code, 4);
   EXPECT_NE(said.error.find("is this a host from which Slurm takes jobs?"), std::string::npos)
       << said.error;
+}
+
+/// An sbatch of our own runs each task at once, and so shows what becomes of rows that were known.
+TEST_F(OnSlurm, WhatTasksComputeCountsAgainstWhatWasKnown) {
+  const std::string out = (folder_ / "rows.jsonl").string(),
+                    fake = "PATH='" + folder_.string() + "':$PATH ",
+                    call = STILLFRAME_BIN_DIR "/stillframe sweep " + frame_ +
+                           " --set controller.target_hz=3,4,5,6 --out " + out;
+  const auto sbatch = [&](const std::string& text) {
+    const auto file = write("sbatch", "#!/bin/sh\n" + text);
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  };
+  ASSERT_EQ(shell(call + " --at 10").exit_code, 0);
+  sbatch(
+      "for script; do :; done\ncase \"$*\" in *--array=1-3*)\n"
+      "  for i in 1 2 3; do SLURM_ARRAY_TASK_ID=$i sh \"$script\"; done;;\n"
+      "*) sh \"$script\";; esac\necho 17\n");
+  const Said said = shell(fake + call + " --at 50 --on slurm:3");
+  ASSERT_EQ(said.exit_code, 0) << said.error;
+  std::ifstream rows(out);
+  int n_rows = 0;
+  for (std::string row; std::getline(rows, row); ++n_rows) {
+    EXPECT_NE(row.find("\"transmission\":[{\"hz\":50"), std::string::npos) << row;
+  }
+  EXPECT_EQ(n_rows, 4);
+  // What is no number of a job goes into no shell, and tasks that have been taken are named.
+  sbatch("echo '12 $(touch " + (folder_ / "ran").string() + ")'\n");
+  const Said rubbish = shell(fake + call + " --at 60 --on slurm:2");
+  EXPECT_EQ(rubbish.exit_code, 4);
+  EXPECT_NE(rubbish.error.find("instead of the number of a job"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "ran"));
+  sbatch("case \"$*\" in *--array*) echo 4242;; *) exit 1;; esac\n");
+  const Said orphaned = shell(fake + call + " --at 60 --on slurm:2");
+  EXPECT_EQ(orphaned.exit_code, 4);
+  EXPECT_NE(orphaned.error.find("`scancel 4242`"), std::string::npos) << orphaned.error;
 }
 
 /// The recipe of the help, with GNU parallel.

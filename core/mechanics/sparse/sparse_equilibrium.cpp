@@ -67,15 +67,15 @@ class MixedBalance {
   double reference() const { return std::max(worst_of(applied_), worst_of(borne())); }
 
  private:
-  /// Too soft for what anything else resists, and hard enough to leave in place what nothing
-  /// resists and nothing pushes. What is out of balance knows nothing of it.
+  /// A stiffness of coordinates that no element touches, which leaves them in place if nothing
+  /// pushes them; what is out of balance knows nothing of it.
   SparseMatrix foundation() const {
-    VectorXd soft = 1e-9 * (E_.cwiseAbs2().transpose() * mixed_.stiffness());
-    const double most = soft.maxCoeff();
-    soft = (soft.array() > 0).select(soft, most > 0 ? most : 1.0);
-    SparseMatrix diagonal(soft.size(), soft.size());
-    diagonal.setIdentity();
-    return diagonal * soft.asDiagonal();
+    const VectorXd own = E_.cwiseAbs2().transpose() * mixed_.stiffness();
+    SparseMatrix diagonal(own.size(), own.size());
+    for (Index i = 0; i < own.size(); ++i) {
+      if (own(i) == 0) diagonal.insert(i, i) = own.maxCoeff();
+    }
+    return diagonal;
   }
   VectorXd moved() const {
     VectorXd x = VectorXd::Zero(mixed_.model().n_x);
