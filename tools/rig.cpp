@@ -3,6 +3,8 @@
 #include <memory>
 #include <optional>
 
+#include "controller/policy.hpp"
+#include "controller/realtime.hpp"
 #include "controller/rig/driver.hpp"
 #include "controller/rig/rig_file.hpp"
 #include "controller/rig/wiring.hpp"
@@ -115,6 +117,9 @@ int run(const RigOptions& options) {
   settings.most_n = 10 * settings.force_n;
   settings.lines = probe_lines(settings.n_window);
   const DriverSetting setting = rig.setting(gains);
+  // As the loop that will stand here: a probe behind other programs' turns loses its windows. Where
+  // the system does not give it, it goes on without.
+  prepare_thread(default_policy(gains.sample_rate_hz).priority, std::nullopt);
   const LoadedIo io = load_driver(rig.driver, setting);
   ScaledIo scaled(*io, rig.channels, setting.n_floor, setting.n_frame);
   catch_stop_signals();

@@ -231,6 +231,8 @@ class Programs:
         output, said = process.communicate(timeout=PATIENCE_S)
         if process.returncode not in codes:
             raise RuntimeError(f"stillframe {' '.join(map(str, arguments))}: exit code {process.returncode}: {said}")
+        if not output:
+            raise RuntimeError(f"nothing on standard output, exit code {process.returncode}: {said}")
         return output
 
     def check(self, *arguments, codes=(0,), schema=None):
