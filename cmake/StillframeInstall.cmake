@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 set(installed_libraries
-  stillframe_eigen stillframe_files stillframe_numerics stillframe_systems stillframe_yaml stillframe_control stillframe_mechanics stillframe_design stillframe_robustness
+  stillframe_eigen stillframe_files stillframe_numerics stillframe_systems stillframe_yaml stillframe_control stillframe_mechanics stillframe_design stillframe_robustness stillframe_fitting
   stillframe_core stillframe_msgs stillframe_floor stillframe_nodal stillframe_plant_sim stillframe_controller stillframe_report)
 install(TARGETS ${installed_libraries}
   EXPORT stillframe_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)

@@ -44,7 +44,7 @@ const std::vector<Group> groups{
     {"Model",
      {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma, add_superelement}},
     {"Control", {add_design, add_feedback, add_budget, add_robustness, add_merge, add_sweep}},
-    {"Runs", {add_run, add_batch, add_ctl, add_watch, add_replay, add_rig}},
+    {"Runs", {add_run, add_batch, add_ctl, add_watch, add_replay, add_rig, add_commission}},
     {"Logs", {add_identify, add_report, add_export}},
 };
 

@@ -13,6 +13,7 @@
 #include "core/files/whole_file.hpp"
 #include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
+#include "tools/commission_rig.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
@@ -30,21 +31,6 @@ struct RigOptions {
   std::optional<double> force_n;
   bool json = false;
 };
-
-// Of the force limit: enough for a converter of 12 bits, and no danger to anything.
-constexpr double part_of_limit = 0.02;
-
-double force_of(const RigOptions& options, const Gains& gains) {
-  if (!gains.force_limit_n && !options.force_n) {
-    throw InputError(options.gains.string() + ": force_limit_n: missing; say --force in N");
-  }
-  const double force = options.force_n.value_or(part_of_limit * gains.force_limit_n.value_or(0));
-  if (gains.force_limit_n && force > *gains.force_limit_n) {
-    throw InputError("--force: found " + report::cell("%g", force) + ", allowed is up to " +
-                     report::cell("%g", *gains.force_limit_n) + ", the force limit of the gains");
-  }
-  return force;
-}
 
 Json to_json(const SignalFinding& signal, const Gains& gains) {
   if (signal.cable < 0) return {{"cable", nullptr}, {"gain", nullptr}};
@@ -113,9 +99,11 @@ int run(const RigOptions& options) {
   if (rig.driver.empty()) throw InputError("no driver: name one with --io, or in a rig file");
   ProbeSettings settings;
   settings.sample_rate_hz = gains.sample_rate_hz;
-  settings.force_n = force_of(options, gains);
+  settings.force_n = probe_force(options.force_n, gains, options.gains);
   settings.most_n = 10 * settings.force_n;
   settings.lines = probe_lines(settings.n_window);
+  settings.n_floor = static_cast<Eigen::Index>(rig.channels.floor.size());
+  settings.n_frame = static_cast<Eigen::Index>(rig.channels.frame.size());
   const DriverSetting setting = rig.setting(gains);
   // As the loop that will stand here: a probe behind other programs' turns loses its windows. Where
   // the system does not give it, it goes on without.

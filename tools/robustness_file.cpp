@@ -143,17 +143,22 @@ Tally tally_from(const Json& document, size_t n_frequencies) {
 
 Json keys(const SceneUncertainty& uncertainty) {
   return {{"stiffness", uncertainty.stiffness},
+          {"damping", uncertainty.damping},
           {"mass", uncertainty.mass},
           {"inertia", uncertainty.inertia},
           {"centre_of_mass_m", uncertainty.centre_of_mass_m},
           {"leg_direction_rad", uncertainty.leg_direction_rad},
           {"actuator_gain", uncertainty.actuator_gain},
+          {"sensor_gain", uncertainty.sensor_gain},
           {"delay_samples", uncertainty.delay_samples}};
 }
 
 SceneUncertainty uncertainty_from(const Json& value) {
   SceneUncertainty uncertainty;
   uncertainty.stiffness = value.at("stiffness");
+  // These two came later: a record without them varied neither.
+  uncertainty.damping = value.value("damping", 0.0);
+  uncertainty.sensor_gain = value.value("sensor_gain", 0.0);
   uncertainty.mass = value.at("mass");
   uncertainty.inertia = value.at("inertia");
   uncertainty.centre_of_mass_m = value.at("centre_of_mass_m");

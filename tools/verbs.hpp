@@ -37,6 +37,7 @@ void add_ctl(cli::Command& app, int& exit_code);
 void add_replay(cli::Command& app, int& exit_code);
 void add_export(cli::Command& app, int& exit_code);
 void add_rig(cli::Command& app, int& exit_code);
+void add_commission(cli::Command& app, int& exit_code);
 void add_watch(cli::Command& app, int& exit_code);
 
 }  // namespace stillframe::tools

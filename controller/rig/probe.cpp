@@ -38,6 +38,39 @@ std::complex<double> amplitude(const Eigen::Ref<const VectorXd>& values, int lin
   return 2.0 / n * sum;
 }
 
+/// A multisine of all lines over a window, phases of Schroeder, of that peak.
+VectorXd multisine(const ProbeSettings& settings) {
+  const auto n_lines = static_cast<double>(settings.lines.size());
+  const Index n = settings.n_window;
+  VectorXd wave = VectorXd::Zero(n);
+  for (std::size_t l = 0; l < settings.lines.size(); ++l) {
+    const double phase = two_pi / 2 * static_cast<double>(l * l) / n_lines;
+    for (Index k = 0; k < n; ++k) {
+      const auto turns = static_cast<double>((settings.lines[l] * k) % n) / static_cast<double>(n);
+      wave(k) += std::cos(two_pi * turns - phase);
+    }
+  }
+  return wave * (settings.force_n / wave.cwiseAbs().maxCoeff());
+}
+
+// Of a window: so many samples on a straight line are less than noise.
+constexpr double most_missing = 1.0 / 500;
+
+/// Rows that are not there, on straight lines between those that are.
+void fill_gaps(MatrixXd& values, const std::vector<bool>& there) {
+  Index before = -1;
+  for (Index k = 0; k < values.rows(); ++k) {
+    if (!there[static_cast<std::size_t>(k)]) continue;
+    for (Index gap = before + 1; gap < k; ++gap) {
+      const double part = static_cast<double>(gap - before) / static_cast<double>(k - before);
+      values.row(gap) =
+          before < 0 ? values.row(k).eval()
+                     : ((1 - part) * values.row(before) + part * values.row(k)).eval();
+    }
+    before = k;
+  }
+}
+
 class Prober {
  public:
   Prober(Io& io, Index m, const ProbeSettings& settings, const ProbeTime& time,
@@ -49,8 +82,9 @@ class Prober {
         stop_(stop),
         clock_(time.now_ns(), settings.sample_rate_hz, true),
         deadlines_(time.now_ns(), settings.sample_rate_hz, 0.5),
-        measurement_(measurement_of(m, 0)),
+        measurement_(measurement_of(m, settings.n_floor, settings.n_frame)),
         command_(command_of(m)),
+        wave_(multisine(settings)),
         mean_(VectorXd::Zero(m)) {}
 
   ~Prober() { fade(); }
@@ -112,12 +146,101 @@ class Prober {
     return response;
   }
 
+  Recording record(const std::function<void(double)>& progress) {
+    const Index n = settings_.n_window, windows = settings_.n_windows;
+    const Index rest = recording_margin + windows * n, part = (windows + 2) * n,
+                total = rest + part * m_ + recording_margin;
+    Recording out;
+    out.command = MatrixXd::Zero(total, m_);
+    out.sigma = out.applied = MatrixXd::Zero(total, m_);
+    out.frame = MatrixXd::Zero(total, measurement_.frame.size());
+    out.floor = MatrixXd::Zero(total, measurement_.floor.size());
+    std::vector<bool> there(static_cast<std::size_t>(total), false);
+    std::int64_t first = -1;
+    Index k = -1;
+    while (k + 1 < total) {
+      take([&] {
+        if (first < 0) first = measurement_.seq;
+        const auto row = static_cast<Index>(measurement_.seq - first);
+        if (row >= total) return;
+        out.sigma.row(row) = measurement_.sigma.transpose();
+        out.applied.row(row) = measurement_.applied.transpose();
+        out.frame.row(row) = measurement_.frame.transpose();
+        out.floor.row(row) = measurement_.floor.transpose();
+        there[static_cast<std::size_t>(row)] = true;
+      });
+      const Index now = first < 0 ? -1 : std::min<Index>(total - 1, last_ - first);
+      if (now == k) continue;
+      // What was sent last acts until something else is.
+      for (Index held = k + 1; held < now; ++held) {
+        out.command.row(held) = command_.force.transpose();
+      }
+      if (now >= rest && leg_ < 0) know_rest(out.sigma, there, rest);
+      const Index of_legs = now - rest;
+      leg_ = of_legs < 0 || of_legs >= part * m_ ? -1 : of_legs / part;
+      const Index at = leg_ < 0 ? 0 : of_legs % part;
+      const double up = static_cast<double>(at + 1) / static_cast<double>(n),
+                   down = static_cast<double>(part - at - 1) / static_cast<double>(n);
+      gain_ = smooth_step(std::min({1.0, up, down}));
+      send(at);
+      out.command.row(now) = command_.force.transpose();
+      if (progress && now / n != k / n) {
+        progress(static_cast<double>(now) / static_cast<double>(total));
+      }
+      k = now;
+    }
+    const auto whole = [&](Index from) {
+      const auto begin = there.begin() + from;
+      return std::count(begin, begin + n, false) <= most_missing * static_cast<double>(n);
+    };
+    for (Index leg = -1; leg < m_; ++leg) {
+      const Index from = leg < 0 ? recording_margin : rest + leg * part + n;
+      Index kept = 0;
+      for (Index w = 0; w < windows; ++w) {
+        if (!whole(from + w * n)) continue;
+        out.windows.push_back(from + w * n);
+        out.driven.push_back(leg >= 0);
+        ++kept;
+      }
+      if (kept < 2) {
+        throw std::runtime_error("too many samples are lost: of " + std::to_string(windows) +
+                                 " windows of " + std::to_string(n) + " samples " +
+                                 std::to_string(kept) + " are whole");
+      }
+    }
+    for (MatrixXd* values : {&out.sigma, &out.applied, &out.frame, &out.floor}) {
+      fill_gaps(*values, there);
+    }
+    out.drift = clock_.drift();
+    out.n_samples = std::count(there.begin(), there.end(), true);
+    out.n_lost = total - out.n_samples;
+    return out;
+  }
+
   double drift() const { return clock_.drift(); }
   std::int64_t n_samples() const { return n_samples_; }
   std::int64_t n_lost() const { return n_lost_; }
 
  private:
   enum Part { rise, drive, fall };
+
+  /// Where the force sensors stand while nothing is driven, and how far they go.
+  void know_rest(const MatrixXd& sigma, const std::vector<bool>& there, Index n) {
+    double count = 0;
+    mean_.setZero();
+    for (Index k = 0; k < n; ++k) {
+      if (!there[static_cast<std::size_t>(k)]) continue;
+      mean_ += sigma.row(k).transpose();
+      ++count;
+    }
+    mean_ /= std::max(1.0, count);
+    double peak = 0;
+    for (Index k = 0; k < n; ++k) {
+      if (!there[static_cast<std::size_t>(k)]) continue;
+      peak = std::max(peak, (sigma.row(k).transpose() - mean_).cwiseAbs().maxCoeff());
+    }
+    most_ = settings_.most_n + 10 * peak;
+  }
 
   /// So many samples; false if one of them is missing.
   bool window(Part part) {
@@ -197,20 +320,11 @@ class Prober {
     return n == 1;
   }
 
-  /// The multisine at sample k of a window, phases of Schroeder.
+  /// The multisine at sample k of a window.
   void send(std::int64_t k) {
     command_.force.setZero();
-    if (leg_ >= 0) {
-      const auto L = static_cast<double>(settings_.lines.size());
-      double sum = 0;
-      for (std::size_t l = 0; l < settings_.lines.size(); ++l) {
-        const double turns =
-            settings_.lines[l] * static_cast<double>(k) / static_cast<double>(settings_.n_window);
-        sum += std::cos(two_pi * (turns - std::floor(turns)) -
-                        two_pi / 2 * static_cast<double>(l * l) / L);
-      }
-      command_.force(leg_) = gain_ * settings_.force_n * sum / L;
-    }
+    const Index n = wave_.size();
+    if (leg_ >= 0) command_.force(leg_) = gain_ * wave_((k % n + n) % n);
     if (!enabled_) io_.enable(true);
     enabled_ = true;
     command_.seq = last_;
@@ -246,7 +360,7 @@ class Prober {
   Deadlines deadlines_;
   Measurement measurement_;
   Command command_;
-  VectorXd mean_, sent_;
+  VectorXd wave_, mean_, sent_;
   MatrixXd sigma_, applied_;  ///< samples x m
   Index leg_ = -1;
   double gain_ = 0, most_ = 0;
@@ -276,6 +390,12 @@ Probe probe_rig(Io& io, Index m, const ProbeSettings& settings, const ProbeTime&
   probe.n_samples = prober.n_samples();
   probe.n_lost = prober.n_lost();
   return probe;
+}
+
+Recording record_rig(Io& io, Index m, const ProbeSettings& settings, const ProbeTime& time,
+                     const std::function<void(double)>& progress,
+                     const std::function<bool()>& stop) {
+  return Prober(io, m, settings, time, stop).record(progress);
 }
 
 }  // namespace stillframe::controller

@@ -28,6 +28,7 @@ struct ProbeSettings {
       200;                 ///< samples of a window; lines are whole multiples of rate / n_window
   int n_windows = 5;       ///< that are kept of each leg
   std::vector<int> lines;  ///< whole numbers of periods in a window
+  Eigen::Index n_floor = 0, n_frame = 0;  ///< accelerations that the Io fills in
 };
 
 /// What the rig read at the lines of the probe while one leg was driven, or none.
@@ -46,6 +47,26 @@ struct Probe {
   double drift = 0;            ///< of the samples' clock, 1
   std::int64_t n_samples = 0, n_lost = 0;
 };
+
+/// A recording of a rig, m legs, q accelerations of the frame, p of the floor, one row a sample.
+struct Recording {
+  Eigen::MatrixXd command;  ///< n x m, N, in answer to the sample; held where there was none
+  Eigen::MatrixXd sigma, applied;     ///< n x m, N; on a straight line where a sample was lost
+  Eigen::MatrixXd frame, floor;       ///< n x q and n x p, m/s^2, likewise
+  std::vector<Eigen::Index> windows;  ///< where each window begins of which hardly a sample is lost
+  std::vector<bool> driven;           ///< of each window
+  double drift = 0;                   ///< of the samples' clock, 1
+  std::int64_t n_samples = 0, n_lost = 0;
+};
+
+/// Samples before the first window and behind the last.
+inline constexpr Eigen::Index recording_margin = 40;
+
+/// Records a rig, n_windows at rest and as many with each leg driven, by one multisine of all lines
+/// over n_window samples. Nothing has to settle. Otherwise as probe_rig.
+Recording record_rig(Io& io, Eigen::Index m, const ProbeSettings& settings, const ProbeTime& time,
+                     const std::function<void(double)>& progress,
+                     const std::function<bool()>& stop);
 
 /// Probes a rig. Forces rise and fall within a window each, so that nothing is kicked. progress: of
 /// 0 to 1. Set-up, but for what goes to the Io. Errors: std::runtime_error where no samples come,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "core/errors/input_error.hpp"
 #include "msgs/clock.hpp"
@@ -26,9 +27,15 @@ double floor_rms_of(const DriverSetting& setting) {
 }  // namespace
 
 SimulatedIo::SimulatedIo(const DriverSetting& setting)
-    : plant_(*setting.gains, floor_rms_of(setting)),
+    : SimulatedIo(SimulatedPlant(*setting.gains, floor_rms_of(setting)), setting.n_legs) {}
+
+SimulatedIo::SimulatedIo(SampledPlant plant, double floor_rms)
+    : SimulatedIo(SimulatedPlant(plant, floor_rms), plant.Gamma_u.cols()) {}
+
+SimulatedIo::SimulatedIo(SimulatedPlant plant, Eigen::Index n_legs)
+    : plant_(std::move(plant)),
       start_ns_(monotonic_ns()),
-      force_(Eigen::VectorXd::Zero(setting.n_legs)) {}
+      force_(Eigen::VectorXd::Zero(n_legs)) {}
 
 bool SimulatedIo::receive(Measurement& m) noexcept {
   const double period_ns = plant_.sample_time() * ns_per_s;

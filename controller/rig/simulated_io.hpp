@@ -10,11 +10,14 @@ namespace stillframe::controller {
 class SimulatedIo : public Io {
  public:
   explicit SimulatedIo(const DriverSetting& setting);
+  /// Of any plant; floor_rms: m/s^2.
+  explicit SimulatedIo(SampledPlant plant, double floor_rms = 0.003);
 
   bool receive(Measurement& measurement) noexcept override;
   void send(const Command& command) noexcept override { force_ = command.force; }
 
  private:
+  explicit SimulatedIo(SimulatedPlant plant, Eigen::Index n_legs);
   SimulatedPlant plant_;
   std::int64_t start_ns_, seq_ = -1;
   Eigen::VectorXd force_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/numerics/two_pi.hpp"
 
@@ -15,8 +16,13 @@ constexpr double lowest_hz = 2, highest_hz = 50;
 }  // namespace
 
 SimulatedPlant::SimulatedPlant(const Gains& gains, double floor_rms)
-    : plant_(sample_and_hold(gains.loop_plant(), gains.sampling())), floor_rms_(floor_rms) {
-  const Eigen::Index m = gains.n_legs();
+    : SimulatedPlant(sample_and_hold(gains.loop_plant(), gains.sampling()), floor_rms) {
+  has_frame_ = false;
+}
+
+SimulatedPlant::SimulatedPlant(SampledPlant plant, double floor_rms)
+    : plant_(std::move(plant)), floor_rms_(floor_rms), has_frame_(true) {
+  const Eigen::Index m = plant_.Gamma_u.cols();
   x_ = next_ = Eigen::VectorXd::Zero(plant_.Phi.rows());
   w_ = Eigen::VectorXd::Zero(plant_.Gamma_w.cols());
   y_ = Eigen::VectorXd::Zero(plant_.C_y.rows());
@@ -42,6 +48,11 @@ void SimulatedPlant::read(Measurement& m) noexcept {
   m.floor.setZero();
   const Eigen::Index n = std::min(m.floor.size(), w_.size());
   m.floor.head(n) = w_.head(n);
+  m.frame.setZero();
+  if (has_frame_) {
+    const Eigen::Index n_frame = std::min(m.frame.size(), y_.size());
+    m.frame.head(n_frame) = y_.head(n_frame);
+  }
 }
 
 void SimulatedPlant::advance(const Eigen::VectorXd& force) noexcept {

@@ -15,9 +15,11 @@ class SimulatedPlant {
  public:
   /// floor_rms: m/s^2, of each acceleration.
   SimulatedPlant(const Gains& gains, double floor_rms);
+  /// Of any plant, whose y are what accelerometers on the frame read.
+  SimulatedPlant(SampledPlant plant, double floor_rms);
 
-  /// What is measured at the sample that it stands at: sigma, applied and as much of the floor as
-  /// there is room for.
+  /// What is measured at the sample that it stands at: sigma, applied, and as much of floor and
+  /// frame as there is room for.
   void read(Measurement& measurement) noexcept;
   /// Goes on by a sample; force: m, N, commanded for the sample that was read.
   void advance(const Eigen::VectorXd& force) noexcept;
@@ -28,6 +30,7 @@ class SimulatedPlant {
  private:
   SampledPlant plant_;
   double floor_rms_;
+  bool has_frame_ = false;
   std::int64_t k_ = 0;
   Eigen::MatrixXd on_its_way_, reports_;  ///< m x delay + 1, m x report_age + 1, rings
   Eigen::VectorXd x_, next_, w_, before_, y_;

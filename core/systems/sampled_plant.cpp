@@ -34,6 +34,11 @@ void check(const LoopPlant& plant, const Sampling& sampling) {
     throw std::invalid_argument("sample_and_hold: expected " + std::to_string(plant.B_u.cols()) +
                                 " leg gains, got " + std::to_string(sampling.leg_gains.size()));
   }
+  if (sampling.sensor_gains.size() != 0 && sampling.sensor_gains.size() != plant.B_u.cols()) {
+    throw std::invalid_argument("sample_and_hold: expected " + std::to_string(plant.B_u.cols()) +
+                                " sensor gains, got " +
+                                std::to_string(sampling.sensor_gains.size()));
+  }
   if (sampling.leg_delays.size() != 0 &&
       (sampling.leg_delays.size() != plant.B_u.cols() || !(sampling.leg_delays.minCoeff() >= 0) ||
        !(sampling.leg_delays.maxCoeff() <= longest_delay))) {
@@ -92,6 +97,10 @@ Instrumented with_instruments(const LoopPlant& plant, const Sampling& sampling) 
     out.C_sigma.setZero();
     out.C_sigma.middleCols(i_filter, m).setIdentity();
     out.D_sigma.setZero();
+  }
+  if (sampling.sensor_gains.size() > 0) {
+    out.C_sigma = sampling.sensor_gains.asDiagonal() * out.C_sigma.eval();
+    out.D_sigma = sampling.sensor_gains.asDiagonal() * out.D_sigma.eval();
   }
   out.C_report = MatrixXd::Zero(m, total);
   out.D_report = MatrixXd::Zero(m, m);

@@ -25,6 +25,7 @@ struct Sampling {
   /// empty: all 1.
   Eigen::VectorXd leg_gains;
   Eigen::VectorXd leg_delays;  ///< m, samples, each >= 0, beside delay_samples; empty: all 0
+  Eigen::VectorXd sensor_gains;  ///< m, what each force sensor reads over sigma; empty: all 1
 };
 
 /// LoopPlant with its instruments, x = (force of the actuators, filtered sigma, z) as far as they
@@ -50,7 +51,7 @@ struct SampledPlant {
 /// Exact discretisation by exponentials of the augmented matrix of (x, w, c, integral of y) over
 /// the two parts of the sample. Source: THEORY section 5.
 /// Errors: std::invalid_argument if sample_time is not positive, the delay is negative or not
-/// finite, or leg_gains are not m.
+/// finite, or leg_gains or sensor_gains are not m.
 SampledPlant sample_and_hold(const LoopPlant& plant, const Sampling& sampling);
 
 }  // namespace stillframe

@@ -126,8 +126,10 @@ disturbances:
   - {name: f, node: body, along: z, force: {recording: {at_s: 1, file: a.csv, column: a, scale: 2,
       start_s: 1}}}
 reduce: {modes: 3, to_hz: 20}
-uncertainty: {stiffness: 0.1, mass: 0.1, inertia: 0.1, centre_of_mass_m: 0.01,
-  leg_direction_rad: 0.01, actuator_gain: 0.1, delay_samples: 0.2}
+uncertainty: {stiffness: 0.1, damping: 0.2, mass: 0.1, inertia: 0.1, centre_of_mass_m: 0.01,
+  leg_direction_rad: 0.01, actuator_gain: 0.1, sensor_gain: 0.1, delay_samples: 0.2}
+corrections: {stiffness: {leg: 0.1}, damping: {leg: -0.1}, mass: {body: 0.1}, inertia: {body: 0.1},
+  centre_of_mass_m: {body: [0, 0, 0.01]}, leg_direction_rad: {leg: [0.01, 0]}, delay_samples: 0.1}
 simulation: {duration_s: 1, relative_tolerance: 1e-6, method: dormand_prince}
 )";
 
@@ -187,6 +189,7 @@ const std::map<std::string, Path> places = {
     {"instruments: force_sensors", {"instruments", "force_sensors"}},
     {"instruments: floor_sensors", {"instruments", "floor_sensors"}},
     {"uncertainty", {"uncertainty"}},
+    {"corrections", {"corrections"}},
     {"reduce", {"reduce"}},
     {"simulation", {"simulation"}},
     {"disturbances", {"disturbances", "#0"}},

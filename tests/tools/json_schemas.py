@@ -321,6 +321,9 @@ def rigs(run):
     run.call("design", write("rig_leg.yaml", LEG), "--out", gains)
     turned = "driver: {name: simulation}\nsigma: {leg: {gain: -1}}\n"
     run.check("rig", gains, write("turned.yaml", turned), codes=(4,))
+    known = "stiffness: 0.2\nmass: 0.1\nsensor_gain: 0.1\ndelay_samples: 0.5\n"
+    run.check("commission", "rig_leg.yaml", write("turned_rig.yaml", turned), "--uncertainty",
+              write("rig_known.yaml", known), "--window", 0.4, "--windows", 3, codes=(0, 4))
 
 
 def runs(run):

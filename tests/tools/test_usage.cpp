@@ -20,7 +20,7 @@ TEST_F(Usage, HelpNamesEveryVerbAndExitCodes) {
 
 TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
   for (const char* verb : {"modes", "equilibrium", "buckling", "linearise", "sigma", "superelement",
-                           "robustness", "sweep"}) {
+                           "robustness", "sweep", "commission"}) {
     const Said said = run({verb, "--help"});
     EXPECT_EQ(said.exit_code, 0);
     EXPECT_NE(said.output.find(std::string("Example: stillframe ") + verb), std::string::npos)
@@ -35,7 +35,7 @@ TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
                  "equilibrium, buckling, linearise, sigma, superelement, design, feedback, budget, "
                  "robustness, "
                  "merge, sweep, "
-                 "run, batch, ctl, watch, replay, rig, identify, report, export");
+                 "run, batch, ctl, watch, replay, rig, commission, identify, report, export");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {

@@ -8,11 +8,7 @@
 #include <optional>
 #include <set>
 
-#include "core/control/design/control_loop.hpp"
 #include "core/errors/input_error.hpp"
-#include "core/mechanics/model/model.hpp"
-#include "core/mechanics/operating_point.hpp"
-#include "core/mechanics/state_space.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/golden_section.hpp"
 #include "core/numerics/singular_values.hpp"
@@ -123,12 +119,7 @@ std::string heading(const std::string& message) {
 }  // namespace
 
 SampledPlant Evaluator::plant_of(const VectorXd& values) const {
-  const PerturbedPlant plant =
-      perturbed(settings_.scene, settings_.sampling, settings_.parameters, values);
-  const auto n_w = static_cast<Index>(plant.scene.inputs.size());
-  const auto n_y = static_cast<Index>(plant.scene.outputs.size());
-  const LinearModel model = loop_model(plant.scene, model_of(plant.scene));
-  return sample_and_hold(loop_plant(model, n_w, n_y), plant.sampling);
+  return sampled(perturbed(settings_.scene, settings_.sampling, settings_.parameters, values));
 }
 
 SampledLoop Evaluator::loop_of(const VectorXd& values) const {

@@ -1,10 +1,15 @@
 #include "core/control/robustness/parameters.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+
+#include "core/control/design/control_loop.hpp"
+#include "core/mechanics/model/model.hpp"
+#include "core/mechanics/operating_point.hpp"
+#include "core/mechanics/scene/alter.hpp"
+#include "core/mechanics/state_space.hpp"
 
 namespace stillframe::robustness {
 
@@ -12,19 +17,6 @@ using Eigen::Vector3d;
 using Kind = Parameter::Kind;
 
 namespace {
-
-size_t node_index(const Scene& scene, const std::string& name) {
-  const auto found = std::find_if(scene.nodes.begin(), scene.nodes.end(),
-                                  [&](const SceneNode& node) { return node.name == name; });
-  return static_cast<size_t>(found - scene.nodes.begin());
-}
-
-size_t element_index(const Scene& scene, const std::string& name) {
-  const auto found =
-      std::find_if(scene.elements.begin(), scene.elements.end(),
-                   [&](const SceneElement& element) { return element.name == name; });
-  return static_cast<size_t>(found - scene.elements.begin());
-}
 
 bool ends_a_leg(const Scene& scene, const std::string& node) {
   const auto& legs = scene.controller->legs;
@@ -34,57 +26,21 @@ bool ends_a_leg(const Scene& scene, const std::string& node) {
   });
 }
 
-/// Number of directions in which a node is supported or prescribed.
-size_t directions_held(const Scene& scene, const std::string& node) {
-  size_t count = 0;
-  for (const auto* list : {&scene.supports, &scene.prescribed}) {
-    for (const SceneConstraint& constraint : *list) {
-      if (constraint.node == node) count += constraint.directions.size();
-    }
-  }
-  return count;
-}
-
-/// A leg as a vector from the end at the frame to its foot.
-struct Leg {
-  size_t foot = 0, top = 0;  ///< nodes
-  Vector3d span = Vector3d::Zero();
-};
-
-Leg leg_of(const Scene& scene, const std::string& name) {
-  const SceneElement& element = scene.elements[element_index(scene, name)];
-  const bool second =
-      directions_held(scene, element.node_q) > directions_held(scene, element.node_p);
-  Leg leg;
-  leg.foot = node_index(scene, second ? element.node_q : element.node_p);
-  leg.top = node_index(scene, second ? element.node_p : element.node_q);
-  leg.span = scene.nodes[leg.foot].position - scene.nodes[leg.top].position;
-  return leg;
-}
-
-/// The one of a direction and its opposite whose largest component is positive.
-Vector3d upward(const Vector3d& direction) {
-  Eigen::Index largest = 0;
-  direction.cwiseAbs().maxCoeff(&largest);
-  return direction(largest) < 0 ? Vector3d(-direction) : direction;
-}
-
-/// The directions across a leg in which its foot can go.
-std::vector<Vector3d> across(const Vector3d& span, bool planar) {
-  const Vector3d n = span.normalized();
-  if (planar) return {upward(Vector3d::UnitZ().cross(n))};
-  Eigen::Index least = 0;
-  n.cwiseAbs().minCoeff(&least);
-  const Vector3d axis = Vector3d::Unit(least), first = (axis - n.dot(axis) * n).normalized();
-  return {first, upward(n.cross(first))};
-}
-
 using List = std::vector<Parameter>;
 
 void add_legs(const Scene& scene, Kind kind, double size, List& list) {
   if (size == 0) return;
   const auto& legs = scene.controller->legs;
   for (size_t i = 0; i < legs.size(); ++i) list.push_back({kind, legs[i], i, {}, size});
+}
+
+void add_dampings(const Scene& scene, double size, List& list) {
+  if (size == 0) return;
+  const auto& legs = scene.controller->legs;
+  for (size_t i = 0; i < legs.size(); ++i) {
+    if (!is_damped(scene.elements[element_index(scene, legs[i])])) continue;
+    list.push_back({Kind::damping, legs[i], i, {}, size});
+  }
 }
 
 void add_masses(const Scene& scene, const SceneUncertainty& uncertainty, List& list) {
@@ -133,10 +89,12 @@ void add_directions(const Scene& scene, double size, List& list) {
 std::vector<Parameter> parameters_of(const Scene& scene, const SceneUncertainty& uncertainty) {
   List list;
   add_legs(scene, Kind::stiffness, uncertainty.stiffness, list);
+  add_dampings(scene, uncertainty.damping, list);
   add_masses(scene, uncertainty, list);
   add_centres(scene, uncertainty.centre_of_mass_m, list);
   add_directions(scene, uncertainty.leg_direction_rad, list);
   add_legs(scene, Kind::actuator_gain, uncertainty.actuator_gain, list);
+  add_legs(scene, Kind::sensor_gain, uncertainty.sensor_gain, list);
   if (uncertainty.delay_samples > 0) {
     list.push_back({Kind::delay, "", 0, {}, uncertainty.delay_samples});
   }
@@ -169,6 +127,8 @@ std::string kind_text(Kind kind) {
   switch (kind) {
     case Kind::stiffness:
       return "stiffness";
+    case Kind::damping:
+      return "damping";
     case Kind::mass:
       return "mass";
     case Kind::inertia:
@@ -179,6 +139,8 @@ std::string kind_text(Kind kind) {
       return "foot";
     case Kind::actuator_gain:
       return "actuator gain";
+    case Kind::sensor_gain:
+      return "sensor gain";
     case Kind::delay:
       return "delay";
   }
@@ -222,40 +184,6 @@ std::string describe(const Parameter& parameter, double value) {
 
 namespace {
 
-/// Displaces a node, and with it those that hinges join to it.
-void move_node(Scene& scene, size_t node, const Vector3d& displacement) {
-  std::vector<size_t> moving{node};
-  for (size_t i = 0; i < moving.size(); ++i) {
-    const std::string name = scene.nodes[moving[i]].name;
-    scene.nodes[moving[i]].position += displacement;
-    for (const SceneElement& element : scene.elements) {
-      if (element.kind != SceneElement::Kind::hinge) continue;
-      if (element.node_p != name && element.node_q != name) continue;
-      const size_t other =
-          node_index(scene, element.node_p == name ? element.node_q : element.node_p);
-      if (std::find(moving.begin(), moving.end(), other) == moving.end()) moving.push_back(other);
-    }
-  }
-}
-
-void scale_stiffness(SceneElement& element, double factor) {
-  element.stiffness *= factor;
-  SceneBeam& beam = element.beam;
-  for (double* value : {&beam.EA, &beam.GJ, &beam.EI_y, &beam.EI_z, &beam.shear_y, &beam.shear_z}) {
-    *value *= factor;
-  }
-  beam.damping_time /= factor;  // dampers stay
-}
-
-/// Turns a leg by the rotation vector whose foot goes along `angle` (rad, across the leg).
-void turn_leg(Scene& scene, const Leg& leg, const Vector3d& angle) {
-  const double theta = angle.norm(), length = leg.span.norm();
-  if (theta == 0) return;
-  // 1 - cos theta as 2 sin^2(theta / 2), which keeps its digits for small angles.
-  const double half = std::sin(theta / 2);
-  move_node(scene, leg.foot, length * std::sin(theta) / theta * angle - 2 * half * half * leg.span);
-}
-
 /// Everything but the directions of the legs.
 void apply(const Parameter& parameter, double deviation, PerturbedPlant& plant) {
   const auto index = static_cast<Eigen::Index>(parameter.index);
@@ -263,6 +191,10 @@ void apply(const Parameter& parameter, double deviation, PerturbedPlant& plant) 
     case Kind::stiffness:
       scale_stiffness(plant.scene.elements[element_index(plant.scene, parameter.subject)],
                       1 + deviation);
+      break;
+    case Kind::damping:
+      scale_damping(plant.scene.elements[element_index(plant.scene, parameter.subject)],
+                    1 + deviation);
       break;
     case Kind::mass:
       plant.scene.masses[parameter.index].mass *= 1 + deviation;
@@ -277,6 +209,9 @@ void apply(const Parameter& parameter, double deviation, PerturbedPlant& plant) 
       break;
     case Kind::actuator_gain:
       plant.sampling.leg_gains(index) *= 1 + deviation;
+      break;
+    case Kind::sensor_gain:
+      plant.sampling.sensor_gains(index) *= 1 + deviation;
       break;
     case Kind::delay:
       plant.sampling.delay_samples = std::max(0.0, plant.sampling.delay_samples + deviation);
@@ -294,8 +229,8 @@ PerturbedPlant perturbed(const Scene& scene, const Sampling& sampling,
   }
   PerturbedPlant plant{scene, sampling};
   const auto& legs = scene.controller->legs;
-  if (sampling.leg_gains.size() == 0) {
-    plant.sampling.leg_gains.setOnes(static_cast<Eigen::Index>(legs.size()));
+  for (Eigen::VectorXd* gains : {&plant.sampling.leg_gains, &plant.sampling.sensor_gains}) {
+    if (gains->size() == 0) gains->setOnes(static_cast<Eigen::Index>(legs.size()));
   }
   std::vector<Vector3d> angles(legs.size(), Vector3d::Zero());
   for (size_t i = 0; i < parameters.size(); ++i) {
@@ -307,6 +242,13 @@ PerturbedPlant perturbed(const Scene& scene, const Sampling& sampling,
   }
   for (size_t i = 0; i < legs.size(); ++i) turn_leg(plant.scene, leg_of(scene, legs[i]), angles[i]);
   return plant;
+}
+
+SampledPlant sampled(const PerturbedPlant& plant) {
+  const auto n_w = static_cast<Eigen::Index>(plant.scene.inputs.size());
+  const auto n_y = static_cast<Eigen::Index>(plant.scene.outputs.size());
+  const LinearModel model = loop_model(plant.scene, model_of(plant.scene));
+  return sample_and_hold(loop_plant(model, n_w, n_y), plant.sampling);
 }
 
 }  // namespace stillframe::robustness

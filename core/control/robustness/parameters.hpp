@@ -13,11 +13,13 @@ namespace stillframe::robustness {
 struct Parameter {
   enum class Kind {
     stiffness,       ///< of a leg, all its deformations alike: relative
+    damping,         ///< of a leg that has some, all its dampers alike: relative
     mass,            ///< of one entry of masses: relative
     inertia,         ///< of one entry of masses, all its moments alike: relative
     centre_of_mass,  ///< position of a node with a mass, along `direction`: m
     leg_direction,   ///< of a leg, towards `direction`: rad
     actuator_gain,   ///< of a leg: relative
+    sensor_gain,     ///< of a leg's force sensor: relative
     delay,           ///< of all commands: samples
   };
   Kind kind = Kind::stiffness;
@@ -59,5 +61,9 @@ struct PerturbedPlant {
 /// Set-up. Errors: std::invalid_argument unless there is a value for each parameter.
 PerturbedPlant perturbed(const Scene& scene, const Sampling& sampling,
                          const std::vector<Parameter>& parameters, const Eigen::VectorXd& values);
+
+/// What a loop is closed around: linear model about the plant's equilibrium, sampled; y are the
+/// scene's outputs. Set-up. Errors: InputError, Refusal.
+SampledPlant sampled(const PerturbedPlant& plant);
 
 }  // namespace stillframe::robustness

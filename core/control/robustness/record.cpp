@@ -11,9 +11,9 @@ namespace stillframe::robustness {
 
 namespace {
 
-std::array<double, 7> numbers_of(const SceneUncertainty& u) {
-  return {u.stiffness,         u.mass,          u.inertia,      u.centre_of_mass_m,
-          u.leg_direction_rad, u.actuator_gain, u.delay_samples};
+std::array<double, 9> numbers_of(const SceneUncertainty& u) {
+  return {u.stiffness,         u.damping,       u.mass,        u.inertia,      u.centre_of_mass_m,
+          u.leg_direction_rad, u.actuator_gain, u.sensor_gain, u.delay_samples};
 }
 
 }  // namespace

@@ -159,14 +159,16 @@ SceneController read_controller(const YamlReader& block, const Scene& scene) {
 }
 
 SceneUncertainty read_uncertainty(const YamlReader& block) {
-  block.allow_only({"stiffness", "mass", "inertia", "centre_of_mass_m", "leg_direction_rad",
-                    "actuator_gain", "delay_samples"});
+  block.allow_only({"stiffness", "damping", "mass", "inertia", "centre_of_mass_m",
+                    "leg_direction_rad", "actuator_gain", "sensor_gain", "delay_samples"});
   SceneUncertainty uncertainty;
   uncertainty.place = block.place();
   uncertainty.stiffness = read_part(block, "stiffness");
+  uncertainty.damping = read_part(block, "damping");
   uncertainty.mass = read_part(block, "mass");
   uncertainty.inertia = read_part(block, "inertia");
   uncertainty.actuator_gain = read_part(block, "actuator_gain");
+  uncertainty.sensor_gain = read_part(block, "sensor_gain");
   if (const auto value = block.find("centre_of_mass_m")) {
     uncertainty.centre_of_mass_m = value->non_negative();
   }

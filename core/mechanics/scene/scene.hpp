@@ -189,10 +189,12 @@ struct SceneController {
 struct SceneUncertainty {
   std::string place;
   double stiffness = 0;          ///< of each leg, relative
+  double damping = 0;            ///< of each leg that has some, relative
   double mass = 0, inertia = 0;  ///< of each mass, relative
   double centre_of_mass_m = 0;   ///< of each mass that carries no leg, along x, y and z
   double leg_direction_rad = 0;  ///< of each leg, about both axes across it
   double actuator_gain = 0;      ///< of each actuator, relative
+  double sensor_gain = 0;        ///< of each force sensor, relative
   double delay_samples = 0;      ///< of all commands
 };
 

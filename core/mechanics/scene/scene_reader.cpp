@@ -6,6 +6,7 @@
 
 #include "core/mechanics/scene/acceptance.hpp"
 #include "core/mechanics/scene/controller_block.hpp"
+#include "core/mechanics/scene/corrections.hpp"
 #include "core/mechanics/scene/scene_blocks.hpp"
 #include "core/mechanics/scene/signals.hpp"
 #include "core/mechanics/scene/structure.hpp"
@@ -79,7 +80,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
                    "masses",       "elements",    "supports",    "prescribed",      "dofs",
                    "loads",        "inputs",      "outputs",     "monitors",        "compare",
                    "controller",   "instruments", "uncertainty", "floor",           "simulation",
-                   "disturbances", "accept",      "reduce"});
+                   "disturbances", "accept",      "reduce",      "corrections"});
   Scene scene;
   scene.text = text;
   scene.title = root.require("title").text();
@@ -98,6 +99,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
     scene.hash = text_hash(text + scene.bodies_hash + controller->text +
                            (scene.controller->law ? scene.controller->law->bytes : ""));
   }
+  if (const auto block = root.find("corrections")) correct(*block, scene);
   if (const auto block = root.find("instruments")) {
     const int n_legs = scene.controller ? static_cast<int>(scene.controller->legs.size()) : -1;
     scene.instruments = read_scene_instruments(*block, n_legs);

@@ -1,0 +1,365 @@
+#include "core/control/fitting/rig_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "core/control/fitting/rig_model.hpp"
+#include "core/errors/input_error.hpp"
+
+namespace stillframe::fitting {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Kind = robustness::Parameter::Kind;
+
+namespace {
+
+constexpr int most_steps = 40;
+// Of the first looks: modes that look damped by a tenth pass through lines, and so to where they are.
+constexpr double decays[] = {0.1, 0.02, 0, 0, 0};
+constexpr int most_rounds = 5, first_by_noise = 3;
+// Of a prior's standard deviation: of the 1e-10 of a model, 1e-7 of a slope is left.
+constexpr double difference_step = 1e-3;
+// A twentieth of a standard deviation, squared: not seen in any band. Where there is no noise yet to
+// measure by, a part of what is left.
+constexpr double still = 0.0025, small_part = 1e-3;
+// Of the size of an output at a line: what converters and arithmetic leave of a simulation.
+constexpr double least_noise = 1e-7;
+
+/// L_l of each line, n_out x n_out.
+using Weights = std::vector<MatrixXcd>;
+
+/// Sum over windows of what least squares ask for, the ends of the windows eliminated.
+struct Normal {
+  double cost = 0, driven = 0;  ///< of all windows, and of the driven: a real number in the mean
+  MatrixXd JtJ;
+  VectorXd Jtr;
+  std::vector<MatrixXcd> residual;  ///< of each window, n_out x lines, not weighted
+};
+
+class Fit {
+ public:
+  Fit(const FitQuestion& question, const RigRecord& record, const std::vector<bool>& driven)
+      : question_(question), record_(record), driven_(driven) {
+    look_from(0);
+  }
+
+  /// Sums at lines beyond the circle by that decay.
+  void look_from(double decay) {
+    kernel_.emplace(record_, decay);
+    windows_.clear();
+    const int age = question_.sampling.instruments.report_age_samples;
+    for (std::size_t w = 0; w < record_.windows.size(); ++w) {
+      windows_.emplace_back(record_, static_cast<Index>(w), age, *kernel_);
+    }
+  }
+
+  /// What is applied when sigma is sampled jumps where the delay goes through a whole number of
+  /// samples: the fit stays between two of them. Answers the values of the delay's parameter there,
+  /// best first, by what the scene as it is leaves at each.
+  void choose_whole_delay(VectorXd& values, const Weights& weights) {
+    for (Index i = 0; i < p(); ++i) {
+      if (question_.parameters[static_cast<std::size_t>(i)].kind == Kind::delay) delay_ = i;
+    }
+    if (delay_ < 0) return;
+    const double nominal = question_.sampling.delay_samples,
+                 size = question_.parameters[static_cast<std::size_t>(delay_)].size;
+    double least = std::numeric_limits<double>::infinity();
+    const double most = 2;  // of its size, as far as is looked
+    for (double whole = std::floor(std::max(0.0, nominal - most * size));
+         whole <= nominal + most * size; ++whole) {
+      for (const double part : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+        VectorXd at = values;
+        at(delay_) = (whole + part - nominal) / size;
+        const double cost = normal(at, weights, false).cost + at.squaredNorm();
+        if (!(cost < least)) continue;
+        least = cost;
+        values = at;
+        first_ = (whole - nominal) / size;
+        last_ = (whole + 1 - 1e-9 - nominal) / size;
+      }
+    }
+  }
+  bool has_place(const VectorXd& values) const {
+    return delay_ < 0 || (values(delay_) >= first_ && values(delay_) <= last_);
+  }
+  void keep_place(VectorXd& values) const {
+    if (delay_ >= 0) values(delay_) = std::clamp(values(delay_), first_, last_);
+  }
+
+  Index n_out() const { return windows_.front().read().rows(); }
+  Index n_lines() const { return windows_.front().read().cols(); }
+  Index p() const { return static_cast<Index>(question_.parameters.size()); }
+  const std::vector<WindowData>& windows() const { return windows_; }
+
+  RigModel model(const VectorXd& values) const {
+    return RigModel(robustness::sampled(robustness::perturbed(question_.scene, question_.sampling,
+                                                              question_.parameters, values)),
+                    record_, question_.frame, *kernel_);
+  }
+
+  /// Outputs by their size over all lines and windows: of nothing known yet.
+  Weights by_size() const {
+    Weights weights;
+    for (Index l = 0; l < n_lines(); ++l) weights.push_back(sizes(l).cwiseInverse().asDiagonal());
+    return weights;
+  }
+
+  /// rms over windows, never zero.
+  VectorXd sizes(Index line) const {
+    std::vector<MatrixXcd> read;
+    for (const WindowData& window : windows_) read.push_back(window.read());
+    return rms(read, line);
+  }
+
+  /// The inverse roots of the covariance of what is left about each line, of the windows at rest or
+  /// of all.
+  Weights by_noise(const std::vector<MatrixXcd>& residual, Index n_ends, bool of_all) const {
+    std::vector<MatrixXcd> noise;
+    for (std::size_t w = 0; w < residual.size(); ++w) {
+      if (of_all || !driven_[w]) noise.push_back(residual[w]);
+    }
+    const auto n_windows = static_cast<Index>(noise.size());
+    // So many lines that there are three times as many numbers as the covariance has dimensions.
+    const Index about = std::max<Index>(1, (3 * n_out() + n_windows - 1) / n_windows / 2);
+    // The ends of a window take up a part of what it reads.
+    const double left = 1 - static_cast<double>(n_ends) /
+                                static_cast<double>(2 * n_lines() * n_out());
+    std::vector<VectorXd> size;
+    for (Index l = 0; l < n_lines(); ++l) size.push_back(rms(noise, l));
+    Weights weights;
+    for (Index l = 0; l < n_lines(); ++l) {
+      const Index from = std::max<Index>(0, l - about), to = std::min(n_lines() - 1, l + about);
+      const VectorXd& here = size[static_cast<std::size_t>(l)];
+      MatrixXcd S = MatrixXcd::Zero(n_out(), n_out());
+      Index n = 0;
+      for (Index near = from; near <= to; ++near) {
+        // Noise grows by orders from line to line.
+        const VectorXd scale = here.cwiseQuotient(size[static_cast<std::size_t>(near)]);
+        for (const MatrixXcd& of_window : noise) {
+          const Eigen::VectorXcd r = scale.cwiseProduct(of_window.col(near));
+          S += r * r.adjoint();
+          ++n;
+        }
+      }
+      // The inverse of a covariance that was found from n vectors is too large by this.
+      const double few = static_cast<double>(n) / std::max<double>(1, double(n - n_out()));
+      // Half of it is in the real part, and least squares are over real and imaginary parts.
+      S *= few / (2 * static_cast<double>(n) * left);
+      S.diagonal() += (least_noise * sizes(l)).cwiseAbs2().cast<Complex>();
+      const Eigen::LLT<MatrixXcd> llt(S);
+      weights.push_back(llt.matrixL().solve(MatrixXcd::Identity(n_out(), n_out())));
+    }
+    return weights;
+  }
+
+  Normal normal(const VectorXd& values, const Weights& weights, bool with_slopes) const {
+    const RigModel at = model(values);
+    std::vector<RigModel> up, down;
+    VectorXd step(p());
+    for (Index i = 0; with_slopes && i < p(); ++i) {
+      VectorXd above = values, below = values;
+      above(i) += difference_step;
+      below(i) -= difference_step;
+      if (i == delay_) {
+        above(i) = std::min(above(i), last_);
+        below(i) = std::max(below(i), first_);
+      }
+      step(i) = above(i) - below(i);
+      up.push_back(model(above));
+      down.push_back(model(below));
+    }
+    const Index n = at.n_ends(), rows = 2 * n_lines() * n_out(), n_slopes = with_slopes ? p() : 0;
+    // The ends are the same columns in every window.
+    const auto ends_of = [&](const RigModel& of) {
+      MatrixXd columns(rows, n);
+      for (Index l = 0; l < n_lines(); ++l) {
+        const auto k = static_cast<std::size_t>(l);
+        put(weights[k] * of.of_ends(k), l, columns);
+      }
+      return columns;
+    };
+    const MatrixXd ends = ends_of(at);
+    std::vector<MatrixXd> ends_slope;
+    for (Index i = 0; i < n_slopes; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      ends_slope.push_back((ends_of(up[k]) - ends_of(down[k])) / step(i));
+    }
+    const VectorXd norms = ends.colwise().norm().cwiseMax(1e-300).transpose();
+    const Eigen::ColPivHouseholderQR<MatrixXd> qr(ends * norms.cwiseInverse().asDiagonal());
+    const Index rank = qr.rank();
+    Normal sum;
+    sum.JtJ = MatrixXd::Zero(n_slopes, n_slopes);
+    sum.Jtr = VectorXd::Zero(n_slopes);
+    Index n_driven = 0;
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      const WindowData& window = windows_[w];
+      MatrixXd all(rows, 1 + n_slopes);
+      put(window.read() - at.predicted(window), weights, 0, all);
+      // Who rings where a window begins rings on in another way in another plant.
+      const VectorXd D = norms.cwiseInverse().asDiagonal() * qr.solve(all.col(0));
+      for (Index i = 0; i < n_slopes; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        put((up[k].predicted(window) - down[k].predicted(window)) / step(i), weights,
+            1 + i, all);
+        all.col(1 + i) += ends_slope[k] * D;
+      }
+      all.applyOnTheLeft(qr.householderQ().adjoint());
+      all.topRows(rank).setZero();
+      sum.cost += all.col(0).squaredNorm();
+      if (driven_[w]) {
+        sum.driven += all.col(0).squaredNorm();
+        n_driven += rows - rank;
+      }
+      sum.JtJ.noalias() += all.rightCols(n_slopes).transpose() * all.rightCols(n_slopes);
+      sum.Jtr.noalias() += all.rightCols(n_slopes).transpose() * all.col(0);
+      // What is left, without its weight.
+      all.applyOnTheLeft(qr.householderQ());
+      sum.residual.push_back(taken(all.col(0), weights));
+    }
+    sum.driven /= static_cast<double>(std::max<Index>(1, n_driven));
+    return sum;
+  }
+
+  /// Of each output, rms over driven windows and lines of what is left over what was read.
+  VectorXd left(const std::vector<MatrixXcd>& residual) const {
+    VectorXd sum = VectorXd::Zero(n_out()), read = sum;
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      if (!driven_[w]) continue;
+      sum += residual[w].rowwise().squaredNorm();
+      read += windows_[w].read().rowwise().squaredNorm();
+    }
+    return sum.cwiseQuotient(read.cwiseMax(1e-300)).cwiseSqrt();
+  }
+  bool has_rest() const { return std::ranges::find(driven_, false) != driven_.end(); }
+
+ private:
+  /// Over windows, never zero.
+  VectorXd rms(const std::vector<MatrixXcd>& windows, Index line) const {
+    VectorXd sum = VectorXd::Zero(n_out());
+    for (const MatrixXcd& window : windows) sum += window.col(line).cwiseAbs2();
+    sum = (sum / static_cast<double>(windows.size())).cwiseSqrt();
+    return sum.cwiseMax(1e-12 * std::max(sum.maxCoeff(), 1e-300));
+  }
+  /// Complex columns as real ones, real parts above imaginary, at the place of a line.
+  void put(const MatrixXcd& columns, Index line, MatrixXd& all) const {
+    const Index at = 2 * line * n_out();
+    all.middleRows(at, n_out()).leftCols(columns.cols()) = columns.real();
+    all.middleRows(at + n_out(), n_out()).leftCols(columns.cols()) = columns.imag();
+  }
+  /// n_out x lines, weighted, as one column.
+  void put(const MatrixXcd& of_lines, const Weights& weights, Index column, MatrixXd& all) const {
+    for (Index l = 0; l < n_lines(); ++l) {
+      const Eigen::VectorXcd w = weights[static_cast<std::size_t>(l)] * of_lines.col(l);
+      all.col(column).segment(2 * l * n_out(), n_out()) = w.real();
+      all.col(column).segment((2 * l + 1) * n_out(), n_out()) = w.imag();
+    }
+  }
+  /// The way back; weights are lower triangles.
+  MatrixXcd taken(const VectorXd& column, const Weights& weights) const {
+    MatrixXcd all(n_out(), n_lines());
+    for (Index l = 0; l < n_lines(); ++l) {
+      Eigen::VectorXcd w(n_out());
+      w.real() = column.segment(2 * l * n_out(), n_out());
+      w.imag() = column.segment((2 * l + 1) * n_out(), n_out());
+      all.col(l) = weights[static_cast<std::size_t>(l)].triangularView<Eigen::Lower>().solve(w);
+    }
+    return all;
+  }
+
+  const FitQuestion& question_;
+  const RigRecord& record_;
+  const std::vector<bool>& driven_;
+  std::optional<LineKernel> kernel_;
+  std::vector<WindowData> windows_;
+  Index delay_ = -1;              ///< parameter
+  double first_ = 0, last_ = 0;  ///< values that it is kept between
+};
+
+/// Where a model has no place: masses and stiffnesses below zero, say.
+double cost_at(const Fit& fit, const VectorXd& values, const Weights& weights) {
+  try {
+    return fit.normal(values, weights, false).cost + values.squaredNorm();
+  } catch (const Refusal&) {
+  } catch (const InputError&) {
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
+               const std::vector<bool>& driven, const std::function<void(double)>& progress) {
+  if (record.windows.size() < 2 || driven.size() != record.windows.size()) {
+    throw std::invalid_argument("fit_rig: there have to be two windows or more");
+  }
+  Fit fit(question, record, driven);
+  const Index p = fit.p();
+  RigFit found;
+  found.values = VectorXd::Zero(p);
+  Weights weights = fit.by_size();
+  found.left_before = fit.left(fit.normal(found.values, weights, false).residual);
+  fit.look_from(decays[0]);
+  weights = fit.by_size();
+  fit.choose_whole_delay(found.values, weights);
+  Normal now = fit.normal(found.values, weights, true);
+  // First by the sizes of what was read, then by the noise at rest, which no error of the model is
+  // in, at last by all that is left, if that is noise.
+  for (int round = 0; round < most_rounds; ++round) {
+    double damp = 1e-3;
+    found.converged = false;
+    for (int step = 0; step < most_steps && !found.converged; ++step) {
+      ++found.n_iterations;
+      MatrixXd A = now.JtJ;
+      A.diagonal().array() += 1;
+      const VectorXd b = now.Jtr - found.values;
+      const double cost = now.cost + found.values.squaredNorm();
+      // What an undamped step would win. By noise it is a square of standard deviations.
+      found.converged = b.dot(A.ldlt().solve(b)) < (round < first_by_noise ? small_part * cost : still);
+      if (found.converged) break;
+      VectorXd there = found.values;
+      bool better = false;
+      for (int attempt = 0; attempt < 14 && !better; ++attempt) {
+        MatrixXd damped = A;
+        damped.diagonal() *= 1 + damp;
+        VectorXd change = damped.ldlt().solve(b);
+        // Beyond its own size a parameter is taken a part of the way.
+        change *= std::min(1.0, 1 / std::max(change.lpNorm<Eigen::Infinity>(), 1e-300));
+        there = found.values + change;
+        fit.keep_place(there);
+        better = cost_at(fit, there, weights) < cost;
+        damp = std::clamp(better ? damp / 10 : damp * 10, 1e-9, 1e9);
+      }
+      if (!better) break;
+      found.values = there;
+      now = fit.normal(found.values, weights, true);
+      if (progress) progress((round + step / double(most_steps)) / most_rounds);
+    }
+    found.left = fit.left(now.residual);
+    if (round == first_by_noise && fit.has_rest()) found.over_noise = now.driven;
+    if (round + 1 == most_rounds || (round + 2 == most_rounds && !found.is_noise())) break;
+    if (round + 1 < first_by_noise) {
+      fit.look_from(decays[round + 1]);
+      weights = fit.by_size();
+    } else {
+      const bool of_all = !fit.has_rest() || round + 2 == most_rounds;
+      weights = fit.by_noise(now.residual, fit.model(found.values).n_ends(), of_all);
+    }
+    now = fit.normal(found.values, weights, true);
+  }
+  MatrixXd A = now.JtJ;
+  A.diagonal().array() += 1;
+  found.covariance = A.ldlt().solve(MatrixXd::Identity(p, p));
+  return found;
+}
+
+}  // namespace stillframe::fitting

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "core/control/fitting/rig_record.hpp"
+#include "core/control/robustness/parameters.hpp"
+
+namespace stillframe::fitting {
+
+/// What is fitted, and where it starts.
+struct FitQuestion {
+  Scene scene;  ///< with a controller
+  Sampling sampling;
+  /// p; `size` is what each is known to beforehand, one standard deviation.
+  std::vector<robustness::Parameter> parameters;
+  std::vector<Eigen::Index> frame;  ///< q, outputs of the scene that the record has
+};
+
+struct RigFit {
+  Eigen::VectorXd values;     ///< p, in units of size
+  Eigen::MatrixXd covariance; ///< p x p, in units of size, with what was known beforehand
+  /// n_out (sigma, applied, frame), rms over windows and lines of what the fit leaves over that of
+  /// what was read, while driven; before: of the scene as it is.
+  Eigen::VectorXd left, left_before;
+  /// What it leaves while driven, a real number of the whitened sums in the mean square, by the
+  /// noise at rest: 1 if that is all. 0 without windows at rest.
+  double over_noise = 0;
+  int n_iterations = 0;
+  bool converged = false;
+
+  /// Half as much again as the noise at rest is more than few windows of it are wrong by.
+  bool is_noise() const { return over_noise < 1.5; }
+
+  double deviation(Eigen::Index i) const { return std::sqrt(covariance(i, i)); }
+  double correlation(Eigen::Index i, Eigen::Index j) const {
+    return covariance(i, j) / (deviation(i) * deviation(j));
+  }
+};
+
+/// Fits by least squares what the record says at its lines,
+///   min over p and the D_w of   sum |L_l (Y_w(l) - G_l(p) U_w(l) - B_l(p) D_w)|^2 + |p|^2,
+/// Y, U, B, D of WindowData. L_l L_l^H is the inverse of the covariance of what is left at lines
+/// about l over all windows, found anew until it stays: noise of the floor comes into all outputs
+/// together, along a few directions, and costs little across them. D_w are eliminated. Bands are of
+/// that noise: what the model cannot say adds to it, and shows in over_noise.
+/// driven: of each window, whether commands were on it. Set-up. Errors: InputError, Refusal of a
+/// scene that has no such model; std::invalid_argument if the record has too few windows.
+RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
+               const std::vector<bool>& driven, const std::function<void(double)>& progress = {});
+
+}  // namespace stillframe::fitting

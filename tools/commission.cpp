@@ -1,0 +1,324 @@
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "controller/policy.hpp"
+#include "controller/realtime.hpp"
+#include "controller/rig/simulated_io.hpp"
+#include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
+#include "core/mechanics/scene/controller_block.hpp"
+#include "judge/loop_design.hpp"
+#include "msgs/stop_signal.hpp"
+#include "report/table.hpp"
+#include "tools/commission_rig.hpp"
+#include "tools/given_files.hpp"
+#include "tools/json.hpp"
+#include "tools/patience.hpp"
+#include "tools/verbs.hpp"
+
+namespace stillframe::tools {
+
+namespace {
+
+using controller::RigFile;
+
+struct CommissionOptions {
+  std::filesystem::path scene;
+  std::optional<std::filesystem::path> rig, controller, uncertainty, simulate;
+  std::string io;
+  std::optional<double> force_n;
+  double window_s = 2;
+  int windows = 5;
+  bool json = false;
+};
+
+/// Beside a file, under its name with ".updated".
+std::filesystem::path updated(const std::filesystem::path& path, const std::string& ending) {
+  return path.parent_path() / (path.stem().string() + ending);
+}
+
+SceneUncertainty uncertainty_of(const CommissionOptions& options, const Scene& scene) {
+  if (options.uncertainty) return read_uncertainty(YamlReader::from_file(*options.uncertainty));
+  if (scene.uncertainty) return *scene.uncertainty;
+  throw InputError(scene.file +
+                   ": the key 'uncertainty' is missing, which says what is to be found and how "
+                   "well it is known; write it, or give --uncertainty FILE");
+}
+
+/// The rig of a scene that plays one: all that the scene has is measured.
+RigFile simulated_rig(const judge::LoopDesign& design) {
+  RigFile rig = controller::default_rig(design.gains);
+  for (const SceneSignal& output : design.scene.outputs) {
+    rig.channels.frame.push_back({.number = static_cast<Eigen::Index>(rig.frame.size())});
+    rig.frame.push_back(output.name);
+  }
+  rig.floor.clear();
+  rig.channels.floor.clear();
+  return rig;
+}
+
+/// The loops that the gains of before and those of the updated scene make on what was found.
+struct Loops {
+  double before = 0, after = 0;  ///< spectral radii
+};
+
+struct Files {
+  std::filesystem::path scene, rig, uncertainty;
+};
+
+Json to_json(const Commissioned& found, const std::optional<Files>& files,
+             const std::optional<Loops>& loops, const CommissionOptions& options, bool passed) {
+  Json wrong = Json::array();
+  for (const auto& leg : found.wiring.legs) {
+    for (const std::string& what : leg.wrong) wrong.push_back({{"leg", leg.leg}, {"what", what}});
+  }
+  Json parameters = Json::array(), outputs = Json::array();
+  for (std::size_t i = 0; files && i < found.question.parameters.size(); ++i) {
+    const auto& parameter = found.question.parameters[i];
+    Json with = Json::array();
+    for (const std::size_t other : alike(found, i)) {
+      with.push_back(name_of(found.question.parameters[other]));
+    }
+    parameters.push_back({{"name", name_of(parameter)},
+                          {"deviation", found_deviation(found, i)},
+                          {"standard_deviation", found_doubt(found, i)},
+                          {"known_before", parameter.size},
+                          {"told", is_told(found, i)},
+                          {"alike", with}});
+  }
+  const auto& legs = found.question.scene.controller->legs;
+  for (Eigen::Index i = 0; i < found.fit.left.size(); ++i) {
+    const auto m = static_cast<Eigen::Index>(legs.size());
+    const std::string name =
+        i < 2 * m ? (i < m ? "sigma " : "applied ") + legs[static_cast<std::size_t>(i % m)]
+                  : found.rig.frame[static_cast<std::size_t>(i - 2 * m)];
+    outputs.push_back({{"name", name},
+                       {"left_before", found.fit.left_before(i)},
+                       {"left", found.fit.left(i)}});
+  }
+  return {{"scene", found.question.scene.title},
+          {"wrong", wrong},
+          {"mended", found.wiring.mended},
+          {"clock_ppm", files ? Json(-1e6 * found.recording.drift) : Json()},
+          {"n_samples", found.recording.n_samples},
+          {"n_lost", found.recording.n_lost},
+          {"parameters", parameters},
+          {"outputs", outputs},
+          {"over_noise", files ? Json(found.fit.over_noise) : Json()},
+          {"converged", found.fit.converged},
+          {"spectral_radius_before", loops ? Json(loops->before) : Json()},
+          {"spectral_radius", loops ? Json(loops->after) : Json()},
+          {"scene_file", files ? Json(files->scene.string()) : Json()},
+          {"rig_file", files && options.rig ? Json(files->rig.string()) : Json()},
+          {"uncertainty_file", files ? Json(files->uncertainty.string()) : Json()},
+          {"passed", passed}};
+}
+
+void print_wiring(const Commissioned& found) {
+  for (const auto& leg : found.wiring.legs) {
+    for (const std::string& what : leg.wrong) std::cout << leg.leg << ": " << what << "\n";
+  }
+  if (found.wiring.sound) std::cout << "Every leg answers as the rig file and the scene say.\n";
+  if (!found.wiring.sound && found.wiring.mended) std::cout << "Put right for what follows.\n";
+}
+
+std::string with_unit(const robustness::Parameter& parameter, double deviation) {
+  return deviation_text(parameter, deviation / parameter.size);
+}
+
+void print_page(const Commissioned& found, const Files& files, const Loops& loops,
+                const CommissionOptions& options) {
+  const auto& parameters = found.question.parameters;
+  std::cout << report::cell("\n%lld samples, %lld lost, clock %+.1f ppm; driven, the least output "
+                            "reads %.0f dB more than at rest\n\n",
+                            report::count(found.recording.n_samples),
+                            report::count(found.recording.n_lost), -1e6 * found.recording.drift,
+                            found.disturbance_db);
+  report::Table table({"what", "found", "+- (95 %)", "known before", ""}, 1);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    std::string note;
+    for (const std::size_t other : alike(found, i)) {
+      note += (note.empty() ? "as " : ", ") + name_of(parameters[other]);
+    }
+    if (!is_told(found, i)) note = "not told by this rig" + (note.empty() ? "" : ", " + note);
+    const auto without_sign = [&](double deviation) {
+      return with_unit(parameters[i], deviation).substr(1);
+    };
+    table.add({name_of(parameters[i]), with_unit(parameters[i], found_deviation(found, i)),
+               without_sign(1.96 * found_doubt(found, i)), without_sign(parameters[i].size), note});
+  }
+  const auto& fit = found.fit;
+  std::cout << table.print()
+            << report::cell("\nOf what was read %.2g %% is left at most, %.2g %% of the scene as it "
+                            "was; ",
+                            100 * fit.left.maxCoeff(), 100 * fit.left_before.maxCoeff())
+            << report::cell("%.2f times the power of the noise at rest.\n", fit.over_noise);
+  if (!fit.is_noise()) {
+    std::cout << "The rig does something that no value of these parameters does: do not trust the "
+                 "bands.\n";
+  }
+  if (!fit.converged) std::cout << "The fit has not settled.\n";
+  std::cout << report::cell("Spectral radius on what was found: %.6f with the gains of before, "
+                            "%.6f with those of the updated scene.\n",
+                            loops.before, loops.after)
+            << "Written: " << files.scene.string() << ", " << files.uncertainty.string();
+  if (options.rig) std::cout << ", " << files.rig.string();
+  std::cout << "\nNext: stillframe design " << files.scene.string() << " --out gains.yaml, and\n"
+            << "  stillframe robustness " << files.scene.string() << " --uncertainty "
+            << files.uncertainty.string() << "\n";
+}
+
+Commissioned probed(const CommissionOptions& options, const judge::LoopDesign& design,
+                    const RigFile& rig, Patience& patience) {
+  const CommissionQuestion question{.design = design,
+                                    .uncertainty = uncertainty_of(options, design.scene),
+                                    .force_n = probe_force(options.force_n, design.gains, options.scene),
+                                    .window_s = options.window_s,
+                                    .n_windows = options.windows};
+  const auto go = [&](controller::Io& io) {
+    try {
+      return commission(
+          io, rig, question, controller::real_time(),
+          [&](const std::string& what, double done) { patience.now(what, 100 * done); },
+          stop_requested);
+    } catch (const InputError&) {
+      throw;
+    } catch (const Refusal&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      throw Failure(std::string("the rig could not be measured: ") + error.what());
+    }
+  };
+  catch_stop_signals();
+  // As the loop that will stand here (tools/rig.cpp).
+  controller::prepare_thread(controller::default_policy(design.gains.sample_rate_hz).priority,
+                             std::nullopt);
+  if (options.simulate) {
+    const judge::LoopDesign hidden = judge::make_loop_design(*options.simulate, options.controller);
+    if (hidden.scene.controller->legs != design.scene.controller->legs) {
+      throw InputError(options.simulate->string() + ": has other legs than the scene");
+    }
+    controller::SimulatedIo io(hidden.sampled);
+    return go(io);
+  }
+  if (rig.driver.empty()) {
+    throw InputError("no driver: name one in a rig file or with --io, or play with --simulate");
+  }
+  const controller::DriverSetting setting = rig.setting(design.gains);
+  const controller::LoadedIo io = controller::load_driver(rig.driver, setting);
+  return go(*io);
+}
+
+int run(const CommissionOptions& options) {
+  if (options.simulate && (options.rig || !options.io.empty())) {
+    throw InputError("--simulate plays the rig: leave the rig file and --io out");
+  }
+  const judge::LoopDesign design = judge::make_loop_design(options.scene, options.controller);
+  if (YamlReader::from_file(options.scene).find("corrections")) {
+    throw InputError(options.scene.string() +
+                     ": corrections: are there already; commission the scene as it was written, "
+                     "or write them into it");
+  }
+  RigFile rig = options.rig ? controller::read_rig(*options.rig, design.gains)
+                            : simulated_rig(design);
+  if (!options.io.empty()) rig.driver = options.io;
+  const Files files{
+      updated(options.scene, ".updated.yaml"),
+      options.rig ? updated(*options.rig, ".updated.yaml") : std::filesystem::path(),
+      updated(options.scene, ".updated.uncertainty.yaml")};
+  require_own_places({{"the scene", options.scene},
+                      {"the rig file", options.rig},
+                      {"--controller", options.controller},
+                      {"--uncertainty", options.uncertainty},
+                      {"--simulate", options.simulate}},
+                     {{"the updated scene", files.scene},
+                      {"the uncertainty that is left", files.uncertainty}});
+  Commissioned found = [&] {
+    Patience patience("wiring");
+    return probed(options, design, rig, patience);
+  }();
+  if (!options.json) print_wiring(found);
+  if (!found.wiring.mended) {
+    if (options.json) print(to_json(found, {}, {}, options, false));
+    else std::cout << "No rig file can put all of it right: nothing else was done.\n";
+    return exit_failed;
+  }
+  std::string text = design.scene.text;
+  if (!text.ends_with('\n')) text += '\n';
+  write_whole_file(files.scene, text + "\n# Measured on the rig; without this block the scene is "
+                                       "as it was written.\n" +
+                                    corrections_block(found));
+  write_whole_file(files.uncertainty, "# What is left to doubt of " +
+                                          files.scene.filename().string() +
+                                          ": two standard deviations of the least known.\n" +
+                                          uncertainty_left(found));
+  if (options.rig) write_whole_file(files.rig, to_yaml(found.rig, design.gains));
+  const Loops loops{
+      judge::make_loop_design(files.scene, options.controller, options.scene).radius,
+      judge::make_loop_design(files.scene, options.controller).radius};
+  const bool passed = found.fit.converged && loops.after < 1 && found.fit.is_noise();
+  if (options.json) {
+    print(to_json(found, files, loops, options, passed));
+  } else {
+    print_page(found, files, loops, options);
+  }
+  return passed ? exit_done : exit_failed;
+}
+
+}  // namespace
+
+void add_commission(cli::Command& app, int& exit_code) {
+  auto options = std::make_shared<CommissionOptions>();
+  cli::Command verb = app.verb(
+      "commission", "Measure a rig before its loop is closed, and correct the scene by it");
+  verb.option("scene", options->scene, "Scene with a controller").required().type_name("SCENE");
+  verb.option("rig", options->rig, "Rig file (docs/hardware.md)").type_name("RIG");
+  verb.option("--controller", options->controller, "Controller block that replaces the scene's")
+      .type_name("FILE");
+  verb.option("--uncertainty", options->uncertainty,
+              "What the scene is known to (default: the scene's own block)")
+      .type_name("FILE");
+  verb.option("--io", options->io, "Driver (default: the rig file's)").type_name("NAME");
+  verb.option("--simulate", options->simulate,
+              "Play the rig by another scene of the same legs, all of whose outputs are measured")
+      .type_name("SCENE");
+  verb.option("--force", options->force_n,
+              "N, peak of the force on a leg (default: 2 % of the force limit)")
+      .check(cli::positive_number());
+  verb.option("--window", options->window_s, "s, one period of what a leg is driven by")
+      .check(cli::positive_number());
+  verb.option("--windows", options->windows, "Periods that are recorded of each leg, and at rest")
+      .check(cli::whole_number(2, 1000));
+  verb.flag("--json", options->json, "Print JSON (keys below)");
+  verb.footer(
+      "First the wiring, as `rig` finds it, and puts it right for what follows. Then one leg after "
+      "the\n"
+      "other is driven by a multisine from 2 / window to 0.42 of the sample rate, but for the "
+      "model's own\n"
+      "resonances, and what all force sensors, read-backs and accelerometers answer is fitted: of "
+      "every\n"
+      "parameter that the uncertainty names, its value and how well it is known now "
+      "(docs/hardware.md).\n"
+      "Written beside the scene: SCENE.updated.yaml, the scene with a block of corrections, and\n"
+      "SCENE.updated.uncertainty.yaml; beside the rig file RIG.updated.yaml, with cables, signs "
+      "and gains.\n"
+      "No loop is closed. The rig is let go of beyond ten times the force, and at Ctrl-C.\n"
+      "Exit codes: 0 fitted to the noise, and the loop of the updated scene is stable; 4 not, or "
+      "the rig\n"
+      "could not be measured.\n"
+      "Keys of --json:\n"
+      "  scene, wrong (leg, what), mended, clock_ppm, n_samples, n_lost\n"
+      "  parameters   {name, deviation, standard_deviation, known_before (relative, m, rad or "
+      "samples), told,\n"
+      "               alike (names of those it could trade places with)}\n"
+      "  outputs      {name, left_before, left (of what was read, rms)}\n"
+      "  over_noise (power of what is left over that of the noise at rest), converged, spectral_radius_before, spectral_radius, scene_file, rig_file, "
+      "uncertainty_file, passed\n"
+      "Example: stillframe commission frame.yaml rig.yaml --uncertainty piezo_frame.yaml\n"
+      "To try it without a rig: stillframe commission frame.yaml --simulate other_frame.yaml");
+  verb.runs([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace stillframe::tools

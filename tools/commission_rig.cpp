@@ -1,0 +1,343 @@
+#include "tools/commission_rig.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "controller/rig/scaled_io.hpp"
+#include "core/control/fitting/rig_model.hpp"
+#include "core/errors/input_error.hpp"
+#include "core/numerics/two_pi.hpp"
+#include "core/systems/resonances.hpp"
+#include "core/yaml/quoted.hpp"
+#include "core/yaml/reader.hpp"
+
+namespace stillframe::tools {
+
+using controller::Channels;
+using controller::ProbeSettings;
+using controller::Recording;
+using controller::RigFile;
+using Eigen::Index;
+using robustness::Parameter;
+using Kind = Parameter::Kind;
+
+namespace {
+
+// Enough for a converter of 12 bits, and no danger to anything.
+constexpr double part_of_limit = 0.02;
+constexpr double highest_line = 0.42, off_resonance = 0.08;
+constexpr int most_lines = 44, lowest_line = 2;
+constexpr double told = 0.5, correlated = 0.9;
+
+ProbeSettings settings_of(const CommissionQuestion& question, const RigFile& rig) {
+  ProbeSettings settings;
+  settings.sample_rate_hz = question.design.gains.sample_rate_hz;
+  settings.force_n = question.force_n;
+  settings.most_n = 10 * question.force_n;
+  settings.n_floor = static_cast<Index>(rig.channels.floor.size());
+  settings.n_frame = static_cast<Index>(rig.channels.frame.size());
+  return settings;
+}
+
+/// Where each accelerometer of the frame stands among the scene's outputs.
+std::vector<Index> outputs_of(const RigFile& rig, const Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneSignal& output : scene.outputs) names.push_back(output.name);
+  std::vector<Index> places;
+  for (const std::string& name : rig.frame) {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      const std::string near = nearest_name(name, names);
+      throw InputError("rig file: frame: '" + name + "' is no output of the scene" +
+                       (near.empty() ? "" : "; the nearest name is '" + near + "'"));
+    }
+    places.push_back(found - names.begin());
+  }
+  return places;
+}
+
+/// A correction is of a node, whatever stands there.
+void refuse_shared_nodes(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.masses.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (scene.masses[i].node != scene.masses[j].node) continue;
+      throw InputError(scene.masses[i].place + ": node '" + scene.masses[i].node +
+                       "' has two masses, which no measurement tells apart; make them one");
+    }
+  }
+}
+
+/// Whether the rig measures all accelerations of the floor that the scene has, in their order.
+bool measures_floor(const RigFile& rig, const Scene& scene) {
+  return std::ranges::equal(rig.floor, scene.inputs, {}, {}, &SceneSignal::name);
+}
+
+/// What is applied over what is commanded of each leg: a gain that no force sensor sees.
+Eigen::VectorXd read_back_of(const fitting::RigRecord& record, const std::vector<bool>& driven,
+                             const SampledPlant& plant) {
+  const fitting::LineKernel kernel(record, 0);
+  const fitting::RigModel model(plant, record, {}, kernel);
+  const Index m = record.command.cols();
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(m), size = along;
+  for (std::size_t w = 0; w < driven.size(); ++w) {
+    if (!driven[w]) continue;
+    const fitting::WindowData data(record, static_cast<Index>(w), plant.report_age, kernel);
+    const Eigen::MatrixXcd expected = model.predicted(data).middleRows(m, m),
+                           read = data.read().middleRows(m, m);
+    along += expected.conjugate().cwiseProduct(read).real().rowwise().sum();
+    size += expected.cwiseAbs2().rowwise().sum();
+  }
+  return along.cwiseQuotient(size.cwiseMax(1e-300));
+}
+
+/// The gains that were fitted, in the channels: forces that act as they are commanded, sensors
+/// that read what there is.
+void put_gains(const Commissioned& found, Channels& channels) {
+  for (std::size_t i = 0; i < channels.force.size(); ++i) {
+    channels.force[i].gain *= found.read_back(static_cast<Index>(i));
+  }
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    const Parameter& parameter = found.question.parameters[i];
+    const double factor = 1 + found_deviation(found, i);
+    if (parameter.kind == Kind::actuator_gain) {
+      channels.force[parameter.index].gain *= factor;
+      channels.applied[parameter.index].gain *= factor;
+    }
+    if (parameter.kind == Kind::sensor_gain) channels.sigma[parameter.index].gain /= factor;
+  }
+}
+
+/// Of the output of which it is least, over all lines.
+double over_rest_db(const fitting::RigRecord& record, const std::vector<bool>& driven) {
+  const fitting::LineKernel kernel(record, 0);
+  Eigen::VectorXd power[2];
+  for (std::size_t w = 0; w < driven.size(); ++w) {
+    const fitting::WindowData data(record, static_cast<Index>(w), 0, kernel);
+    const Eigen::VectorXd each = data.read().cwiseAbs2().rowwise().sum();
+    Eigen::VectorXd& sum = power[driven[w]];
+    sum = sum.size() == 0 ? each : Eigen::VectorXd(sum.cwiseMax(each));
+  }
+  return 10 * std::log10((power[1].cwiseQuotient(power[0].cwiseMax(1e-300))).minCoeff());
+}
+
+}  // namespace
+
+double probe_force(const std::optional<double>& asked, const controller::Gains& gains,
+                   const std::filesystem::path& source) {
+  if (!gains.force_limit_n && !asked) {
+    throw InputError(source.string() + ": force_limit_n: missing; say --force in N");
+  }
+  const double force = asked.value_or(part_of_limit * gains.force_limit_n.value_or(0));
+  if (gains.force_limit_n && force > *gains.force_limit_n) {
+    throw InputError("--force: found " + shortest_digits(force) + ", allowed is up to " +
+                     shortest_digits(*gains.force_limit_n) + ", the force limit of the loop");
+  }
+  return force;
+}
+
+std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_window) {
+  const double df = design.gains.sample_rate_hz / static_cast<double>(n_window);
+  const Eigen::VectorXcd poles = design.settings.plant.A.eigenvalues();
+  const std::vector<Resonance> at = resonances(poles);
+  const auto near_resonance = [&](double hz) {
+    return std::ranges::any_of(at, [&](const Resonance& resonance) {
+      return std::abs(hz - resonance.hz) < off_resonance * resonance.hz;
+    });
+  };
+  const double from = lowest_line, to = highest_line * static_cast<double>(n_window);
+  std::vector<int> lines;
+  for (int i = 0; i < most_lines; ++i) {
+    const double exact = from * std::pow(to / from, i / double(most_lines - 1));
+    int line = static_cast<int>(std::lround(exact));
+    if (!lines.empty()) line = std::max(line, lines.back() + 1);
+    if (line > to || near_resonance(line * df)) continue;
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+Commissioned commission(controller::Io& io, const RigFile& rig, const CommissionQuestion& question,
+                        const controller::ProbeTime& time,
+                        const std::function<void(const std::string&, double)>& progress,
+                        const std::function<bool()>& stop) {
+  const judge::LoopDesign& design = question.design;
+  const Index m = design.gains.n_legs();
+  const controller::DriverSetting setting = rig.setting(design.gains);
+  refuse_shared_nodes(design.scene);
+  Commissioned found;
+  found.rig = rig;
+  found.question = {.scene = design.scene,
+                    .sampling = design.settings.sampling,
+                    .parameters =
+                        robustness::parameters_of(design.scene, question.uncertainty),
+                    .frame = outputs_of(rig, design.scene)};
+  ProbeSettings settings = settings_of(question, rig);
+  settings.lines = controller::probe_lines(settings.n_window);
+  const auto wiring_now = [&](const char* what) {
+    controller::ScaledIo scaled(io, found.rig.channels, setting.n_floor, setting.n_frame);
+    const auto probe = controller::probe_rig(
+        scaled, m, settings, time, [&](double done) { progress(what, done); }, stop);
+    return wiring_of(probe, settings, design.gains, found.rig.channels);
+  };
+  found.wiring = wiring_now("wiring");
+  if (!found.wiring.sound) {
+    if (!found.wiring.mended) return found;
+    found.rig.channels = found.wiring.channels;
+    const controller::Wiring again = wiring_now("wiring, once more");
+    // What is found beside a cable that was wrong may be found better now; what is still wrong is
+    // beyond a rig file.
+    if (!again.mended) {
+      found.wiring.mended = false;
+      return found;
+    }
+    found.rig.channels = again.channels;
+  }
+  settings.n_window = std::llround(question.window_s * settings.sample_rate_hz);
+  settings.n_windows = question.n_windows;
+  settings.lines = commission_lines(design, settings.n_window);
+  {
+    controller::ScaledIo scaled(io, found.rig.channels, setting.n_floor, setting.n_frame);
+    found.recording = controller::record_rig(
+        scaled, m, settings, time, [&](double done) { progress("recording", done); }, stop);
+  }
+  const Recording& recording = found.recording;
+  fitting::RigRecord record{
+      .sample_time = found.question.sampling.sample_time * (1 + recording.drift),
+      .command = recording.command,
+      .sigma = recording.sigma,
+      .applied = recording.applied,
+      .frame = recording.frame,
+      .floor = measures_floor(rig, design.scene) ? recording.floor
+                                                 : Eigen::MatrixXd(recording.floor.rows(), 0),
+      .windows = recording.windows,
+      .n_window = settings.n_window,
+      .lines = settings.lines};
+  found.question.sampling.sample_time = record.sample_time;
+  found.read_back =
+      read_back_of(record, recording.driven,
+                   robustness::sampled({found.question.scene, found.question.sampling}));
+  record.command *= found.read_back.asDiagonal();
+  found.disturbance_db = over_rest_db(record, recording.driven);
+  found.fit = fitting::fit_rig(found.question, record, recording.driven,
+                               [&](double done) { progress("fitting", done); });
+  put_gains(found, found.rig.channels);
+  return found;
+}
+
+double found_deviation(const Commissioned& found, std::size_t i) {
+  return found.question.parameters[i].size * found.fit.values(static_cast<Index>(i));
+}
+
+double found_doubt(const Commissioned& found, std::size_t i) {
+  return found.question.parameters[i].size * found.fit.deviation(static_cast<Index>(i));
+}
+
+bool is_told(const Commissioned& found, std::size_t i) {
+  return found.fit.deviation(static_cast<Index>(i)) < told;
+}
+
+std::vector<std::size_t> alike(const Commissioned& found, std::size_t i) {
+  std::vector<std::size_t> others;
+  for (std::size_t j = 0; j < found.question.parameters.size(); ++j) {
+    if (j == i) continue;
+    const double r =
+        found.fit.correlation(static_cast<Index>(i), static_cast<Index>(j));
+    if (std::abs(r) >= correlated) others.push_back(j);
+  }
+  return others;
+}
+
+std::string corrections_block(const Commissioned& found) {
+  // By key, then by part, in the order of the parameters.
+  std::vector<std::pair<std::string, std::vector<std::pair<std::string, std::vector<double>>>>> keys;
+  const auto add = [&](const std::string& key, const std::string& subject, double value) {
+    if (keys.empty() || keys.back().first != key) keys.push_back({key, {}});
+    auto& parts = keys.back().second;
+    if (parts.empty() || parts.back().first != subject) parts.push_back({subject, {}});
+    parts.back().second.push_back(value);
+  };
+  std::string delay;
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    const Parameter& parameter = found.question.parameters[i];
+    // Half a digit beyond the band, as a hand would write it.
+    char digits[32];
+    const double unit = std::pow(10, std::floor(std::log10(found_doubt(found, i))) - 1);
+    const double value = unit * std::round(found_deviation(found, i) / unit);
+    std::snprintf(digits, sizeof digits, "%.6g", value);
+    const double rounded = std::strtod(digits, nullptr);
+    switch (parameter.kind) {
+      case Kind::stiffness:
+        add("stiffness", parameter.subject, rounded);
+        break;
+      case Kind::damping:
+        add("damping", parameter.subject, rounded);
+        break;
+      case Kind::mass:
+        add("mass", parameter.subject, rounded);
+        break;
+      case Kind::inertia:
+        add("inertia", parameter.subject, rounded);
+        break;
+      case Kind::centre_of_mass:
+        add("centre_of_mass_m", parameter.subject, rounded);
+        break;
+      case Kind::leg_direction:
+        add("leg_direction_rad", parameter.subject, rounded);
+        break;
+      case Kind::delay:
+        delay = "  delay_samples: " + shortest_digits(rounded) + "\n";
+        break;
+      case Kind::actuator_gain:
+      case Kind::sensor_gain:
+        break;  // of the rig file
+    }
+  }
+  std::string text = "corrections:\n";
+  for (const auto& [key, parts] : keys) {
+    const bool is_list = key == "centre_of_mass_m" || key == "leg_direction_rad";
+    text += "  " + key + ":\n";
+    for (const auto& [subject, values] : parts) {
+      text += "    " + quoted(subject) + ": " + (is_list ? "[" : "");
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        text += (i > 0 ? ", " : "") + shortest_digits(values[i]);
+      }
+      text += is_list ? "]\n" : "\n";
+    }
+  }
+  return text + delay;
+}
+
+std::string uncertainty_left(const Commissioned& found) {
+  std::vector<std::pair<std::string, double>> keys;
+  const auto key_of = [](Kind kind) {
+    switch (kind) {
+      case Kind::stiffness: return "stiffness";
+      case Kind::damping: return "damping";
+      case Kind::mass: return "mass";
+      case Kind::inertia: return "inertia";
+      case Kind::centre_of_mass: return "centre_of_mass_m";
+      case Kind::leg_direction: return "leg_direction_rad";
+      case Kind::actuator_gain: return "actuator_gain";
+      case Kind::sensor_gain: return "sensor_gain";
+      case Kind::delay: return "delay_samples";
+    }
+    return "";
+  };
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    const std::string key = key_of(found.question.parameters[i].kind);
+    const double doubt = 2 * found_doubt(found, i);
+    if (keys.empty() || keys.back().first != key) keys.push_back({key, 0});
+    keys.back().second = std::max(keys.back().second, doubt);
+  }
+  std::string text;
+  for (const auto& [key, value] : keys) {
+    char line[80];
+    std::snprintf(line, sizeof line, "%s: %.2g\n", key.c_str(), value);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace stillframe::tools

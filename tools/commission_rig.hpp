@@ -1,0 +1,69 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller/rig/probe.hpp"
+#include "controller/rig/rig_file.hpp"
+#include "controller/rig/wiring.hpp"
+#include "core/control/fitting/rig_fit.hpp"
+#include "judge/loop_design.hpp"
+
+namespace stillframe::tools {
+
+/// N, what a leg is driven by while it is probed: --force, or 2 % of the limit. Errors: InputError
+/// without a limit (source: whose it would be), or beyond it.
+double probe_force(const std::optional<double>& asked, const controller::Gains& gains,
+                   const std::filesystem::path& source);
+
+/// What is asked of a rig that is to be commissioned.
+struct CommissionQuestion {
+  const judge::LoopDesign& design;
+  SceneUncertainty uncertainty;  ///< what the scene is known to, standard deviations
+  double force_n = 0;            ///< peak on a leg
+  double window_s = 2;
+  int n_windows = 5;
+};
+
+/// What was found.
+struct Commissioned {
+  controller::Wiring wiring;  ///< of the rig file as it was
+  controller::RigFile rig;    ///< put right, with the gains that were fitted
+  controller::Recording recording;
+  fitting::FitQuestion question;
+  fitting::RigFit fit;
+  Eigen::VectorXd read_back;  ///< m, what is applied over what is commanded
+  double disturbance_db = 0;  ///< what is read while driven over what is read at rest, least output
+};
+
+/// The lines of a window that a rig is driven at: evenly spaced on a logarithmic axis to 0.42 of
+/// the rate, none within 8 % of a resonance of the model, which an undamped frame would follow.
+std::vector<int> commission_lines(const judge::LoopDesign& design, Eigen::Index n_window);
+
+/// Probes the wiring, puts it right, records, fits. io is in the units and on the cables of the
+/// driver; rig: of the rig file. Errors: std::runtime_error of probe_rig and record_rig;
+/// InputError where the rig's accelerometers are none of the scene's. Where the wiring cannot be
+/// put right nothing after it is there, and wiring.mended is false.
+Commissioned commission(controller::Io& io, const controller::RigFile& rig,
+                        const CommissionQuestion& question, const controller::ProbeTime& time,
+                        const std::function<void(const std::string&, double)>& progress,
+                        const std::function<bool()>& stop);
+
+/// The deviation that was found of each parameter (SI, relative, samples) and the standard
+/// deviation of it.
+double found_deviation(const Commissioned& found, std::size_t parameter);
+double found_doubt(const Commissioned& found, std::size_t parameter);
+/// Whether the rig told it: known better by half than before.
+bool is_told(const Commissioned& found, std::size_t parameter);
+/// Those with which it could trade places: correlated by 0.9 or more.
+std::vector<std::size_t> alike(const Commissioned& found, std::size_t parameter);
+
+/// What was found as a block `corrections` of the scene, and what is left to doubt as one
+/// `uncertainty`: two standard deviations of the least known of each kind.
+std::string corrections_block(const Commissioned& found);
+std::string uncertainty_left(const Commissioned& found);
+
+}  // namespace stillframe::tools
