@@ -94,13 +94,12 @@ Json to_json(const Commissioned& found, const std::optional<Files>& files,
     const std::string name =
         i < 2 * m ? (i < m ? "sigma " : "applied ") + legs[static_cast<std::size_t>(i % m)]
                   : found.rig.frame[static_cast<std::size_t>(i - 2 * m)];
-    outputs.push_back({{"name", name},
-                       {"left_before", found.fit.left_before(i)},
-                       {"left", found.fit.left(i)}});
+    outputs.push_back(
+        {{"name", name}, {"left_before", found.fit.left_before(i)}, {"left", found.fit.left(i)}});
   }
   return {{"scene", found.question.scene.title},
           {"wrong", wrong},
-          {"mended", found.wiring.mended},
+          {"connected", found.wiring.connected},
           {"clock_ppm", files ? Json(-1e6 * found.recording.drift) : Json()},
           {"n_samples", found.recording.n_samples},
           {"n_lost", found.recording.n_lost},
@@ -121,7 +120,8 @@ void print_wiring(const Commissioned& found) {
     for (const std::string& what : leg.wrong) std::cout << leg.leg << ": " << what << "\n";
   }
   if (found.wiring.sound) std::cout << "Every leg answers as the rig file and the scene say.\n";
-  if (!found.wiring.sound && found.wiring.mended) std::cout << "Put right for what follows.\n";
+  if (!found.wiring.sound && found.wiring.connected)
+    std::cout << "Put right for what follows, but for delays.\n";
 }
 
 std::string with_unit(const robustness::Parameter& parameter, double deviation) {
@@ -131,38 +131,48 @@ std::string with_unit(const robustness::Parameter& parameter, double deviation) 
 void print_page(const Commissioned& found, const Files& files, const Loops& loops,
                 const CommissionOptions& options) {
   const auto& parameters = found.question.parameters;
-  std::cout << report::cell("\n%lld samples, %lld lost, clock %+.1f ppm; driven, the least output "
-                            "reads %.0f dB more than at rest\n\n",
-                            report::count(found.recording.n_samples),
-                            report::count(found.recording.n_lost), -1e6 * found.recording.drift,
-                            found.disturbance_db);
+  std::cout << report::cell(
+      "\n%lld samples, %lld lost, clock %+.1f ppm; driven, the least output "
+      "reads %.0f dB more than at rest\n\n",
+      report::count(found.recording.n_samples), report::count(found.recording.n_lost),
+      -1e6 * found.recording.drift, found.disturbance_db);
   report::Table table({"what", "found", "+- (95 %)", "known before", ""}, 1);
+  bool trade = false;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto others = alike(found, i);
     std::string note;
-    for (const std::size_t other : alike(found, i)) {
-      note += (note.empty() ? "as " : ", ") + name_of(parameters[other]);
-    }
-    if (!is_told(found, i)) note = "not told by this rig" + (note.empty() ? "" : ", " + note);
+    if (others.size() == 1) note = "or " + name_of(parameters[others[0]]);
+    if (others.size() > 1) note = report::cell("or with %zu others", others.size());
+    if (!is_told(found, i)) note = "not told" + (note.empty() ? "" : ", " + note);
     const auto without_sign = [&](double deviation) {
       return with_unit(parameters[i], deviation).substr(1);
     };
+    trade = trade || !others.empty();
     table.add({name_of(parameters[i]), with_unit(parameters[i], found_deviation(found, i)),
                without_sign(1.96 * found_doubt(found, i)), without_sign(parameters[i].size), note});
   }
   const auto& fit = found.fit;
-  std::cout << table.print()
-            << report::cell("\nOf what was read %.2g %% is left at most, %.2g %% of the scene as it "
-                            "was; ",
-                            100 * fit.left.maxCoeff(), 100 * fit.left_before.maxCoeff())
+  std::cout << table.print();
+  if (trade) {
+    std::cout
+        << "or ...: this rig tells both together rather than each (--json has all names). All "
+           "forces, masses\nand stiffnesses times one number are the same to force sensors "
+           "and accelerometers.\n";
+  }
+  std::cout << report::cell(
+                   "\nOf what was read %.2g %% is left at most, %.2g %% of the scene as it "
+                   "was; ",
+                   100 * fit.left.maxCoeff(), 100 * fit.left_before.maxCoeff())
             << report::cell("%.2f times the power of the noise at rest.\n", fit.over_noise);
   if (!fit.is_noise()) {
     std::cout << "The rig does something that no value of these parameters does: do not trust the "
                  "bands.\n";
   }
   if (!fit.converged) std::cout << "The fit has not settled.\n";
-  std::cout << report::cell("Spectral radius on what was found: %.6f with the gains of before, "
-                            "%.6f with those of the updated scene.\n",
-                            loops.before, loops.after)
+  std::cout << report::cell(
+                   "Spectral radius on what was found: %.6f with the gains of before, "
+                   "%.6f with those of the updated scene.\n",
+                   loops.before, loops.after)
             << "Written: " << files.scene.string() << ", " << files.uncertainty.string();
   if (options.rig) std::cout << ", " << files.rig.string();
   std::cout << "\nNext: stillframe design " << files.scene.string() << " --out gains.yaml, and\n"
@@ -172,11 +182,12 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
 
 Commissioned probed(const CommissionOptions& options, const judge::LoopDesign& design,
                     const RigFile& rig, Patience& patience) {
-  const CommissionQuestion question{.design = design,
-                                    .uncertainty = uncertainty_of(options, design.scene),
-                                    .force_n = probe_force(options.force_n, design.gains, options.scene),
-                                    .window_s = options.window_s,
-                                    .n_windows = options.windows};
+  const CommissionQuestion question{
+      .design = design,
+      .uncertainty = uncertainty_of(options, design.scene),
+      .force_n = probe_force(options.force_n, design.gains, options.scene),
+      .window_s = options.window_s,
+      .n_windows = options.windows};
   const auto go = [&](controller::Io& io) {
     try {
       return commission(
@@ -221,43 +232,43 @@ int run(const CommissionOptions& options) {
                      ": corrections: are there already; commission the scene as it was written, "
                      "or write them into it");
   }
-  RigFile rig = options.rig ? controller::read_rig(*options.rig, design.gains)
-                            : simulated_rig(design);
+  RigFile rig =
+      options.rig ? controller::read_rig(*options.rig, design.gains) : simulated_rig(design);
   if (!options.io.empty()) rig.driver = options.io;
-  const Files files{
-      updated(options.scene, ".updated.yaml"),
-      options.rig ? updated(*options.rig, ".updated.yaml") : std::filesystem::path(),
-      updated(options.scene, ".updated.uncertainty.yaml")};
-  require_own_places({{"the scene", options.scene},
-                      {"the rig file", options.rig},
-                      {"--controller", options.controller},
-                      {"--uncertainty", options.uncertainty},
-                      {"--simulate", options.simulate}},
-                     {{"the updated scene", files.scene},
-                      {"the uncertainty that is left", files.uncertainty}});
+  const Files files{updated(options.scene, ".updated.yaml"),
+                    options.rig ? updated(*options.rig, ".updated.yaml") : std::filesystem::path(),
+                    updated(options.scene, ".updated.uncertainty.yaml")};
+  require_own_places(
+      {{"the scene", options.scene},
+       {"the rig file", options.rig},
+       {"--controller", options.controller},
+       {"--uncertainty", options.uncertainty},
+       {"--simulate", options.simulate}},
+      {{"the updated scene", files.scene}, {"the uncertainty that is left", files.uncertainty}});
   Commissioned found = [&] {
     Patience patience("wiring");
     return probed(options, design, rig, patience);
   }();
   if (!options.json) print_wiring(found);
-  if (!found.wiring.mended) {
-    if (options.json) print(to_json(found, {}, {}, options, false));
-    else std::cout << "No rig file can put all of it right: nothing else was done.\n";
+  if (!found.wiring.connected) {
+    if (options.json)
+      print(to_json(found, {}, {}, options, false));
+    else
+      std::cout << "No rig file can put all of it right: nothing else was done.\n";
     return exit_failed;
   }
   std::string text = design.scene.text;
   if (!text.ends_with('\n')) text += '\n';
-  write_whole_file(files.scene, text + "\n# Measured on the rig; without this block the scene is "
-                                       "as it was written.\n" +
+  write_whole_file(files.scene, text +
+                                    "\n# Measured on the rig; without this block the scene is "
+                                    "as it was written.\n" +
                                     corrections_block(found));
-  write_whole_file(files.uncertainty, "# What is left to doubt of " +
-                                          files.scene.filename().string() +
-                                          ": two standard deviations of the least known.\n" +
-                                          uncertainty_left(found));
+  write_whole_file(files.uncertainty,
+                   "# What is left to doubt of " + files.scene.filename().string() +
+                       ": two standard deviations of the least known.\n" + uncertainty_left(found));
   if (options.rig) write_whole_file(files.rig, to_yaml(found.rig, design.gains));
-  const Loops loops{
-      judge::make_loop_design(files.scene, options.controller, options.scene).radius,
-      judge::make_loop_design(files.scene, options.controller).radius};
+  const Loops loops{judge::make_loop_design(files.scene, options.controller, options.scene).radius,
+                    judge::make_loop_design(files.scene, options.controller).radius};
   const bool passed = found.fit.converged && loops.after < 1 && found.fit.is_noise();
   if (options.json) {
     print(to_json(found, files, loops, options, passed));
@@ -309,12 +320,13 @@ void add_commission(cli::Command& app, int& exit_code) {
       "the rig\n"
       "could not be measured.\n"
       "Keys of --json:\n"
-      "  scene, wrong (leg, what), mended, clock_ppm, n_samples, n_lost\n"
+      "  scene, wrong (leg, what), connected, clock_ppm, n_samples, n_lost\n"
       "  parameters   {name, deviation, standard_deviation, known_before (relative, m, rad or "
       "samples), told,\n"
       "               alike (names of those it could trade places with)}\n"
       "  outputs      {name, left_before, left (of what was read, rms)}\n"
-      "  over_noise (power of what is left over that of the noise at rest), converged, spectral_radius_before, spectral_radius, scene_file, rig_file, "
+      "  over_noise (power of what is left over that of the noise at rest), converged, "
+      "spectral_radius_before, spectral_radius, scene_file, rig_file, "
       "uncertainty_file, passed\n"
       "Example: stillframe commission frame.yaml rig.yaml --uncertainty piezo_frame.yaml\n"
       "To try it without a rig: stillframe commission frame.yaml --simulate other_frame.yaml");

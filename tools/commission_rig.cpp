@@ -74,22 +74,21 @@ bool measures_floor(const RigFile& rig, const Scene& scene) {
   return std::ranges::equal(rig.floor, scene.inputs, {}, {}, &SceneSignal::name);
 }
 
-/// What is applied over what is commanded of each leg: a gain that no force sensor sees.
+/// What is applied over what is commanded of each leg: a gain that no force sensor sees. By its
+/// size, which no delay changes; the sign is of the wiring.
 Eigen::VectorXd read_back_of(const fitting::RigRecord& record, const std::vector<bool>& driven,
                              const SampledPlant& plant) {
   const fitting::LineKernel kernel(record, 0);
   const fitting::RigModel model(plant, record, {}, kernel);
   const Index m = record.command.cols();
-  Eigen::VectorXd along = Eigen::VectorXd::Zero(m), size = along;
+  Eigen::VectorXd read = Eigen::VectorXd::Zero(m), expected = read;
   for (std::size_t w = 0; w < driven.size(); ++w) {
     if (!driven[w]) continue;
     const fitting::WindowData data(record, static_cast<Index>(w), plant.report_age, kernel);
-    const Eigen::MatrixXcd expected = model.predicted(data).middleRows(m, m),
-                           read = data.read().middleRows(m, m);
-    along += expected.conjugate().cwiseProduct(read).real().rowwise().sum();
-    size += expected.cwiseAbs2().rowwise().sum();
+    read += data.read().middleRows(m, m).cwiseAbs2().rowwise().sum();
+    expected += model.predicted(data).middleRows(m, m).cwiseAbs2().rowwise().sum();
   }
-  return along.cwiseQuotient(size.cwiseMax(1e-300));
+  return read.cwiseQuotient(expected.cwiseMax(1e-300)).cwiseSqrt();
 }
 
 /// The gains that were fitted, in the channels: forces that act as they are commanded, sensors
@@ -170,8 +169,7 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
   found.rig = rig;
   found.question = {.scene = design.scene,
                     .sampling = design.settings.sampling,
-                    .parameters =
-                        robustness::parameters_of(design.scene, question.uncertainty),
+                    .parameters = robustness::parameters_of(design.scene, question.uncertainty),
                     .frame = outputs_of(rig, design.scene)};
   ProbeSettings settings = settings_of(question, rig);
   settings.lines = controller::probe_lines(settings.n_window);
@@ -183,13 +181,13 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
   };
   found.wiring = wiring_now("wiring");
   if (!found.wiring.sound) {
-    if (!found.wiring.mended) return found;
+    if (!found.wiring.connected) return found;
     found.rig.channels = found.wiring.channels;
     const controller::Wiring again = wiring_now("wiring, once more");
     // What is found beside a cable that was wrong may be found better now; what is still wrong is
     // beyond a rig file.
-    if (!again.mended) {
-      found.wiring.mended = false;
+    if (!again.connected) {
+      found.wiring.connected = false;
       return found;
     }
     found.rig.channels = again.channels;
@@ -242,8 +240,7 @@ std::vector<std::size_t> alike(const Commissioned& found, std::size_t i) {
   std::vector<std::size_t> others;
   for (std::size_t j = 0; j < found.question.parameters.size(); ++j) {
     if (j == i) continue;
-    const double r =
-        found.fit.correlation(static_cast<Index>(i), static_cast<Index>(j));
+    const double r = found.fit.correlation(static_cast<Index>(i), static_cast<Index>(j));
     if (std::abs(r) >= correlated) others.push_back(j);
   }
   return others;
@@ -251,7 +248,8 @@ std::vector<std::size_t> alike(const Commissioned& found, std::size_t i) {
 
 std::string corrections_block(const Commissioned& found) {
   // By key, then by part, in the order of the parameters.
-  std::vector<std::pair<std::string, std::vector<std::pair<std::string, std::vector<double>>>>> keys;
+  std::vector<std::pair<std::string, std::vector<std::pair<std::string, std::vector<double>>>>>
+      keys;
   const auto add = [&](const std::string& key, const std::string& subject, double value) {
     if (keys.empty() || keys.back().first != key) keys.push_back({key, {}});
     auto& parts = keys.back().second;
@@ -313,15 +311,24 @@ std::string uncertainty_left(const Commissioned& found) {
   std::vector<std::pair<std::string, double>> keys;
   const auto key_of = [](Kind kind) {
     switch (kind) {
-      case Kind::stiffness: return "stiffness";
-      case Kind::damping: return "damping";
-      case Kind::mass: return "mass";
-      case Kind::inertia: return "inertia";
-      case Kind::centre_of_mass: return "centre_of_mass_m";
-      case Kind::leg_direction: return "leg_direction_rad";
-      case Kind::actuator_gain: return "actuator_gain";
-      case Kind::sensor_gain: return "sensor_gain";
-      case Kind::delay: return "delay_samples";
+      case Kind::stiffness:
+        return "stiffness";
+      case Kind::damping:
+        return "damping";
+      case Kind::mass:
+        return "mass";
+      case Kind::inertia:
+        return "inertia";
+      case Kind::centre_of_mass:
+        return "centre_of_mass_m";
+      case Kind::leg_direction:
+        return "leg_direction_rad";
+      case Kind::actuator_gain:
+        return "actuator_gain";
+      case Kind::sensor_gain:
+        return "sensor_gain";
+      case Kind::delay:
+        return "delay_samples";
     }
     return "";
   };

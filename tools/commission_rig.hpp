@@ -46,7 +46,7 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Eigen::Index 
 /// Probes the wiring, puts it right, records, fits. io is in the units and on the cables of the
 /// driver; rig: of the rig file. Errors: std::runtime_error of probe_rig and record_rig;
 /// InputError where the rig's accelerometers are none of the scene's. Where the wiring cannot be
-/// put right nothing after it is there, and wiring.mended is false.
+/// put right nothing after it is there, and wiring.connected is false; delays are for the fit.
 Commissioned commission(controller::Io& io, const controller::RigFile& rig,
                         const CommissionQuestion& question, const controller::ProbeTime& time,
                         const std::function<void(const std::string&, double)>& progress,

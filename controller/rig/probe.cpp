@@ -63,9 +63,9 @@ void fill_gaps(MatrixXd& values, const std::vector<bool>& there) {
     if (!there[static_cast<std::size_t>(k)]) continue;
     for (Index gap = before + 1; gap < k; ++gap) {
       const double part = static_cast<double>(gap - before) / static_cast<double>(k - before);
-      values.row(gap) =
-          before < 0 ? values.row(k).eval()
-                     : ((1 - part) * values.row(before) + part * values.row(k)).eval();
+      values.row(gap) = before < 0
+                            ? values.row(k).eval()
+                            : ((1 - part) * values.row(before) + part * values.row(k)).eval();
     }
     before = k;
   }

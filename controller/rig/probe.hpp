@@ -50,9 +50,9 @@ struct Probe {
 
 /// A recording of a rig, m legs, q accelerations of the frame, p of the floor, one row a sample.
 struct Recording {
-  Eigen::MatrixXd command;  ///< n x m, N, in answer to the sample; held where there was none
-  Eigen::MatrixXd sigma, applied;     ///< n x m, N; on a straight line where a sample was lost
-  Eigen::MatrixXd frame, floor;       ///< n x q and n x p, m/s^2, likewise
+  Eigen::MatrixXd command;         ///< n x m, N, in answer to the sample; held where there was none
+  Eigen::MatrixXd sigma, applied;  ///< n x m, N; on a straight line where a sample was lost
+  Eigen::MatrixXd frame, floor;    ///< n x q and n x p, m/s^2, likewise
   std::vector<Eigen::Index> windows;  ///< where each window begins of which hardly a sample is lost
   std::vector<bool> driven;           ///< of each window
   double drift = 0;                   ///< of the samples' clock, 1

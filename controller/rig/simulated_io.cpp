@@ -33,9 +33,7 @@ SimulatedIo::SimulatedIo(SampledPlant plant, double floor_rms)
     : SimulatedIo(SimulatedPlant(plant, floor_rms), plant.Gamma_u.cols()) {}
 
 SimulatedIo::SimulatedIo(SimulatedPlant plant, Eigen::Index n_legs)
-    : plant_(std::move(plant)),
-      start_ns_(monotonic_ns()),
-      force_(Eigen::VectorXd::Zero(n_legs)) {}
+    : plant_(std::move(plant)), start_ns_(monotonic_ns()), force_(Eigen::VectorXd::Zero(n_legs)) {}
 
 bool SimulatedIo::receive(Measurement& m) noexcept {
   const double period_ns = plant_.sample_time() * ns_per_s;

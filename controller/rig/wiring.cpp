@@ -164,7 +164,7 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     // The amplifier drives another leg where both its sensors say so; otherwise its own.
     const Index driven = s >= 0 && s == a ? s : i;
     LegFinding& finding = wiring.legs[static_cast<std::size_t>(driven)];
-    if (!finding.leg.empty()) wiring.mended = false;
+    if (!finding.leg.empty()) wiring.connected = false;
     finding.leg = gains.legs[static_cast<std::size_t>(driven)];
     finding.sigma_mean = probe.rest.sigma_mean(s < 0 ? driven : s);
     finding.sigma_noise = probe.rest.sigma_scatter(s < 0 ? driven : s);
@@ -178,13 +178,13 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     if (s < 0 && a < 0) {
       finding.wrong.push_back(
           "neither force sensor nor read-back answers: amplifier, actuator or cable");
-      wiring.mended = false;
+      wiring.connected = false;
       continue;
     }
     if (s < 0) finding.wrong.push_back("force sensor: does not answer, or more than one does");
     if (a < 0) finding.wrong.push_back("read-back: does not answer, or more than one does");
     if (s < 0 || a < 0) {
-      wiring.mended = false;
+      wiring.connected = false;
       continue;
     }
     const VectorXcd u = response.command;
@@ -198,7 +198,8 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     finding.delay_samples = of_sigma.delay;
     const double allowed = std::max(tolerance, doubts * finding.doubt);
     const auto is_one = [&](double gain) { return std::abs(gain - 1) <= allowed; };
-    const double r_s = of_sigma.gain, r_a = of_applied.gain;
+    // Signs by themselves, beside a gain that is off as well: what turns both is the amplifier.
+    const double r_s = std::abs(of_sigma.gain), r_a = std::abs(of_applied.gain);
     if (is_one(r_s)) {
       finding.applied.gain = is_one(r_a) ? 1 : r_a;
     } else if (is_one(r_a)) {
@@ -206,6 +207,12 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     } else {
       finding.force.gain = r_a;
       finding.sigma.gain = is_one(r_s / r_a) ? 1 : r_s / r_a;
+    }
+    if (of_sigma.gain < 0 && of_applied.gain < 0) {
+      finding.force.gain = -finding.force.gain;
+    } else {
+      finding.sigma.gain = std::copysign(finding.sigma.gain, of_sigma.gain);
+      finding.applied.gain = std::copysign(finding.applied.gain, of_applied.gain);
     }
     say_gain(finding, "force sensor", finding.sigma.gain, allowed);
     say_gain(finding, "read-back", finding.applied.gain, allowed);
@@ -230,10 +237,11 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     if (!finding.wrong.empty()) wiring.sound = false;
   }
   wiring.channels = channels;
-  wiring.mended = wiring.mended && is_one_to_one(wiring.legs, &LegFinding::sigma) &&
-                  is_one_to_one(wiring.legs, &LegFinding::applied) &&
-                  is_one_to_one(wiring.legs, &LegFinding::force);
-  if (wiring.mended) {
+  wiring.connected = wiring.connected && is_one_to_one(wiring.legs, &LegFinding::sigma) &&
+                     is_one_to_one(wiring.legs, &LegFinding::applied) &&
+                     is_one_to_one(wiring.legs, &LegFinding::force);
+  wiring.mended = wiring.mended && wiring.connected;
+  if (wiring.connected) {
     wiring.channels.sigma = put_right(channels.sigma, wiring.legs, &LegFinding::sigma, false);
     wiring.channels.applied = put_right(channels.applied, wiring.legs, &LegFinding::applied, false);
     wiring.channels.force = put_right(channels.force, wiring.legs, &LegFinding::force, true);

@@ -28,9 +28,10 @@ struct LegFinding {
 
 struct Wiring {
   std::vector<LegFinding> legs;
-  Channels channels;   ///< the rig file's, with what was found put right
-  bool sound = true;   ///< nothing is wrong
-  bool mended = true;  ///< the channels put right all that is wrong
+  Channels channels;      ///< the rig file's, with what was found put right
+  bool sound = true;      ///< nothing is wrong
+  bool connected = true;  ///< the channels put right all that is wrong but for delays
+  bool mended = true;     ///< the channels put right all that is wrong
 };
 
 /// Frequencies at which the legs answer with the forces of their own actuators: between 0.2 and
@@ -41,8 +42,9 @@ std::vector<int> probe_lines(std::int64_t n_window);
 ///   r_s = sigma / (G_sigma u), r_a = applied / (G_applied u) over the lines, each a gain, a sign
 ///   and a
 /// delay. Read-back, amplifier and sensor are told apart by what they share: an amplifier is in
-/// both r_s and r_a, a sensor in r_s, a read-back in r_a alone; where both are off and not alike,
-/// the read-back is believed. tolerance: of a gain, 1. Set-up. Errors: as sample_and_hold.
+/// both r_s and r_a, a sensor in r_s, a read-back in r_a alone; where the sizes of both are off and
+/// not alike, the read-back is believed. tolerance: of a gain, 1. Set-up. Errors: as
+/// sample_and_hold.
 Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains& gains,
                  const Channels& channels, double tolerance = 0.01);
 

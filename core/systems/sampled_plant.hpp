@@ -24,7 +24,7 @@ struct Sampling {
   /// m, force that acts over force that is reported of each leg, times instruments.actuator_gain;
   /// empty: all 1.
   Eigen::VectorXd leg_gains;
-  Eigen::VectorXd leg_delays;  ///< m, samples, each >= 0, beside delay_samples; empty: all 0
+  Eigen::VectorXd leg_delays;    ///< m, samples, each >= 0, beside delay_samples; empty: all 0
   Eigen::VectorXd sensor_gains;  ///< m, what each force sensor reads over sigma; empty: all 1
 };
 

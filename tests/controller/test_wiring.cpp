@@ -10,6 +10,7 @@
 #include "controller/rig/simulated_plant.hpp"
 #include "controller/rig/wiring.hpp"
 #include "tests/controller/toy_plant.hpp"
+#include "tests/support/hidden_rig.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace stillframe::controller {
@@ -18,78 +19,19 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// What a rig is like that nobody has told of. Of leg i: its force sensor is on cable sigma[i], and
-/// reads gain_sigma(i) times; likewise the others.
-struct Hidden {
-  std::vector<Index> sigma{0, 1, 2, 3}, applied{0, 1, 2, 3}, force{0, 1, 2, 3};
-  VectorXd gain_sigma = VectorXd::Ones(4), gain_applied = VectorXd::Ones(4),
-           gain_force = VectorXd::Ones(4);
-  double ppm = 0, noise = 0, floor_rms = 0.003, step = 0;  ///< step: of a converter, N
-  double lost = 0;                                         ///< part of the samples
-};
-
-/// Its cards and its plant, on a time that does not wait.
-class HiddenRig : public Io {
+/// A rig of four legs on a floor of 0.003 m/s^2.
+class FourLegs : public HiddenRig {
  public:
-  HiddenRig(const Gains& plant, const Hidden& hidden, unsigned seed)
-      : plant_(plant, hidden.floor_rms),
-        hidden_(hidden),
-        random_(seed),
-        read_(measurement_of(4, 0)),
-        wanted_(VectorXd::Zero(4)),
-        acts_(VectorXd::Zero(4)) {}
-
-  ProbeTime time() {
-    return {.now_ns = [this] { return now_ns_; },
-            .sleep_until_ns =
-                [this](std::int64_t until) { now_ns_ = std::max(now_ns_, until + 15'000); }};
-  }
-
-  bool receive(Measurement& m) noexcept override {
-    const double period_ns = plant_.sample_time() * 1e9 / (1 + 1e-6 * hidden_.ppm);
-    const std::int64_t due = 1'000'000'000 + std::llround(static_cast<double>(k_ + 1) * period_ns);
-    if (due > now_ns_) return false;
-    if (k_ >= 0) plant_.advance(acts_);
-    ++k_;
-    plant_.read(read_);
-    for (Index leg = 0; leg < 4; ++leg) {
-      const auto i = static_cast<std::size_t>(leg);
-      const double noise = hidden_.noise * normal_(random_);
-      m.sigma(hidden_.sigma[i]) = counts(hidden_.gain_sigma(leg) * read_.sigma(leg) + noise + 3);
-      m.applied(hidden_.applied[i]) = counts(hidden_.gain_applied(leg) * read_.applied(leg));
-    }
-    m.seq = k_;
-    m.received_ns = due;
-    peak = std::max(peak, read_.sigma.cwiseAbs().maxCoeff());
-    if (uniform_(random_) < hidden_.lost) return receive(m);
-    return true;
-  }
-  void send(const Command& command) noexcept override {
-    wanted_ = command.force;
-    for (Index leg = 0; leg < 4; ++leg) {
-      acts_(leg) = hidden_.gain_force(leg) * wanted_(hidden_.force[static_cast<std::size_t>(leg)]);
-    }
-  }
-  void enable(bool on) noexcept override { enabled = on; }
-  const VectorXd& acts() const { return acts_; }
-
-  double peak = 0;
-  bool enabled = false;
-
- private:
-  double counts(double value) const {
-    return hidden_.step > 0 ? hidden_.step * std::round(value / hidden_.step) : value;
-  }
-
-  SimulatedPlant plant_;
-  Hidden hidden_;
-  std::mt19937_64 random_;
-  std::normal_distribution<double> normal_;
-  std::uniform_real_distribution<double> uniform_{0, 1};
-  Measurement read_;
-  VectorXd wanted_, acts_;
-  std::int64_t now_ns_ = 900'000'000, k_ = -1;
+  FourLegs(const Gains& gains, const Hidden& hidden, unsigned seed)
+      : HiddenRig(SimulatedPlant(gains, 0.003), hidden, seed) {}
 };
+
+Hidden four(double ppm, double noise) {
+  Hidden hidden(4);
+  hidden.ppm = ppm;
+  hidden.noise = noise;
+  return hidden;
+}
 
 Gains designed() {
   Gains gains = toy::damped_gains();
@@ -131,7 +73,7 @@ Gains off_by_a_fifth(Gains gains, std::mt19937_64& random) {
 
 TEST(Wiring, ASoundRigIsSound) {
   const Gains gains = designed();
-  HiddenRig rig(gains, {.ppm = 50, .noise = 0.01}, 1);
+  FourLegs rig(gains, four(50, 0.01), 1);
   const Wiring wiring = probed(rig, gains, default_rig(gains).channels);
   for (const LegFinding& leg : wiring.legs) {
     EXPECT_TRUE(leg.wrong.empty())
@@ -154,7 +96,9 @@ TEST(Wiring, WhatIsWrongIsNamedAndMended) {
   for (int trial = 0; trial < 50; ++trial) {
     SCOPED_TRACE(trial);
     const Gains gains = designed();
-    Hidden hidden{.ppm = drift(random), .noise = 0.02, .step = 0.01, .lost = 1e-4};
+    Hidden hidden = four(drift(random), 0.02);
+    hidden.step = 0.01;
+    hidden.lost = 1e-4;
     std::vector<std::size_t> legs{0, 1, 2, 3};
     std::ranges::shuffle(legs, random);
     // Which is swapped, which turned, and which has another gain.
@@ -168,7 +112,7 @@ TEST(Wiring, WhatIsWrongIsNamedAndMended) {
     const char* names[] = {"force sensor", "read-back", "amplifier"};
 
     const Gains real = off_by_a_fifth(gains, random);
-    HiddenRig rig(real, hidden, static_cast<unsigned>(trial));
+    FourLegs rig(real, hidden, static_cast<unsigned>(trial));
     const Wiring found = probed(rig, gains, default_rig(gains).channels);
     EXPECT_FALSE(found.sound);
     ASSERT_TRUE(found.mended);
@@ -185,18 +129,18 @@ TEST(Wiring, WhatIsWrongIsNamedAndMended) {
     EXPECT_NEAR(read[scaled] / size, 1, 0.01);
     EXPECT_LT(rig.peak, 3 * 4 * 1.3);
 
-    HiddenRig again(real, hidden, 1000u + static_cast<unsigned>(trial));
+    FourLegs again(real, hidden, 1000u + static_cast<unsigned>(trial));
     EXPECT_TRUE(probed(again, gains, found.channels).sound);
   }
 }
 
 TEST(Wiring, ADeadCableIsNamed) {
   const Gains gains = designed();
-  Hidden hidden{.noise = 0.02};
+  Hidden hidden = four(0, 0.02);
   hidden.gain_sigma(1) = 0;
   hidden.gain_applied(2) = 0;
   hidden.gain_force(3) = 0;
-  HiddenRig rig(gains, hidden, 1);
+  FourLegs rig(gains, hidden, 1);
   const Wiring wiring = probed(rig, gains, default_rig(gains).channels);
   EXPECT_FALSE(wiring.mended);
   EXPECT_TRUE(wiring.legs[0].wrong.empty());
@@ -209,7 +153,7 @@ TEST(Wiring, ADelayOfASampleIsSeen) {
   const Gains gains = designed();
   Gains slow = gains;
   slow.delay_samples = 2;
-  HiddenRig rig(slow, {.noise = 0.01}, 1);
+  FourLegs rig(slow, four(0, 0.01), 1);
   const Wiring wiring = probed(rig, gains, default_rig(gains).channels);
   for (const LegFinding& leg : wiring.legs) EXPECT_NEAR(leg.delay_samples, 1, 0.02) << leg.leg;
   EXPECT_FALSE(wiring.sound);
@@ -218,15 +162,16 @@ TEST(Wiring, ADelayOfASampleIsSeen) {
 
 TEST(Wiring, LetsGoOfARigThatIsDrivenTooFar) {
   const Gains gains = designed();
-  Hidden hidden;
+  Hidden hidden(4);
   hidden.gain_force(2) = 30;
-  HiddenRig rig(gains, hidden, 1);
+  FourLegs rig(gains, hidden, 1);
   const Channels channels = default_rig(gains).channels;
   EXPECT_THROW(probed(rig, gains, channels), std::runtime_error);
   EXPECT_EQ(rig.acts().norm(), 0);
   EXPECT_FALSE(rig.enabled);
-  Hidden lossy{.lost = 0.2};
-  HiddenRig gaps(gains, lossy, 1);
+  Hidden lossy(4);
+  lossy.lost = 0.2;
+  FourLegs gaps(gains, lossy, 1);
   EXPECT_THROW(probed(gaps, gains, channels), std::runtime_error);
   EXPECT_EQ(gaps.acts().norm(), 0);
 }

@@ -50,9 +50,7 @@ Simulated simulate(const SampledPlant& plant, const Drive& drive) {
   MatrixXd floor = MatrixXd::Zero(total, p);
   VectorXd x = VectorXd::Zero(plant.Phi.rows()), w = VectorXd::Zero(p), y = VectorXd::Zero(q);
   std::vector<VectorXd> reports(static_cast<std::size_t>(plant.report_age) + 1, VectorXd::Zero(m));
-  const auto commanded = [&](Index k, Index leg) {
-    return k >= 0 ? record.command(k, leg) : 0.0;
-  };
+  const auto commanded = [&](Index k, Index leg) { return k >= 0 ? record.command(k, leg) : 0.0; };
   for (Index k = 0; k < total; ++k) {
     VectorXd c_0(m), c_1(m);
     for (Index leg = 0; leg < m; ++leg) {

@@ -10,11 +10,11 @@ struct Drive {
   Eigen::Index n_window = 1000;
   int n_windows = 4, n_rest = 4;
   std::vector<int> lines;
-  double force = 4;         ///< N, peak
-  double floor_noise = 0;   ///< m/s^2, of each sample of each acceleration of the floor
-  double sigma_noise = 0;   ///< N, likewise of the force sensors
-  double applied_noise = 0; ///< N, of what is read back
-  double frame_noise = 0;   ///< m/s^2, likewise of the accelerometers of the frame
+  double force = 4;          ///< N, peak
+  double floor_noise = 0;    ///< m/s^2, of each sample of each acceleration of the floor
+  double sigma_noise = 0;    ///< N, likewise of the force sensors
+  double applied_noise = 0;  ///< N, of what is read back
+  double frame_noise = 0;    ///< m/s^2, likewise of the accelerometers of the frame
   unsigned seed = 1;
   bool floor_is_measured = false;
 };

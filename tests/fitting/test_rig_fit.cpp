@@ -1,10 +1,9 @@
-#include "core/control/fitting/rig_fit.hpp"
-
 #include <gtest/gtest.h>
 
 #include <iostream>
 #include <random>
 
+#include "core/control/fitting/rig_fit.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "tests/fitting/simulated_record.hpp"
 #include "tests/fitting/small_frame.hpp"
@@ -26,8 +25,8 @@ Drive drive_of(unsigned seed) {
   return {.n_window = 1000,
           .n_windows = 4,
           .n_rest = 12,
-          .lines = {3, 5, 7, 9, 11, 13, 15, 17, 19, 22, 25, 28, 32, 36, 41, 47, 54, 62, 71, 82, 94, 108,
-                    124, 142, 163, 187, 215, 247, 284, 326, 375, 420},
+          .lines = {3,  5,  7,  9,  11, 13,  15,  17,  19,  22,  25,  28,  32,  36,  41,  47,
+                    54, 62, 71, 82, 94, 108, 124, 142, 163, 187, 215, 247, 284, 326, 375, 420},
           .floor_noise = 0.003,
           .sigma_noise = 0.02,
           .applied_noise = 0.003,
@@ -42,9 +41,8 @@ TEST(RigFit, BandsHoldWhatWasHidden) {
   const auto p = static_cast<Index>(question.parameters.size());
   std::mt19937_64 random(3);
   int n = 0, within = 0;
-  VectorXd sum = VectorXd::Zero(p), worst = VectorXd::Zero(p);
   double left = 0;
-  for (unsigned trial = 0; trial < 50; ++trial) {
+  for (unsigned trial = 0; trial < 20; ++trial) {
     SCOPED_TRACE(trial);
     const VectorXd hidden = drawn(p, random);
     const SampledPlant plant = robustness::sampled(
@@ -53,19 +51,13 @@ TEST(RigFit, BandsHoldWhatWasHidden) {
     const RigFit fit = fit_rig(question, rig.record, rig.driven);
     EXPECT_TRUE(fit.converged);
     EXPECT_TRUE(fit.is_noise()) << fit.over_noise;
-    left += fit.over_noise / 50;
+    left += fit.over_noise / 20;
     for (Index i = 0; i < p; ++i) {
       const double off = std::abs(fit.values(i) - hidden(i)) / fit.deviation(i);
-      worst(i) = std::max(worst(i), off);
-      sum(i) += fit.deviation(i);
       if (fit.deviation(i) > 0.3) continue;  // known beforehand rather than found
       ++n;
       within += off < 1.96;
     }
-  }
-  for (Index i = 0; i < p; ++i) {
-    std::cout << robustness::name_of(question.parameters[static_cast<std::size_t>(i)]) << ": +-"
-              << sum(i) / 50 << ", worst " << worst(i) << "\n";
   }
   std::cout << within << " of " << n << " within, over noise " << left << "\n";
   EXPECT_GT(within, 0.90 * n);

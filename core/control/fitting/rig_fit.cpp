@@ -24,13 +24,18 @@ using Kind = robustness::Parameter::Kind;
 namespace {
 
 constexpr int most_steps = 40;
-// Of the first looks: modes that look damped by a tenth pass through lines, and so to where they are.
-constexpr double decays[] = {0.1, 0.02, 0, 0, 0};
+/// How the fit looks at the record, one look after the other.
+struct Look {
+  /// Modes that look damped by a tenth pass through lines, and so to where they are.
+  double decay;
+  double wrong;  ///< the part of what is read that the model is taken to be wrong by
+};
+constexpr Look looks[] = {{0.1, 0.3}, {0.02, 0.1}, {0, 0.03}, {0, 0}, {0, 0}};
 constexpr int most_rounds = 5, first_by_noise = 3;
 // Of a prior's standard deviation: of the 1e-10 of a model, 1e-7 of a slope is left.
 constexpr double difference_step = 1e-3;
-// A twentieth of a standard deviation, squared: not seen in any band. Where there is no noise yet to
-// measure by, a part of what is left.
+// A twentieth of a standard deviation, squared: not seen in any band. Where there is no noise yet
+// to measure by, a part of what is left.
 constexpr double still = 0.0025, small_part = 1e-3;
 // Of the size of an output at a line: what converters and arithmetic leave of a simulation.
 constexpr double least_noise = 1e-7;
@@ -122,8 +127,9 @@ class Fit {
   }
 
   /// The inverse roots of the covariance of what is left about each line, of the windows at rest or
-  /// of all.
-  Weights by_noise(const std::vector<MatrixXcd>& residual, Index n_ends, bool of_all) const {
+  /// of all; with a part of the size of each output, by which the model may still be wrong.
+  Weights by_noise(const std::vector<MatrixXcd>& residual, Index n_ends, bool of_all,
+                   double wrong) const {
     std::vector<MatrixXcd> noise;
     for (std::size_t w = 0; w < residual.size(); ++w) {
       if (of_all || !driven_[w]) noise.push_back(residual[w]);
@@ -132,8 +138,8 @@ class Fit {
     // So many lines that there are three times as many numbers as the covariance has dimensions.
     const Index about = std::max<Index>(1, (3 * n_out() + n_windows - 1) / n_windows / 2);
     // The ends of a window take up a part of what it reads.
-    const double left = 1 - static_cast<double>(n_ends) /
-                                static_cast<double>(2 * n_lines() * n_out());
+    const double left =
+        1 - static_cast<double>(n_ends) / static_cast<double>(2 * n_lines() * n_out());
     std::vector<VectorXd> size;
     for (Index l = 0; l < n_lines(); ++l) size.push_back(rms(noise, l));
     Weights weights;
@@ -155,7 +161,7 @@ class Fit {
       const double few = static_cast<double>(n) / std::max<double>(1, double(n - n_out()));
       // Half of it is in the real part, and least squares are over real and imaginary parts.
       S *= few / (2 * static_cast<double>(n) * left);
-      S.diagonal() += (least_noise * sizes(l)).cwiseAbs2().cast<Complex>();
+      S.diagonal() += ((least_noise + wrong) * sizes(l)).cwiseAbs2().cast<Complex>();
       const Eigen::LLT<MatrixXcd> llt(S);
       weights.push_back(llt.matrixL().solve(MatrixXcd::Identity(n_out(), n_out())));
     }
@@ -209,8 +215,7 @@ class Fit {
       const VectorXd D = norms.cwiseInverse().asDiagonal() * qr.solve(all.col(0));
       for (Index i = 0; i < n_slopes; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        put((up[k].predicted(window) - down[k].predicted(window)) / step(i), weights,
-            1 + i, all);
+        put((up[k].predicted(window) - down[k].predicted(window)) / step(i), weights, 1 + i, all);
         all.col(1 + i) += ends_slope[k] * D;
       }
       all.applyOnTheLeft(qr.householderQ().adjoint());
@@ -281,7 +286,7 @@ class Fit {
   const std::vector<bool>& driven_;
   std::optional<LineKernel> kernel_;
   std::vector<WindowData> windows_;
-  Index delay_ = -1;              ///< parameter
+  Index delay_ = -1;             ///< parameter
   double first_ = 0, last_ = 0;  ///< values that it is kept between
 };
 
@@ -308,12 +313,15 @@ RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
   found.values = VectorXd::Zero(p);
   Weights weights = fit.by_size();
   found.left_before = fit.left(fit.normal(found.values, weights, false).residual);
-  fit.look_from(decays[0]);
-  weights = fit.by_size();
+  const auto look = [&](int round, const std::vector<MatrixXcd>& residual, bool of_all) {
+    weights = fit.by_noise(residual, fit.model(found.values).n_ends(), of_all, looks[round].wrong);
+  };
+  fit.look_from(looks[0].decay);
+  look(0, fit.normal(found.values, fit.by_size(), false).residual, !fit.has_rest());
   fit.choose_whole_delay(found.values, weights);
   Normal now = fit.normal(found.values, weights, true);
-  // First by the sizes of what was read, then by the noise at rest, which no error of the model is
-  // in, at last by all that is left, if that is noise.
+  // By the noise at rest, which no error of the model is in, at last by all that is left, if that
+  // is noise.
   for (int round = 0; round < most_rounds; ++round) {
     double damp = 1e-3;
     found.converged = false;
@@ -324,7 +332,8 @@ RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
       const VectorXd b = now.Jtr - found.values;
       const double cost = now.cost + found.values.squaredNorm();
       // What an undamped step would win. By noise it is a square of standard deviations.
-      found.converged = b.dot(A.ldlt().solve(b)) < (round < first_by_noise ? small_part * cost : still);
+      found.converged =
+          b.dot(A.ldlt().solve(b)) < (round < first_by_noise ? small_part * cost : still);
       if (found.converged) break;
       VectorXd there = found.values;
       bool better = false;
@@ -347,13 +356,11 @@ RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
     found.left = fit.left(now.residual);
     if (round == first_by_noise && fit.has_rest()) found.over_noise = now.driven;
     if (round + 1 == most_rounds || (round + 2 == most_rounds && !found.is_noise())) break;
-    if (round + 1 < first_by_noise) {
-      fit.look_from(decays[round + 1]);
-      weights = fit.by_size();
-    } else {
-      const bool of_all = !fit.has_rest() || round + 2 == most_rounds;
-      weights = fit.by_noise(now.residual, fit.model(found.values).n_ends(), of_all);
+    if (looks[round + 1].decay != looks[round].decay) {
+      fit.look_from(looks[round + 1].decay);
+      now = fit.normal(found.values, fit.by_size(), false);
     }
+    look(round + 1, now.residual, !fit.has_rest() || round + 2 == most_rounds);
     now = fit.normal(found.values, weights, true);
   }
   MatrixXd A = now.JtJ;

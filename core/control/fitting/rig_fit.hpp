@@ -20,8 +20,8 @@ struct FitQuestion {
 };
 
 struct RigFit {
-  Eigen::VectorXd values;     ///< p, in units of size
-  Eigen::MatrixXd covariance; ///< p x p, in units of size, with what was known beforehand
+  Eigen::VectorXd values;      ///< p, in units of size
+  Eigen::MatrixXd covariance;  ///< p x p, in units of size, with what was known beforehand
   /// n_out (sigma, applied, frame), rms over windows and lines of what the fit leaves over that of
   /// what was read, while driven; before: of the scene as it is.
   Eigen::VectorXd left, left_before;

@@ -41,9 +41,7 @@ LineKernel::LineKernel(const RigRecord& record, double decay)
 
 WindowData::WindowData(const RigRecord& record, Index window, int report_age,
                        const LineKernel& kernel)
-    : record_(record),
-      kernel_(kernel),
-      from_(record.windows[static_cast<std::size_t>(window)]) {
+    : record_(record), kernel_(kernel), from_(record.windows[static_cast<std::size_t>(window)]) {
   const Index m = record.command.cols(), q = record.frame.cols();
   read_.resize(2 * m + q, kernel.z.size());
   read_.topRows(m) = sums(record.sigma, from_, kernel);
@@ -122,8 +120,6 @@ MatrixXcd RigModel::predicted(const WindowData& window) const {
   return all;
 }
 
-MatrixXcd RigModel::of_ends(std::size_t line) const {
-  return response_[line].rightCols(n_ends_);
-}
+MatrixXcd RigModel::of_ends(std::size_t line) const { return response_[line].rightCols(n_ends_); }
 
 }  // namespace stillframe::fitting
