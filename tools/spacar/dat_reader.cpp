@@ -6,16 +6,19 @@
 #include <functional>
 #include <map>
 #include <string_view>
+#include <tuple>
 
+#include "core/yaml/reader.hpp"
 #include "tools/spacar/dat_nodes.hpp"
 #include "tools/spacar/dat_records.hpp"
+#include "tools/spacar/sections.hpp"
 
 namespace stillframe::tools::spacar {
 
 namespace {
 
 /// How an element keyword goes: its nodes in the order of the file, p for a position, r for an
-/// orientation, and how many deformations it has.
+/// orientation, w for what warps, and how many deformations it has.
 struct ElementForm {
   std::string_view keyword;
   Kind kind;
@@ -26,6 +29,7 @@ struct ElementForm {
 };
 constexpr std::array element_forms{
     ElementForm{"BEAM", Kind::beam, false, "prpr", true, 6},
+    ElementForm{"BEAMW", Kind::beam, false, "prwprw", true, 6},
     ElementForm{"PLBEAM", Kind::beam, true, "prpr", false, 3},
     ElementForm{"TRUSS", Kind::truss, false, "pp", false, 1},
     ElementForm{"PLTRUSS", Kind::truss, true, "pp", false, 1},
@@ -34,11 +38,11 @@ constexpr std::array element_forms{
     ElementForm{"PLTOR", Kind::hinge, true, "rr", false, 1},
     ElementForm{"RBEAM", Kind::rigid_arm, false, "prp", true, 0},
     ElementForm{"PLRBEAM", Kind::rigid_arm, true, "prp", false, 0},
+    ElementForm{"PINBODY", Kind::rigid_arm, false, "prp", false, 0},
 };
 /// Elements of SPACAR that a scene has nothing for.
-constexpr std::array other_elements{"BEAMW",  "BELT",   "PLBELT", "GEAR",     "PLGEAR", "WHEEL",
-                                    "SLIDER", "TUBE",   "PLTUBE", "PLBEAR",   "BEAR",   "PINBODY",
-                                    "PLPIN",  "PLWHEEL"};
+constexpr std::array other_elements{"BELT",   "PLBELT", "GEAR",   "PLGEAR", "WHEEL",
+                                    "PLWHEEL", "SLIDER", "TUBE",   "PLTUBE"};
 constexpr std::array no_part{"OUTLEVEL", "TIMESTEP", "ITERSTEP", "MAXTIMESTEP", "RESTART",
                              "VISUALIZATION", "TITLE"};
 
@@ -65,10 +69,15 @@ class DatReader {
     model_.title = slash == std::string::npos ? file_.name : file_.name.substr(slash + 1);
     find_plane();
     for (const Record& record : file_.records) read_node(record);
-    for (const Record& record : file_.records) read_element_nodes(record);
+    // Rigid bodies first: they carry an orientation to where others look for it; hinges last.
+    for (const Kind kind : {Kind::rigid_arm, Kind::beam, Kind::truss, Kind::hinge}) {
+      for (const Record& record : file_.records) read_element_nodes(record, kind);
+    }
     nodes_.make_nodes();
     for (const Record& record : file_.records) read_element(record);
     for (const Record& record : file_.records) read_rest(record);
+    stiffen_by_warping();
+    note_directions();
     if (file_.first_line_of_pictures > 0) {
       model_.remarks.no_part.push_back({.line = file_.first_line_of_pictures,
                                         .what = "what follows END END",
@@ -84,6 +93,8 @@ class DatReader {
   DatNodes nodes_;
   std::map<int, std::size_t> elements_;  ///< number to place in model_.elements
   std::map<int, int> n_deformations_;
+  std::map<int, std::pair<int, int>> warping_ends_;  ///< of a BEAMW, its nodes that warp
+  std::set<int> held_warping_;
   std::set<int> untranslated_;  ///< numbers of elements that a scene has nothing for
   std::map<std::pair<int, int>, std::size_t> moved_nodes_, moved_elements_;
 
@@ -150,26 +161,37 @@ class DatReader {
     return out;
   }
 
-  void read_element_nodes(const Record& record) {
-    const ElementForm* form = record.block == 0 ? form_of(record.keyword) : nullptr;
-    if (form == nullptr) return;
-    const std::vector<int> numbers = nodes_of(record, *form);
-    const std::string order = numbers.size() == 4 ? "prpr" : std::string(form->nodes);
+  static std::string order_of(const ElementForm& form, std::size_t n_nodes) {
+    return form.kind == Kind::rigid_arm && n_nodes == 4 ? "prpr" : std::string(form.nodes);
+  }
+
+  void require_kinds(const Record& record, const std::vector<int>& numbers,
+                     const std::string& order) const {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (order[i] == 'p' && !nodes_.is_placed(numbers[i])) {
         refuse(file_.name, record.line, record.keyword,
                "node " + std::to_string(numbers[i]) + ", which has no X",
                "is a position that an X gives");
       }
-      if (order[i] == 'r' && nodes_.is_placed(numbers[i])) {
+      if (order[i] != 'p' && nodes_.is_placed(numbers[i])) {
         refuse(file_.name, record.line, record.keyword,
                "node " + std::to_string(numbers[i]) + " as an orientation",
                "is a node that is no position: an X gives it one");
       }
     }
+  }
+
+  void read_element_nodes(const Record& record, Kind kind) {
+    const ElementForm* form = record.block == 0 ? form_of(record.keyword) : nullptr;
+    if (form == nullptr || form->kind != kind) return;
+    const std::vector<int> numbers = nodes_of(record, *form);
+    const std::string order = order_of(*form, numbers.size());
+    require_kinds(record, numbers, order);
     bool one_place = true;
-    if (form->kind == Kind::hinge) {
+    if (kind == Kind::hinge) {
       one_place = nodes_.join(numbers[0], numbers[1]) || waits_for_later(numbers);
+    } else if (order == "prp") {
+      one_place = nodes_.carry(numbers[0], numbers[1], numbers[2]);
     } else {
       for (std::size_t i = 0; i + 1 < order.size(); ++i) {
         if (order[i] == 'p' && order[i + 1] == 'r') {
@@ -233,22 +255,22 @@ class DatReader {
 
   bool name_ends(Element& element, const ElementForm& form, const std::vector<int>& numbers,
                  const Record& record) {
+    const std::string order = order_of(form, numbers.size());
     if (form.kind == Kind::hinge) {
       if (!nodes_.is_orientation(numbers[0]) || !nodes_.is_orientation(numbers[1])) {
         leave_out(record, "joins orientations that no other element has, so they are nowhere");
         untranslated_.insert(whole_number(file_, record, 0));
         return false;
       }
-      element.p = nodes_.of_orientation(numbers[0]);
-      element.q = nodes_.of_orientation(numbers[1]);
+      std::tie(element.p, element.q) = nodes_.of_hinge(numbers[0], numbers[1]);
     } else if (form.kind == Kind::truss) {
       element.p = nodes_.of_position(numbers[0]);
       element.q = nodes_.of_position(numbers[1]);
     } else {
-      element.p = nodes_.of_orientation(numbers[1]);
-      element.q = numbers.size() == 4
-                      ? nodes_.of_orientation(numbers[3])
-                      : nodes_.alone_at(numbers[2], element.name + "_end", {record.line});
+      element.p = nodes_.of_pair(numbers[0], numbers[1]);
+      const std::size_t q = order.find('p', 1);
+      element.q = nodes_.of_pair(numbers[q], numbers[order == "prp" ? 1 : q + 1]);
+      if (order == "prwprw") warping_ends_[whole_number(file_, record, 0)] = {numbers[2], numbers[5]};
     }
     return true;
   }
@@ -264,11 +286,54 @@ class DatReader {
         refuse(file_.name, record.line, record.keyword, "a direction of zero length",
                "is one of any other length");
       }
-    } else if (form.kind != Kind::rigid_arm) {
-      const bool hinge = form.kind == Kind::hinge;
-      element.direction = hinge ? Eigen::Vector3d::UnitX() : across(element);
-      leave_out(record, hinge ? "names no axis; the scene has x"
-                              : "names no direction of y'; the scene has one across it");
+    } else if (form.kind == Kind::hinge) {
+      element.direction = Eigen::Vector3d::UnitX();
+      leave_out(record, "names no axis; the scene has x");
+    }
+  }
+
+  /// A beam that is flexible, or has rotary inertia, has to know which way its section lies.
+  void note_directions() {
+    for (Element& element : model_.elements) {
+      if (element.kind != Kind::beam || model_.planar || element.direction) continue;
+      element.direction = across(element);
+      if (element.flexible.empty() && element.inertia.size() < 2) continue;
+      model_.remarks.left_out.push_back(
+          {.line = *element.lines.begin(),
+           .what = element.name,
+           .why = "names no direction of y'; the scene has one across it"});
+    }
+  }
+
+  /// BEAMW: constrained warping, as a larger stiffness of torsion.
+  void stiffen_by_warping() {
+    std::map<int, int> strips;
+    for (const auto& [number, ends] : warping_ends_) {
+      const Element& element = model_.elements[elements_.at(number)];
+      if (element.flexible.empty()) continue;
+      ++strips[ends.first];
+      ++strips[ends.second];
+    }
+    for (const auto& [number, ends] : warping_ends_) {
+      Element& element = model_.elements[elements_.at(number)];
+      if (element.flexible.empty() || element.stiffness.size() < 7) continue;
+      const int n_held = (held_warping_.contains(ends.first) ? 1 : 0) +
+                         (held_warping_.contains(ends.second) ? 1 : 0);
+      const double l =
+          (model_.node(element.q).position - model_.node(element.p).position).norm();
+      element.torsion_factor =
+          warping_factor(element.stiffness[1], element.stiffness[6], l, n_held);
+      bool goes_on = false;
+      for (const int end : {ends.first, ends.second}) {
+        goes_on = goes_on || (strips[end] > 1 && !held_warping_.contains(end));
+      }
+      std::string why = "its GJ is " + shortest_digits(element.torsion_factor) +
+                        " times that of free torsion, as " + std::to_string(n_held) +
+                        (n_held == 1 ? " end cannot warp" : " ends cannot warp");
+      if (goes_on) why += "; that warping goes on into its neighbour is left out";
+      model_.remarks.approximated.push_back({.line = *element.lines.begin(),
+                                             .what = "BEAMW " + std::to_string(number),
+                                             .why = why});
     }
   }
 
@@ -349,8 +414,19 @@ class DatReader {
     return model_.planar || (has(2) && has(3) && has(4));
   }
 
+  bool is_warping(const Record& record, std::size_t i) const {
+    const int number = whole_number(file_, record, i);
+    return std::any_of(warping_ends_.begin(), warping_ends_.end(), [&](const auto& ends) {
+      return ends.second.first == number || ends.second.second == number;
+    });
+  }
+
   void read_fix(const Record& record) {
     require_count(file_, record, 1, 5, "are a node and its coordinates");
+    if (is_warping(record, 0)) {
+      held_warping_.insert(whole_number(file_, record, 0));
+      return;
+    }
     const Coordinate of = coordinate_of(record, 0);
     const std::vector<int> which = coordinates(record, 1, of);
     Support support{.node = node_of(record, 0), .fix = {}, .lines = {record.line}};
@@ -466,7 +542,8 @@ class DatReader {
 
   /// ESTIFF, EDAMP, EM and ESIG, with what the element of each kind has of them.
   void read_element_numbers(const Record& record) {
-    require_count(file_, record, 2, 8, "are an element and its numbers");
+    require_count(file_, record, 1, 8, "are an element and its numbers");
+    if (record.words.size() == 1) return;
     const int number = whole_number(file_, record, 0);
     const auto found = elements_.find(number);
     const Kind kind = found == elements_.end() ? Kind::beam : model_.elements[found->second].kind;
@@ -477,12 +554,12 @@ class DatReader {
         leave_out(record, "a scene has no mass of such an element");
         return;
       }
-      most = kind == Kind::beam ? (model_.planar ? 2 : 5) : 1;
+      most = kind == Kind::beam ? (model_.planar ? 2 : 6) : 1;
       element_numbers(record, &Element::inertia, most);
       return;
     }
     if (kind == Kind::beam && model_.planar) most = stiff || record.keyword == "ESIG" ? 3 : 2;
-    if (kind == Kind::beam && !model_.planar) most = stiff || record.keyword == "ESIG" ? 6 : 4;
+    if (kind == Kind::beam && !model_.planar) most = stiff ? 7 : (record.keyword == "ESIG" ? 6 : 4);
     if (kind == Kind::hinge && !model_.planar) most = 3;
     if (kind == Kind::rigid_arm) {
       leave_out(record, "the element is rigid");
@@ -646,10 +723,15 @@ class DatReader {
         node_signal(r, model_.outputs, of_position, of_rotation);
       };
     };
-    return {{"INPUTF", [this](const Record& r) { node_signal(r, model_.inputs, "force", "torque"); }},
+    const auto element_output = [this](const char* quantity) {
+      return [=, this](const Record& r) { element_signal(r, model_.outputs, quantity); };
+    };
+    return {{"INPUTS", [this](const Record& r) { element_signal(r, model_.inputs, "stress"); }},
+            {"INPUTF", [this](const Record& r) { node_signal(r, model_.inputs, "force", "torque"); }},
             {"OUTX", node_output("position", "rotation")},
             {"OUTXP", node_output("velocity", "angular_velocity")},
-            {"OUTE", [this](const Record& r) { element_signal(r, model_.outputs, "deformation"); }}};
+            {"OUTE", element_output("deformation")},
+            {"OUTEP", element_output("deformation_rate")}};
   }
 
   void read_rest(const Record& record) {
@@ -667,7 +749,10 @@ class DatReader {
     const std::map<std::string, Reading> all = readings(std::min(record.block, 2));
     const auto found = all.find(record.keyword);
     if (found == all.end()) {
-      leave_out(record, "is no keyword that this program translates in this block");
+      const bool kinematic = record.keyword == "KINX" || record.keyword == "KINE";
+      leave_out(record, kinematic ? "is a coordinate that follows a rolling motion, and a scene has "
+                                    "none that are no dofs"
+                                  : "is no keyword that this program translates in this block");
       return;
     }
     if (record.words.empty()) {

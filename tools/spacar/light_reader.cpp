@@ -619,7 +619,8 @@ class LightReader {
       if (!held_by_set && warping_held_.contains(node)) ++n_held;
       if (!held_by_set && !warping_held_.contains(node) && warping_strips_[node] > 1) goes_on = true;
     }
-    element.torsion_factor = warping_factor(its, length, n_held);
+    element.torsion_factor =
+        warping_factor(element.stiffness[1], section_warping(its), length, n_held);
     const Field& field = set.fields.at(warps ? "warping" : "cw");
     std::string why = "GJ of " + element.name + " is " + shortest_digits(element.torsion_factor) +
                       " times that of free torsion, as " + std::to_string(n_held) +

@@ -57,11 +57,13 @@ std::vector<double> section_inertia(const Section& section) {
   return {rho * a.A, rho * (a.I_y + a.I_z), rho * a.I_y, rho * a.I_z};
 }
 
-double warping_factor(const Section& section, double length, int n_held_ends) {
-  if (section.circular || n_held_ends == 0) return 1;
-  const double w = section.width, t = section.thickness;
-  const double warping = section.e_modulus * std::pow(w * t, 3) / 144;
-  const double torsion = section.g_modulus * rectangle_torsion_constant(w, t);
+double section_warping(const Section& section) {
+  if (section.circular) return 0;
+  return section.e_modulus * std::pow(section.width * section.thickness, 3) / 144;
+}
+
+double warping_factor(double torsion, double warping, double length, int n_held_ends) {
+  if (n_held_ends == 0 || !(warping > 0) || !(torsion > 0)) return 1;
   // Held at both ends a beam is two of half its length, each held at one.
   const double kappa = length * std::sqrt(torsion / warping) / n_held_ends;
   return 1 / (1 - std::tanh(kappa) / kappa);

@@ -27,9 +27,12 @@ std::vector<double> section_inertia(const Section& section);
 /// Elasticity, article 109).
 double rectangle_torsion_constant(double a, double b);
 
-/// By how much a strip twists less because its ends cannot warp: Vlasov's G J theta' - E I_w
-/// theta''' = T with I_w = w^3 t^3 / 144, over a length L with one end held against warping, or
-/// both. 1 of a circle, which does not warp.
-double warping_factor(const Section& section, double length, int n_held_ends);
+/// Vlasov's warping stiffness of a strip, E w^3 t^3 / 144 (N m^4); 0 of a circle, which does not
+/// warp.
+double section_warping(const Section& section);
+
+/// By how much a beam twists less because its ends cannot warp: G J theta' - E I_w theta''' = T over
+/// a length L with one end held against warping, or both. 1 without ends or without E I_w.
+double warping_factor(double torsion, double warping, double length, int n_held_ends);
 
 }  // namespace stillframe::tools::spacar
