@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numeric>
 #include <string_view>
 #include <tuple>
 
@@ -362,7 +363,8 @@ class DatReader {
       refuse(file_.name, record.line, record.keyword, "element " + std::to_string(number),
              "is the number of an element of this file");
     }
-    model_.elements[found->second].lines.insert(record.line);
+    // An output is no property of its element.
+    if (record.block < 2) model_.elements[found->second].lines.insert(record.line);
     return &model_.elements[found->second];
   }
 
@@ -479,7 +481,10 @@ class DatReader {
     for (std::size_t i = 1; i < record.words.size(); ++i) {
       modes.push_back(mode_of(record, i, *element));
     }
-    for (int i = 1; modes.empty() && i <= n_deformations_.at(number); ++i) modes.push_back(i);
+    if (modes.empty()) {
+      modes.resize(static_cast<std::size_t>(n_deformations_.at(number)));
+      std::iota(modes.begin(), modes.end(), 1);
+    }
     for (const int mode : modes) {
       element->flexible.insert(mode);
       if (record.keyword != "INPUTE") continue;
@@ -510,10 +515,10 @@ class DatReader {
         leave_out(record, "moves a rotation in space, and a scene has none to prescribe");
         return;
       }
-      refuse(file_.name, record.line, record.keyword,
-             record.words[0] + " " + record.words[1] + ", which no " + record.keyword +
-                 " of the first block prescribes",
-             "is what one of them names");
+      if (of_node) static_cast<void>(coordinate_of(record, 0));
+      if (!of_node && element_of(record, 0) == nullptr) return;
+      leave_out(record, "begins a motion that no such keyword of the first block prescribes");
+      return;
     }
     Motion& motion = model_.motions[found->second];
     const std::vector<double> numbers = real_numbers(file_, record, 2);

@@ -40,7 +40,7 @@ void note_stress_of_rigid(Model& model, const Element& element) {
   for (std::size_t i = 0; i < element.stress.size(); ++i) {
     const int mode = static_cast<int>(i) + 1;
     if (element.stress[i] == 0 || element.flexible.contains(mode)) continue;
-    model.remarks.left_out.push_back({.line = *element.lines.rbegin(),
+    model.remarks.left_out.push_back({.line = *element.lines.begin(),
                                       .what = "ESIG of " + element.name,
                                       .why = "deformation " + std::to_string(mode) +
                                              " is rigid, and has the stress that holds it"});
@@ -172,7 +172,7 @@ Keys beam_keys(Model& model, const Element& element, std::vector<Mass>& masses) 
     rotary = {at(element.inertia, 1), at(element.inertia, 2), at(element.inertia, 3)};
   }
   if (!model.planar && at(element.inertia, 4) != 0) {
-    model.remarks.left_out.push_back({.line = *element.lines.rbegin(),
+    model.remarks.left_out.push_back({.line = *element.lines.begin(),
                                       .what = "EM of " + element.name,
                                       .why = "its fifth number, the product of inertia of y' and "
                                              "z', is not in the scene"});
@@ -221,7 +221,7 @@ Keys truss_keys(Model& model, const Element& element, std::vector<Mass>& masses)
     for (const std::string& node : {element.p, element.q}) {
       masses.push_back({.node = node, .mass = mass * l / 2, .lines = element.lines});
     }
-    model.remarks.approximated.push_back({.line = *element.lines.rbegin(),
+    model.remarks.approximated.push_back({.line = *element.lines.begin(),
                                           .what = "EM of " + element.name,
                                           .why = "half of what the truss weighs is at each end"});
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ struct Remarks {
   std::vector<Remark> approximated;  ///< is in the scene, in another form that is not the same
   std::vector<Remark> no_part;       ///< pictures, step sizes, file names: no part of a model
 };
+
+inline void sort_by_line(Remarks& remarks) {
+  for (std::vector<Remark>* all : {&remarks.left_out, &remarks.approximated, &remarks.no_part}) {
+    std::stable_sort(all->begin(), all->end(),
+                     [](const Remark& a, const Remark& b) { return a.line < b.line; });
+  }
+}
 
 /// "FILE:LINE: KEY: found ..., allowed ...", as all bad input is answered.
 [[noreturn]] inline void refuse(const std::string& file, int line, const std::string& key,

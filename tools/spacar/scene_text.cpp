@@ -43,7 +43,7 @@ std::string entry(const std::string& start, const Keys& keys, const std::string&
 }
 
 std::string head(const Model& model) {
-  std::string text = "# From " + shown(model.source) +
+  std::string text = "# From " + shown(model.title) +
                      " of SPACAR, by `stillframe import`. All in SI units; the comments\n"
                      "# say from which of its lines each entry came.\n";
   const auto list = [&](const std::string& title, const std::vector<Remark>& remarks) {
@@ -195,6 +195,7 @@ std::string scene_text(Model& model) {
     elements += entry("  " + element.name + ": ", element_keys(model, element, of_elements),
                       lines_of(element.lines));
   }
+  sort_by_line(model.remarks);
   // Elements first: masses stand on nodes within divided beams, too.
   std::string text = head(model);
   if (model.planar) text += "planar: true\n";
