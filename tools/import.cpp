@@ -23,8 +23,9 @@ struct ImportOptions {
 spacar::Model read_model(const std::filesystem::path& file) {
   const std::string kind = spacar::lower(file.extension().string());
   if (kind != ".dat" && kind != ".m") {
-    throw InputError(file.string() + ": found a file of another name, allowed are FILE.dat of "
-                                     "SPACAR and FILE.m of SPACAR Light");
+    throw InputError(file.string() +
+                     ": found a file of another name, allowed are FILE.dat of "
+                     "SPACAR and FILE.m of SPACAR Light");
   }
   const std::vector<std::string> lines = spacar::lines_of_file(file);
   return kind == ".dat" ? spacar::model_of_dat(lines, file.string())
@@ -75,8 +76,7 @@ int run(const ImportOptions& options) {
            {"approximated", to_json(remarks.approximated)},
            {"no_part", to_json(remarks.no_part)}});
   } else {
-    std::cout << model.title
-              << report::cell(": %d statements become", model.n_statements)
+    std::cout << model.title << report::cell(": %d statements become", model.n_statements)
               << report::cell(" %zu nodes and", model.nodes.size())
               << report::cell(" %zu elements\n", model.elements.size());
     print_remarks("Not in the scene:", remarks.left_out);

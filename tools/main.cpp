@@ -42,7 +42,8 @@ struct Group {
 };
 const std::vector<Group> groups{
     {"Model",
-     {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma, add_superelement, add_import}},
+     {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma, add_superelement,
+      add_import}},
     {"Control", {add_design, add_feedback, add_budget, add_robustness, add_merge, add_sweep}},
     {"Runs", {add_run, add_batch, add_ctl, add_watch, add_replay, add_rig}},
     {"Logs", {add_identify, add_report, add_export}},

@@ -67,8 +67,7 @@ std::string DatNodes::of_orientation(int orientation) const {
   return of_pair(positions_of_.at(orientation).front(), orientation);
 }
 
-std::pair<std::string, std::string> DatNodes::of_hinge(int orientation_p,
-                                                       int orientation_q) const {
+std::pair<std::string, std::string> DatNodes::of_hinge(int orientation_p, int orientation_q) const {
   const int position = common(orientation_p, orientation_q).value();
   return {of_pair(position, orientation_p), of_pair(position, orientation_q)};
 }

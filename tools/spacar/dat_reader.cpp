@@ -42,14 +42,15 @@ constexpr std::array element_forms{
     ElementForm{"PINBODY", Kind::rigid_arm, false, "prp", false, 0},
 };
 /// Elements of SPACAR that a scene has nothing for.
-constexpr std::array other_elements{"BELT",   "PLBELT", "GEAR",   "PLGEAR", "WHEEL",
-                                    "PLWHEEL", "SLIDER", "TUBE",   "PLTUBE"};
-constexpr std::array no_part{"OUTLEVEL", "TIMESTEP", "ITERSTEP", "MAXTIMESTEP", "RESTART",
-                             "VISUALIZATION", "TITLE"};
+constexpr std::array other_elements{"BELT",    "PLBELT", "GEAR", "PLGEAR", "WHEEL",
+                                    "PLWHEEL", "SLIDER", "TUBE", "PLTUBE"};
+constexpr std::array no_part{"OUTLEVEL", "TIMESTEP",      "ITERSTEP", "MAXTIMESTEP",
+                             "RESTART",  "VISUALIZATION", "TITLE"};
 
 const ElementForm* form_of(const std::string& keyword) {
-  const auto* found = std::find_if(element_forms.begin(), element_forms.end(),
-                                   [&](const ElementForm& form) { return form.keyword == keyword; });
+  const auto* found =
+      std::find_if(element_forms.begin(), element_forms.end(),
+                   [&](const ElementForm& form) { return form.keyword == keyword; });
   return found == element_forms.end() ? nullptr : found;
 }
 
@@ -271,7 +272,8 @@ class DatReader {
       element.p = nodes_.of_pair(numbers[0], numbers[1]);
       const std::size_t q = order.find('p', 1);
       element.q = nodes_.of_pair(numbers[q], numbers[order == "prp" ? 1 : q + 1]);
-      if (order == "prwprw") warping_ends_[whole_number(file_, record, 0)] = {numbers[2], numbers[5]};
+      if (order == "prwprw")
+        warping_ends_[whole_number(file_, record, 0)] = {numbers[2], numbers[5]};
     }
     return true;
   }
@@ -280,9 +282,9 @@ class DatReader {
                       std::size_t from) {
     if (!form.has_direction) return;
     if (record.words.size() > from) {
-      element.direction = Eigen::Vector3d(real_number(file_, record, from),
-                                          real_number(file_, record, from + 1),
-                                          real_number(file_, record, from + 2));
+      element.direction =
+          Eigen::Vector3d(real_number(file_, record, from), real_number(file_, record, from + 1),
+                          real_number(file_, record, from + 2));
       if (element.direction->norm() == 0) {
         refuse(file_.name, record.line, record.keyword, "a direction of zero length",
                "is one of any other length");
@@ -320,8 +322,7 @@ class DatReader {
       if (element.flexible.empty() || element.stiffness.size() < 7) continue;
       const int n_held = (held_warping_.contains(ends.first) ? 1 : 0) +
                          (held_warping_.contains(ends.second) ? 1 : 0);
-      const double l =
-          (model_.node(element.q).position - model_.node(element.p).position).norm();
+      const double l = (model_.node(element.q).position - model_.node(element.p).position).norm();
       element.torsion_factor =
           warping_factor(element.stiffness[1], element.stiffness[6], l, n_held);
       bool goes_on = false;
@@ -332,9 +333,8 @@ class DatReader {
                         " times that of free torsion, as " + std::to_string(n_held) +
                         (n_held == 1 ? " end cannot warp" : " ends cannot warp");
       if (goes_on) why += "; that warping goes on into its neighbour is left out";
-      model_.remarks.approximated.push_back({.line = *element.lines.begin(),
-                                             .what = "BEAMW " + std::to_string(number),
-                                             .why = why});
+      model_.remarks.approximated.push_back(
+          {.line = *element.lines.begin(), .what = "BEAMW " + std::to_string(number), .why = why});
     }
   }
 
@@ -463,12 +463,12 @@ class DatReader {
     }
     for (const int i : coordinates(record, 1, of)) {
       moved_nodes_[{number, i}] = model_.motions.size();
-      model_.motions.push_back(
-          {.node = node_of(record, 0),
-           .along = of == Coordinate::orientation ? "rotation"
-                                                  : axes.at(static_cast<std::size_t>(i - 1)),
-           .element = {},
-           .lines = {record.line}});
+      model_.motions.push_back({.node = node_of(record, 0),
+                                .along = of == Coordinate::orientation
+                                             ? "rotation"
+                                             : axes.at(static_cast<std::size_t>(i - 1)),
+                                .element = {},
+                                .lines = {record.line}});
     }
   }
 
@@ -531,8 +531,7 @@ class DatReader {
     motion.lines.insert(record.line);
   }
 
-
-  void element_numbers(const Record& record, std::vector<double> Element::* numbers,
+  void element_numbers(const Record& record, std::vector<double> Element::*numbers,
                        std::size_t most) {
     require_count(file_, record, 2, 1 + most,
                   "are an element and up to " + std::to_string(most) + " numbers");
@@ -571,9 +570,9 @@ class DatReader {
       return;
     }
     element_numbers(record,
-                    stiff                         ? &Element::stiffness
+                    stiff                       ? &Element::stiffness
                     : record.keyword == "EDAMP" ? &Element::damping
-                                                  : &Element::stress,
+                                                : &Element::stress,
                     most);
     if (stiff) require_no_negative(record);
     if (record.keyword == "EDAMP") require_no_negative(record);
@@ -645,8 +644,8 @@ class DatReader {
 
   /// STARTDE, STARTDX: where a simulation begins. Zero is the scene as it is written.
   void read_start(const Record& record) {
-    const std::vector<double> numbers = real_numbers(file_, record, std::min<std::size_t>(
-                                                                        2, record.words.size()));
+    const std::vector<double> numbers =
+        real_numbers(file_, record, std::min<std::size_t>(2, record.words.size()));
     const bool still = std::all_of(numbers.begin(), numbers.end(), [](double v) { return v == 0; });
     if (still && record.keyword != "STARTDX") return;
     leave_out(record, "is where a simulation begins; a scene begins in its equilibrium");
@@ -716,27 +715,35 @@ class DatReader {
               {"DYNX", [this](const Record& r) { static_cast<void>(coordinate_of(r, 0)); }}};
     }
     if (block == 1) {
-      return {{"ESTIFF", numbers}, {"EDAMP", numbers},   {"EM", numbers},
-              {"ESIG", numbers},   {"XF", load},         {"DELXF", load},
-              {"INPUTX", start},   {"INPUTE", start},    {"DELINPX", step},
-              {"DELINPE", step},   {"STARTDE", begin},   {"STARTDX", begin},
+      return {{"ESTIFF", numbers},
+              {"EDAMP", numbers},
+              {"EM", numbers},
+              {"ESIG", numbers},
+              {"XF", load},
+              {"DELXF", load},
+              {"INPUTX", start},
+              {"INPUTE", start},
+              {"DELINPX", step},
+              {"DELINPE", step},
+              {"STARTDE", begin},
+              {"STARTDX", begin},
               {"XM", [this](const Record& r) { read_mass(r); }},
               {"GRAVITY", [this](const Record& r) { read_gravity(r); }}};
     }
     const auto node_output = [this](const char* of_position, const char* of_rotation) {
-      return [=, this](const Record& r) {
-        node_signal(r, model_.outputs, of_position, of_rotation);
-      };
+      return
+          [=, this](const Record& r) { node_signal(r, model_.outputs, of_position, of_rotation); };
     };
     const auto element_output = [this](const char* quantity) {
       return [=, this](const Record& r) { element_signal(r, model_.outputs, quantity); };
     };
-    return {{"INPUTS", [this](const Record& r) { element_signal(r, model_.inputs, "stress"); }},
-            {"INPUTF", [this](const Record& r) { node_signal(r, model_.inputs, "force", "torque"); }},
-            {"OUTX", node_output("position", "rotation")},
-            {"OUTXP", node_output("velocity", "angular_velocity")},
-            {"OUTE", element_output("deformation")},
-            {"OUTEP", element_output("deformation_rate")}};
+    return {
+        {"INPUTS", [this](const Record& r) { element_signal(r, model_.inputs, "stress"); }},
+        {"INPUTF", [this](const Record& r) { node_signal(r, model_.inputs, "force", "torque"); }},
+        {"OUTX", node_output("position", "rotation")},
+        {"OUTXP", node_output("velocity", "angular_velocity")},
+        {"OUTE", element_output("deformation")},
+        {"OUTEP", element_output("deformation_rate")}};
   }
 
   void read_rest(const Record& record) {
@@ -746,18 +753,18 @@ class DatReader {
       return;
     }
     if (is_among(no_part, record.keyword)) {
-      model_.remarks.no_part.push_back({.line = record.line,
-                                        .what = record.keyword,
-                                        .why = "says how to compute, not what"});
+      model_.remarks.no_part.push_back(
+          {.line = record.line, .what = record.keyword, .why = "says how to compute, not what"});
       return;
     }
     const std::map<std::string, Reading> all = readings(std::min(record.block, 2));
     const auto found = all.find(record.keyword);
     if (found == all.end()) {
       const bool kinematic = record.keyword == "KINX" || record.keyword == "KINE";
-      leave_out(record, kinematic ? "is a coordinate that follows a rolling motion, and a scene has "
-                                    "none that are no dofs"
-                                  : "is no keyword that this program translates in this block");
+      leave_out(record, kinematic
+                            ? "is a coordinate that follows a rolling motion, and a scene has "
+                              "none that are no dofs"
+                            : "is no keyword that this program translates in this block");
       return;
     }
     if (record.words.empty()) {

@@ -63,8 +63,9 @@ DatFile parse_dat(const std::vector<std::string>& lines, const std::string& name
     }
   }
   if (n_ends != 2) {
-    refuse(name, static_cast<int>(lines.size()), "END", "the end of the file after " +
-               std::to_string(n_ends) + " END", "are two in a row, the last lines of the model");
+    refuse(name, static_cast<int>(lines.size()), "END",
+           "the end of the file after " + std::to_string(n_ends) + " END",
+           "are two in a row, the last lines of the model");
   }
   return file;
 }

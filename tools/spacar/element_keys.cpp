@@ -242,8 +242,8 @@ Keys hinge_keys(Model& model, const Element& element) {
   Keys keys{{"type", "hinge"}, {"nodes", '[' + element.p + ", " + element.q + ']'}};
   const int n = model.planar ? 1 : 3;
   if (element.direction) {
-    keys.emplace_back("axis", list_of({element.direction->x(), element.direction->y(),
-                                       element.direction->z()}));
+    keys.emplace_back(
+        "axis", list_of({element.direction->x(), element.direction->y(), element.direction->z()}));
   }
   const std::vector<int> held = rigid_modes(element, n);
   if (static_cast<int>(held.size()) == n) {
@@ -254,9 +254,8 @@ Keys hinge_keys(Model& model, const Element& element) {
   const auto per_mode = [&](const char* key, const std::vector<double>& numbers) {
     std::vector<double> values;
     for (int mode = 1; mode <= n; ++mode) {
-      values.push_back(element.flexible.contains(mode)
-                           ? at(numbers, static_cast<std::size_t>(mode - 1))
-                           : 0);
+      values.push_back(
+          element.flexible.contains(mode) ? at(numbers, static_cast<std::size_t>(mode - 1)) : 0);
     }
     if (std::all_of(values.begin(), values.end(), [](double v) { return v == 0; })) return;
     keys.emplace_back(key, n == 1 ? shortest_digits(values[0]) : list_of(values));

@@ -18,9 +18,10 @@ namespace {
 
 constexpr std::array pictures{"color", "hide", "opacity"};
 /// Options that say how to compute, or what to show.
-constexpr std::array how{"filename",    "silent",    "loadsteps",   "calcbuck",         "calccompl",
-                         "showinputonly", "spavisual", "rigidstress", "stressperelement", "customvis",
-                         "mode",        "simple_mode", "version"};
+constexpr std::array how{"filename",         "silent",        "loadsteps", "calcbuck",
+                         "calccompl",        "showinputonly", "spavisual", "rigidstress",
+                         "stressperelement", "customvis",     "mode",      "simple_mode",
+                         "version"};
 constexpr std::array axis_names{"x", "y", "z"};
 constexpr double coincident = 1e-12;
 
@@ -70,9 +71,9 @@ class LightReader {
   Eigen::MatrixXd nodes_, elements_;
   int nodes_line_ = 0, elements_line_ = 0;
   std::vector<PropertySet> sets_;
-  std::map<int, std::size_t> set_of_;                   ///< of an element
+  std::map<int, std::size_t> set_of_;                      ///< of an element
   std::map<int, std::pair<std::set<int>, int>> releases_;  ///< of an element, with its line
-  std::set<int> warping_held_;                          ///< numbers of nodes
+  std::set<int> warping_held_;                             ///< numbers of nodes
   std::map<int, int> warping_strips_;  ///< how many flexible ends that warp a node has
 
   [[noreturn]] void fail(const Field& field, const std::string& found,
@@ -184,8 +185,8 @@ class LightReader {
   Eigen::MatrixXd table(const std::string& variable, Eigen::Index cols, int& line) const {
     const auto unknown = script_.unknown.find(variable);
     if (unknown != script_.unknown.end()) {
-      refuse(file_, unknown->second.first, variable, "what is not worked out: " +
-             unknown->second.second, "is a matrix of numbers");
+      refuse(file_, unknown->second.first, variable,
+             "what is not worked out: " + unknown->second.second, "is a matrix of numbers");
     }
     const auto found = script_.variables.find(variable);
     if (found == script_.variables.end()) {
@@ -316,7 +317,8 @@ class LightReader {
   void note_fields(const PropertySet& set) {
     for (const auto& [name, field] : set.fields) {
       if (contains(pictures, name)) {
-        model_.remarks.no_part.push_back({.line = field.line, .what = field.text, .why = "is drawn"});
+        model_.remarks.no_part.push_back(
+            {.line = field.line, .what = field.text, .why = "is drawn"});
       } else if (!contains(std::array{"elems", "emod", "smod", "dens", "cshape", "dim", "orien",
                                       "nbeams", "flex", "cw", "warping", "type"},
                            name)) {
@@ -334,9 +336,8 @@ class LightReader {
     const Field* field = find(set, name);
     if (field == nullptr) {
       const Field& elems = set.fields.at("elems");
-      refuse(file_, elems.line,
-             script_.arguments[3] + "(" + std::to_string(set.number) + ")", "no " + name,
-             "is a set with " + name + ", as it is flexible or has a density");
+      refuse(file_, elems.line, script_.arguments[3] + "(" + std::to_string(set.number) + ")",
+             "no " + name, "is a set with " + name + ", as it is flexible or has a density");
     }
     return *field;
   }
@@ -505,9 +506,7 @@ class LightReader {
 
   // --- elements
 
-  int end_of(int element, int side) const {
-    return static_cast<int>(elements_(element - 1, side));
-  }
+  int end_of(int element, int side) const { return static_cast<int>(elements_(element - 1, side)); }
 
   void make_elements() {
     for (const PropertySet& set : sets_) {
@@ -584,8 +583,8 @@ class LightReader {
     element.flexible = flexible(set);
     const bool stiff = !element.flexible.empty(), heavy = density(set) > 0;
     element.direction = direction(set);
-    if (element.direction && along.cross(*element.direction).norm() <=
-                                 1e-9 * along.norm() * element.direction->norm()) {
+    if (element.direction &&
+        along.cross(*element.direction).norm() <= 1e-9 * along.norm() * element.direction->norm()) {
       const Field& orien = set.fields.at("orien");
       if (stiff || heavy) {
         fail(orien, "a direction along " + element.name, "is one across the elements of the set");
@@ -617,7 +616,8 @@ class LightReader {
     for (const std::string& end : {element.p, element.q}) {
       const int node = std::stoi(end.substr(1));
       if (!held_by_set && warping_held_.contains(node)) ++n_held;
-      if (!held_by_set && !warping_held_.contains(node) && warping_strips_[node] > 1) goes_on = true;
+      if (!held_by_set && !warping_held_.contains(node) && warping_strips_[node] > 1)
+        goes_on = true;
     }
     element.torsion_factor =
         warping_factor(element.stiffness[1], section_warping(its), length, n_held);
@@ -633,9 +633,8 @@ class LightReader {
 
   /// SPACAR Light releases in the last beam of an element alone.
   void add_element(Element element, const std::set<int>& released) {
-    const bool further = std::any_of(released.begin(), released.end(), [&](int mode) {
-      return !element.flexible.contains(mode);
-    });
+    const bool further = std::any_of(released.begin(), released.end(),
+                                     [&](int mode) { return !element.flexible.contains(mode); });
     if (further && element.n_parts > 1) {
       const Node &p = model_.node(element.p), &q = model_.node(element.q);
       const int n = element.n_parts;
@@ -661,7 +660,8 @@ class LightReader {
   void warn_of_further_variables() {
     for (const Assigned& assigned : script_.fields) {
       const auto& path = assigned.path;
-      const bool ours = path[0].first == script_.arguments[2] || path[0].first == script_.arguments[3];
+      const bool ours =
+          path[0].first == script_.arguments[2] || path[0].first == script_.arguments[3];
       if (!ours || (path.size() == 2 && path[1].second <= 1)) continue;
       model_.remarks.left_out.push_back({.line = assigned.line,
                                          .what = text_of(path),

@@ -115,8 +115,7 @@ Value Expression::sum() {
     const bool minus = is("-");
     ++at_;
     const Value right = product();
-    value = minus ? by_entries(value, right, subtract)
-                  : by_entries(value, right, add);
+    value = minus ? by_entries(value, right, subtract) : by_entries(value, right, add);
   }
   return value;
 }

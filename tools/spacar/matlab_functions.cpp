@@ -93,9 +93,10 @@ const std::map<std::string, Function>& functions() {
       {"deg2rad", each([](double x) { return x * degree; })},
       {"rad2deg", each([](double x) { return x / degree; })},
       {"atan2",
-       [](const std::vector<Value>& a) { return Value::of(std::atan2(scalar(a, 0), scalar(a, 1))); }},
-      {"norm",
-       [](const std::vector<Value>& a) { return Value::of(matrix_argument(a, 0).norm()); }},
+       [](const std::vector<Value>& a) {
+         return Value::of(std::atan2(scalar(a, 0), scalar(a, 1)));
+       }},
+      {"norm", [](const std::vector<Value>& a) { return Value::of(matrix_argument(a, 0).norm()); }},
       {"sum", [](const std::vector<Value>& a) { return Value::of(matrix_argument(a, 0).sum()); }},
       {"numel",
        [](const std::vector<Value>& a) {

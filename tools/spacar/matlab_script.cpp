@@ -57,8 +57,9 @@ class Runner {
       }
     }
     refuse(script_.name, statements_.empty() ? 1 : statements_.back().line, "script",
-           "no call of spacarlight", "is a script that calls spacarlight(nodes, elements, nprops, "
-                                     "eprops, opt)");
+           "no call of spacarlight",
+           "is a script that calls spacarlight(nodes, elements, nprops, "
+           "eprops, opt)");
   }
 
  private:
@@ -79,8 +80,8 @@ class Runner {
     script_.call_line = statement.line;
     for (auto token = call + 2; token != tokens.end() && token->text != ")"; ++token) {
       if (token->text == ",") continue;
-      const bool alone = token->kind == TokenKind::name &&
-                         ((token + 1)->text == "," || (token + 1)->text == ")");
+      const bool alone =
+          token->kind == TokenKind::name && ((token + 1)->text == "," || (token + 1)->text == ")");
       if (!alone) {
         refuse(script_.name, statement.line, call->text, "'" + shown(token->text) + "'",
                "are names of variables, a comma between them");
@@ -148,8 +149,7 @@ class Runner {
         script_.variables[variable] = {std::move(value), statement.line};
       } else {
         forget(path);
-        script_.fields.push_back(
-            {.path = path, .value = std::move(value), .line = statement.line});
+        script_.fields.push_back({.path = path, .value = std::move(value), .line = statement.line});
       }
     } catch (const Unknown& why) {
       leave_out(statement, why.what());

@@ -26,7 +26,7 @@ struct Script {
   std::vector<Assigned> fields;                            ///< of structures, the last one of each
   /// Variables that could not be worked out: where, and why.
   std::map<std::string, std::pair<int, std::string>> unknown;
-  std::vector<std::string> arguments;                      ///< of the call, by name; "" for others
+  std::vector<std::string> arguments;  ///< of the call, by name; "" for others
   int call_line = 0;
   int n_statements = 0;
   Remarks remarks;

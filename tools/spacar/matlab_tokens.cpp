@@ -63,8 +63,11 @@ class Tokenizer {
     } else {
       now_.tokens.back().space_after = space_before;
     }
-    now_.tokens.push_back(
-        {.kind = kind, .text = text, .number = number, .line = line_, .space_before = space_before});
+    now_.tokens.push_back({.kind = kind,
+                           .text = text,
+                           .number = number,
+                           .line = line_,
+                           .space_before = space_before});
   }
 
   void finish() {

@@ -17,8 +17,8 @@ std::string lines_of(const std::set<int>& lines) {
 }
 
 const Node& Model::node(const std::string& name) const {
-  const auto found = std::find_if(nodes.begin(), nodes.end(),
-                                  [&](const Node& node) { return node.name == name; });
+  const auto found =
+      std::find_if(nodes.begin(), nodes.end(), [&](const Node& node) { return node.name == name; });
   if (found == nodes.end()) throw std::logic_error("no node is called " + name);
   return *found;
 }

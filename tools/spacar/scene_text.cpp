@@ -67,8 +67,8 @@ std::string vector_of(const Eigen::Vector3d& v, bool planar) {
 
 bool turns_freely(const Model& model, const std::string& node) {
   return std::none_of(model.supports.begin(), model.supports.end(), [&](const Support& support) {
-    return support.node == node && std::find(support.fix.begin(), support.fix.end(), "rotation") !=
-                                       support.fix.end();
+    return support.node == node &&
+           std::find(support.fix.begin(), support.fix.end(), "rotation") != support.fix.end();
   });
 }
 
@@ -93,7 +93,8 @@ std::string masses(const Model& model, const std::vector<Mass>& of_elements) {
     const Mass& mass = sums.at(node);
     Keys keys{{"node", node}, {"mass", shortest_digits(mass.mass)}};
     if (model.planar) {
-      if (mass.inertia(2, 2) != 0) keys.emplace_back("inertia", shortest_digits(mass.inertia(2, 2)));
+      if (mass.inertia(2, 2) != 0)
+        keys.emplace_back("inertia", shortest_digits(mass.inertia(2, 2)));
     } else if (!mass.inertia.isZero(0)) {
       keys.emplace_back("inertia", matrix_of(mass.inertia));
     }
@@ -119,8 +120,11 @@ std::string supports(const Model& model) {
   for (const std::string& node : order) {
     const Support& support = sums.at(node);
     std::string list;
-    for (const std::string& direction : support.fix) {
-      list += (list.empty() ? "" : ", ") + direction;
+    for (const char* direction : {"x", "y", "z", "rotation"}) {
+      if (std::find(support.fix.begin(), support.fix.end(), direction) == support.fix.end())
+        continue;
+      if (!list.empty()) list += ", ";
+      list += direction;
     }
     text += entry("  - ", {{"nodes", '[' + node + ']'}, {"fix", '[' + list + ']'}},
                   lines_of(support.lines));

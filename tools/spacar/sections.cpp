@@ -41,8 +41,7 @@ double rectangle_torsion_constant(double a, double b) {
   for (int n = 99; n >= 1; n -= 2) {
     sum += std::tanh(n * pi * longer / (2 * shorter)) / std::pow(n, 5);
   }
-  return longer * std::pow(shorter, 3) / 3 *
-         (1 - 192 / std::pow(pi, 5) * (shorter / longer) * sum);
+  return longer * std::pow(shorter, 3) / 3 * (1 - 192 / std::pow(pi, 5) * (shorter / longer) * sum);
 }
 
 std::vector<double> section_stiffness(const Section& section) {

@@ -31,8 +31,8 @@ double rectangle_torsion_constant(double a, double b);
 /// warp.
 double section_warping(const Section& section);
 
-/// By how much a beam twists less because its ends cannot warp: G J theta' - E I_w theta''' = T over
-/// a length L with one end held against warping, or both. 1 without ends or without E I_w.
+/// By how much a beam twists less because its ends cannot warp: G J theta' - E I_w theta''' = T
+/// over a length L with one end held against warping, or both. 1 without ends or without E I_w.
 double warping_factor(double torsion, double warping, double length, int n_held_ends);
 
 }  // namespace stillframe::tools::spacar
