@@ -64,6 +64,10 @@ int run(const ImportOptions& options) {
   require_scene(text, options.file);
   std::filesystem::path out = options.out;
   if (out.empty()) out = options.file.filename().replace_extension(".yaml");
+  std::error_code error;
+  if (std::filesystem::equivalent(out, options.file, error)) {
+    throw InputError("--out " + out.string() + ": is the file that is read, allowed is another");
+  }
   write_whole_file(out, text);
   const spacar::Remarks& remarks = model.remarks;
   if (options.json) {

@@ -620,6 +620,9 @@ TEST_F(ImportVerb, BadDatFilesAreRefusedWithTheirLine) {
   expect_bad("a.txt", good, "a.txt: found a file of another name");
   expect_refused({"import", folder_ / "none.dat"}, 2, "none.dat: cannot be read");
   expect_refused({"import", folder_}, 2, "found a file of another name");
+  const auto same = write("same.dat", good);
+  expect_refused({"import", same, "--out", same}, 2, "is the file that is read");
+  EXPECT_EQ(text_of(same), good);
 }
 
 TEST_F(ImportVerb, BadScriptsAreRefusedWithTheirLine) {
@@ -662,6 +665,10 @@ TEST_F(ImportVerb, HugeFilesAreRefusedQuickly) {
   expect_refused({"import", folder_ / "long.dat"}, 2, "long.dat: found more than 16 MiB");
   expect_bad("line.dat", "X 1 " + std::string(20000, '1') + "\nEND\nEND\n",
              "line.dat:1: line: found 20004 bytes, allowed 10000 at most");
+  std::string doubled = "a = ones(100);\n";
+  for (int k = 0; k < 40; ++k) doubled += "a = [a a; a a];\n";
+  expect_bad("large.m", doubled + "nodes = a;\nspacarlight(nodes, nodes, a, a);\n",
+             "large.m:42: nodes: found what is not worked out: 'a' is not known");
   expect_bad("deep.m", "a = " + std::string(5000, '(') + "1" + std::string(4000, ')') + ";\n",
              "deep.m:");
 }

@@ -24,6 +24,7 @@ constexpr std::array how{"filename",         "silent",        "loadsteps", "calc
                          "version"};
 constexpr std::array axis_names{"x", "y", "z"};
 constexpr double coincident = 1e-12;
+constexpr Eigen::Index most_in_script = 10000;  ///< of nodes and of elements
 
 template <class Words>
 bool contains(const Words& words, const std::string& word) {
@@ -73,7 +74,8 @@ class LightReader {
   std::vector<PropertySet> sets_;
   std::map<int, std::size_t> set_of_;                      ///< of an element
   std::map<int, std::pair<std::set<int>, int>> releases_;  ///< of an element, with its line
-  std::set<int> warping_held_;                             ///< numbers of nodes
+  Eigen::Index n_beams_ = 0;
+  std::set<int> warping_held_;         ///< numbers of nodes
   std::map<int, int> warping_strips_;  ///< how many flexible ends that warp a node has
 
   [[noreturn]] void fail(const Field& field, const std::string& found,
@@ -93,7 +95,7 @@ class LightReader {
 
   Eigen::VectorXd numbers(const Field& field) const {
     if (field.value->type != Value::Type::numbers) fail(field, "a text", "are numbers");
-    const Eigen::VectorXd all(field.value->numbers.reshaped());
+    Eigen::VectorXd all(field.value->numbers.reshaped());
     for (const double number : all) {
       if (!(std::abs(number) <= largest_number)) {
         fail(field, "a number that is not finite, or above 1e30", "are finite numbers up to 1e30");
@@ -103,7 +105,7 @@ class LightReader {
   }
 
   Eigen::VectorXd numbers(const Field& field, Eigen::Index n) const {
-    const Eigen::VectorXd all = numbers(field);
+    Eigen::VectorXd all = numbers(field);
     if (all.size() != n) {
       fail(field, std::to_string(all.size()) + (all.size() == 1 ? " number" : " numbers"),
            n == 1 ? "is one number" : "are " + std::to_string(n) + " numbers");
@@ -214,7 +216,7 @@ class LightReader {
 
   void read_nodes() {
     nodes_ = table(script_.arguments[0], 3, nodes_line_);
-    if (nodes_.rows() > 10000) {
+    if (nodes_.rows() > most_in_script) {
       refuse(file_, nodes_line_, script_.arguments[0], std::to_string(nodes_.rows()) + " nodes",
              "are 10000");
     }
@@ -227,6 +229,10 @@ class LightReader {
 
   void read_connectivity() {
     elements_ = table(script_.arguments[1], 2, elements_line_);
+    if (elements_.rows() > most_in_script) {
+      refuse(file_, elements_line_, script_.arguments[1],
+             std::to_string(elements_.rows()) + " elements", "are 10000");
+    }
     for (const double value : elements_.reshaped()) {
       if (value == std::floor(value) && value >= 1 && value <= n_nodes()) continue;
       refuse(file_, elements_line_, script_.arguments[1], "node " + shortest_digits(value),
@@ -603,6 +609,8 @@ class LightReader {
     }
     if (const Field* n = find(set, "nbeams"); n != nullptr && stiff) {
       element.n_parts = whole_numbers(*n, 1000, "a number of beams").at(0);
+      n_beams_ += element.n_parts;
+      if (n_beams_ > most_in_script) fail(*n, "more than 10000 beams in all", "are 10000");
     }
   }
 

@@ -19,6 +19,13 @@ const Eigen::MatrixXd& numbers_of(const Value& value) {
   return value.numbers;
 }
 
+/// A few lines can ask for more than there is memory.
+void require_size(Eigen::Index rows, Eigen::Index cols) {
+  if (static_cast<double>(rows) * static_cast<double>(cols) > most_entries) {
+    throw Unknown("a matrix is too large");
+  }
+}
+
 double add(double a, double b) { return a + b; }
 double subtract(double a, double b) { return a - b; }
 double multiply(double a, double b) { return a * b; }
@@ -49,6 +56,7 @@ Value times(const Value& left, const Value& right) {
   const Eigen::MatrixXd &a = numbers_of(left), &b = numbers_of(right);
   if (a.size() == 1 || b.size() == 1) return by_entries(left, right, multiply);
   if (a.cols() != b.rows()) throw Unknown("a product of matrices that do not fit");
+  require_size(a.rows(), b.cols());
   return Value::of(Eigen::MatrixXd(a * b));
 }
 
@@ -140,7 +148,8 @@ Value Expression::product() {
 }
 
 Value Expression::sign() {
-  if (take("+")) return sign();
+  while (take("+")) {
+  }
   if (take("-")) {
     if (++depth_ > most_depth) throw Unknown("signs stand too deep");
     Value value = by_entries(Value::of(-1.0), sign(), multiply);
@@ -264,6 +273,7 @@ Value Expression::matrix() {
     if (row.empty()) return;
     Eigen::Index cols = 0;
     for (const Eigen::MatrixXd& part : row) cols += part.cols();
+    require_size(row.front().rows(), cols);
     Eigen::MatrixXd all(row.front().rows(), cols);
     Eigen::Index at = 0;
     for (const Eigen::MatrixXd& part : row) {
@@ -285,6 +295,7 @@ Value Expression::matrix() {
       if (value.type == Value::Type::text) {
         is_text = true;
         text += value.text;
+        require_size(static_cast<Eigen::Index>(text.size()), 1);
       } else if (numbers_of(value).size() > 0) {
         row.push_back(std::move(value.numbers));
       }
@@ -296,6 +307,7 @@ Value Expression::matrix() {
   if (is_text) return Value::of_text(text);
   Eigen::Index n = 0;
   for (const Eigen::MatrixXd& part : rows) n += part.rows();
+  require_size(n, rows.empty() ? 0 : rows.front().cols());
   Eigen::MatrixXd all(n, rows.empty() ? 0 : rows.front().cols());
   n = 0;
   for (const Eigen::MatrixXd& part : rows) {
@@ -362,6 +374,8 @@ Value Expression::part_of(const Eigen::MatrixXd& matrix) {
       for (const double i : indices[k]) which[k].push_back(index_of(i, sizes[k]));
     }
   }
+  require_size(static_cast<Eigen::Index>(which[0].size()),
+               static_cast<Eigen::Index>(which[1].size()));
   return Value::of(Eigen::MatrixXd(matrix(which[0], which[1])));
 }
 
