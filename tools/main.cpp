@@ -33,7 +33,7 @@ constexpr const char* main_footer =
     "input;\n"
     "3 refused (an unstable design, a singular model); 4 a run that failed, or did not meet what "
     "its\n"
-    "scene accepts.";
+    "scene accepts, or an import that left something out.";
 
 /// What belongs together, in the order of the work.
 struct Group {
@@ -42,7 +42,8 @@ struct Group {
 };
 const std::vector<Group> groups{
     {"Model",
-     {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma, add_superelement}},
+     {add_modes, add_equilibrium, add_buckling, add_linearise, add_sigma, add_superelement,
+      add_import}},
     {"Control", {add_design, add_feedback, add_budget, add_robustness, add_merge, add_sweep}},
     {"Runs", {add_run, add_batch, add_ctl, add_watch, add_replay, add_rig, add_commission}},
     {"Logs", {add_identify, add_report, add_export}},

@@ -23,6 +23,7 @@ void add_buckling(cli::Command& app, int& exit_code);
 void add_linearise(cli::Command& app, int& exit_code);
 void add_sigma(cli::Command& app, int& exit_code);
 void add_superelement(cli::Command& app, int& exit_code);
+void add_import(cli::Command& app, int& exit_code);
 void add_design(cli::Command& app, int& exit_code);
 void add_feedback(cli::Command& app, int& exit_code);
 void add_budget(cli::Command& app, int& exit_code);

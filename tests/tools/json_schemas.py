@@ -43,7 +43,7 @@ UNITS_IN_KEYS = {"Hz": "hz", "dB": "db", "us": "us", "ns": "ns", "samples": "sam
                  "m/s^2": "m_s2"}
 # Whole numbers without n_: those that number something, sizes, times, taps as a scene has them, and what `counts` counts.
 NO_COUNTS = {"pid", "seed", "index", "seq", "period", "column", "first_bin", "bytes", "unread_bytes", "started_ns", "worst_ns",
-             "taps", "stable", "unstable", "failed"}
+             "taps", "stable", "unstable", "failed", "line"}
 
 # A mass on one leg: the smallest scene that everything can be asked of, and quick.
 LEG = """title: One leg
@@ -60,6 +60,17 @@ outputs: [{name: c_y, acceleration: c, along: y}]
 controller: {legs: [leg], target_hz: 5, damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1,
   lead_samples: 1.5, leak_hz: 0.05, force_limit_n: 200}
 uncertainty: {stiffness: 0.3, actuator_gain: 0.4}
+"""
+# A strip that warps, and a joint that a scene has not: all that an import can say.
+STRIPS = """nodes = [0 0 0; 0.1 0 0];
+elements = [1 2];
+nprops(1).fix = true;
+nprops(2).rot_x = 0.1;
+eprops(1).elems = 1;
+eprops(1).emod = 210e9; eprops(1).smod = 70e9; eprops(1).dens = 7800;
+eprops(1).cshape = 'rect'; eprops(1).dim = [0.02 0.001]; eprops(1).orien = [0 0 1];
+eprops(1).flex = 1:6; eprops(1).warping = true; eprops(1).color = 'grey';
+out = spacarlight(nodes, elements, nprops, eprops);
 """
 COMPARED = "monitors: [{name: g_y, acceleration: f, along: y}]\ncompare: {y: {floor: g_y, frame: c_y}}\n"
 PUSHED = "disturbances: [{name: push, node: c, along: y, force: {sine: {amplitude: 1, frequency_hz: 7}}}]\n"
@@ -274,6 +285,7 @@ def models(run):
     subprocess.run(["ccx", "plate"], check=True, stdout=subprocess.DEVNULL)
     for modes in (0, 3):
         run.check("superelement", "plate", "--interface", "a=MOUNT_1", "--interface", "b=LENS", "--modes", modes)
+    run.check("import", write("strips.m", STRIPS), codes=(4,))
     run.check("sigma", run.scene("cart"))
     run.check("sigma", run.scene("frame_flexible"), "--points", 20)
     run.check("sigma", run.scene("metrology_frame"), "--to", 2000, "--points", 20)

@@ -10,17 +10,17 @@ TEST_F(Usage, HelpNamesEveryVerbAndExitCodes) {
   const Said said = run({"--help"});
   EXPECT_EQ(said.exit_code, 0);
   for (const char* word :
-       {"modes",    "equilibrium",  "buckling",   "linearise",   "sigma",     "design",
-        "feedback", "budget",       "robustness", "merge",       "run",       "identify",
-        "report",   "batch",        "ctl",        "replay",      "export",    "watch",
-        "sweep",    "superelement", "0 done",     "2 bad usage", "3 refused", "4 a run"}) {
+       {"modes",  "equilibrium", "buckling",  "linearise", "sigma",    "design",       "feedback",
+        "budget", "robustness",  "merge",     "run",       "identify", "report",       "batch",
+        "ctl",    "replay",      "export",    "watch",     "sweep",    "superelement", "import",
+        "0 done", "2 bad usage", "3 refused", "4 a run"}) {
     EXPECT_NE(said.output.find(word), std::string::npos) << word;
   }
 }
 
 TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
   for (const char* verb : {"modes", "equilibrium", "buckling", "linearise", "sigma", "superelement",
-                           "robustness", "sweep", "commission"}) {
+                           "import", "robustness", "sweep", "commission"}) {
     const Said said = run({verb, "--help"});
     EXPECT_EQ(said.exit_code, 0);
     EXPECT_NE(said.output.find(std::string("Example: stillframe ") + verb), std::string::npos)
@@ -30,12 +30,13 @@ TEST_F(Usage, EveryVerbOfAnalysisHasAnExample) {
 }
 
 TEST_F(Usage, WrongVerbIsAnsweredWithTheRightOnes) {
-  expect_refused({"linearize", "scene.yaml"}, 2,
-                 "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
-                 "equilibrium, buckling, linearise, sigma, superelement, design, feedback, budget, "
-                 "robustness, "
-                 "merge, sweep, "
-                 "run, batch, ctl, watch, replay, rig, commission, identify, report, export");
+  expect_refused(
+      {"linearize", "scene.yaml"}, 2,
+      "there is no verb 'linearize' (did you mean 'linearise'?); allowed: modes, "
+      "equilibrium, buckling, linearise, sigma, superelement, import, design, feedback, budget, "
+      "robustness, "
+      "merge, sweep, "
+      "run, batch, ctl, watch, replay, rig, commission, identify, report, export");
 }
 
 TEST_F(Usage, BadUsageIsExitCode2) {

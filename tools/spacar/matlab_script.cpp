@@ -1,0 +1,187 @@
+#include "tools/spacar/matlab_script.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "tools/spacar/matlab_expression.hpp"
+#include "tools/spacar/source_text.hpp"
+
+namespace stillframe::tools::spacar {
+
+namespace {
+
+/// Commands that change no model.
+constexpr std::array commands{"clear", "clc",     "close", "clearvars", "addpath", "format",
+                              "tic",   "toc",     "disp",  "fprintf",   "figure",  "hold",
+                              "grid",  "warning", "which", "more",      "pkg",     "return"};
+constexpr std::array blocks{"if", "for", "while", "switch", "try", "parfor"};
+
+template <class Words>
+bool has(const Words& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool is_call(const Token& token) {
+  const std::string name = lower(token.text);
+  return token.kind == TokenKind::name && (name == "spacarlight" || name == "spacar_light");
+}
+
+class Runner {
+ public:
+  Runner(const std::vector<Statement>& statements, const std::string& name)
+      : statements_(statements) {
+    script_.name = name;
+  }
+
+  Script run() {
+    for (std::size_t i = 0; i < statements_.size(); ++i) {
+      const Statement& statement = statements_[i];
+      if (find_call(statement)) {
+        if (i + 1 < statements_.size()) {
+          script_.remarks.no_part.push_back({.line = statements_[i + 1].line,
+                                             .what = "what follows the call",
+                                             .why = "looks at results"});
+        }
+        return std::move(script_);
+      }
+      ++script_.n_statements;
+      const std::string& first = statement.tokens.front().text;
+      if (first == "function" || first == "end") continue;
+      if (has(blocks, first)) {
+        i = skip_block(i);
+      } else if (const auto equals = assignment(statement)) {
+        assign(statement, *equals);
+      } else if (!has(commands, first)) {
+        leave_out(statement, "is no assignment");
+      }
+    }
+    refuse(script_.name, statements_.empty() ? 1 : statements_.back().line, "script",
+           "no call of spacarlight",
+           "is a script that calls spacarlight(nodes, elements, nprops, "
+           "eprops, opt)");
+  }
+
+ private:
+  const std::vector<Statement>& statements_;
+  Script script_;
+
+  void leave_out(const Statement& statement, const std::string& why) {
+    script_.remarks.left_out.push_back(
+        {.line = statement.line, .what = statement.shown, .why = why});
+  }
+
+  bool find_call(const Statement& statement) {
+    const std::vector<Token>& tokens = statement.tokens;
+    const auto call = std::find_if(tokens.begin(), tokens.end(), is_call);
+    if (call == tokens.end() || (call + 1)->text != "(" || tokens.front().text == "function") {
+      return false;
+    }
+    script_.call_line = statement.line;
+    for (auto token = call + 2; token != tokens.end() && token->text != ")"; ++token) {
+      if (token->text == ",") continue;
+      const bool alone =
+          token->kind == TokenKind::name && ((token + 1)->text == "," || (token + 1)->text == ")");
+      if (!alone) {
+        refuse(script_.name, statement.line, call->text, "'" + shown(token->text) + "'",
+               "are names of variables, a comma between them");
+      }
+      script_.arguments.push_back(token->text);
+    }
+    if (script_.arguments.size() < 4) {
+      refuse(script_.name, statement.line, call->text,
+             std::to_string(script_.arguments.size()) + " arguments",
+             "are nodes, elements, nprops, eprops, and opt");
+    }
+    return true;
+  }
+
+  /// Where the '=' of an assignment stands.
+  static std::optional<std::size_t> assignment(const Statement& statement) {
+    int depth = 0;
+    for (std::size_t i = 0; i < statement.tokens.size(); ++i) {
+      const Token& token = statement.tokens[i];
+      if (token.kind != TokenKind::symbol) continue;
+      if (token.text == "(" || token.text == "[" || token.text == "{") ++depth;
+      if (token.text == ")" || token.text == "]" || token.text == "}") --depth;
+      if (token.text == "=" && depth == 0) return i;
+    }
+    return std::nullopt;
+  }
+
+  void forget(const Path& path) {
+    std::erase_if(script_.fields, [&](const Assigned& a) { return a.path == path; });
+  }
+
+  void lose(const std::string& variable, const Statement& statement, const std::string& why) {
+    script_.variables.erase(variable);
+    std::erase_if(script_.fields,
+                  [&](const Assigned& a) { return a.path.front().first == variable; });
+    script_.unknown[variable] = {statement.line, why};
+  }
+
+  void assign(const Statement& statement, std::size_t equals) {
+    const std::string& variable = statement.tokens.front().text;
+    Path path;
+    try {
+      Expression left(script_, statement.tokens, 0);
+      path = left.path();
+      if (left.at() != equals) throw Unknown("what stands before the '=' is not read");
+      if (path.size() == 1 && path[0].second > 0) {
+        throw Unknown("a part of a matrix is set, and wholes alone are read");
+      }
+    } catch (const Unknown& why) {
+      leave_out(statement, why.what());
+      for (std::size_t i = 0; i < equals; ++i) {
+        const Token& token = statement.tokens[i];
+        const bool all = variable == "[";
+        if (token.kind == TokenKind::name && (all || i == 0)) {
+          lose(token.text, statement, why.what());
+        }
+      }
+      return;
+    }
+    try {
+      Value value = Expression(script_, statement.tokens, equals + 1).whole();
+      if (path.size() == 1) {
+        lose(variable, statement, "");
+        script_.unknown.erase(variable);
+        script_.variables[variable] = {std::move(value), statement.line};
+      } else {
+        forget(path);
+        script_.fields.push_back({.path = path, .value = std::move(value), .line = statement.line});
+      }
+    } catch (const Unknown& why) {
+      leave_out(statement, why.what());
+      forget(path);
+      if (path.size() == 1) lose(variable, statement, why.what());
+    }
+  }
+
+  /// From a loop or a condition to its end. What is set within is unknown.
+  std::size_t skip_block(std::size_t i) {
+    const Statement& head = statements_[i];
+    leave_out(head, "loops and conditions are not run");
+    int depth = 0;
+    for (; i < statements_.size(); ++i) {
+      const Statement& statement = statements_[i];
+      const std::string& first = statement.tokens.front().text;
+      if (has(blocks, first)) ++depth;
+      if (first == "end" && --depth == 0) return i;
+      if (i == 0 || &statement == &head || !assignment(statement)) continue;
+      if (statement.tokens.front().kind == TokenKind::name) {
+        lose(first, statement, "it is set within a loop or a condition");
+      }
+    }
+    refuse(script_.name, head.line, head.tokens.front().text, "no end of it",
+           "is a block that 'end' closes");
+  }
+};
+
+}  // namespace
+
+Script run_script(const std::vector<std::string>& lines, const std::string& name) {
+  return Runner(statements_of(lines, name), name).run();
+}
+
+}  // namespace stillframe::tools::spacar
