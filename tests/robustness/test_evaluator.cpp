@@ -213,11 +213,13 @@ TEST(Evaluator, OneLegInClosedForm) {
   uncertainty.stiffness = 0.3;
   uncertainty.mass = 0.3;
   uncertainty.actuator_gain = 0.9;
+  uncertainty.sensor_gain = 0.5;
   const Evaluator evaluator = cart.evaluator(uncertainty);
-  ASSERT_EQ(evaluator.size(), 3);
+  ASSERT_EQ(evaluator.size(), 4);
   for (std::uint64_t i = 0; i < 50; ++i) {
-    const VectorXd values = sample(3, i, 3);
+    const VectorXd values = sample(3, i, 4);
     Cart other = cart;
+    other.kappa *= 1 + 0.5 * values(3);  // its law takes nothing else out of sigma
     other.k *= 1 + 0.3 * values(0);
     other.m *= 1 + 0.3 * values(1);
     // Rounding of the elongation of a leg of 1 m, some 1e3 of it in the exponential.

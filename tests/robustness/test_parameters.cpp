@@ -22,6 +22,8 @@ SceneUncertainty everything() {
   uncertainty.centre_of_mass_m = 0.005;
   uncertainty.leg_direction_rad = 0.02;
   uncertainty.actuator_gain = 0.1;
+  uncertainty.damping = 0.15;  // of which no leg has any
+  uncertainty.sensor_gain = 0.07;
   uncertainty.delay_samples = 0.3;
   return uncertainty;
 }
@@ -57,16 +59,16 @@ std::set<std::string> moved_nodes(const Scene& a, const Scene& b) {
 }
 
 TEST(Parameters, OneForEachUncertainThing) {
-  // 6 stiffnesses, mass, inertia, 3 of the centre of mass, 2 directions and a gain a leg, the
+  // 6 stiffnesses, mass, inertia, 3 of the centre of mass, 2 directions and 2 gains a leg, the
   // delay.
-  EXPECT_EQ(parameters_of(frame().scene, everything()).size(), 6u + 1 + 1 + 3 + 12 + 6 + 1);
+  EXPECT_EQ(parameters_of(frame().scene, everything()).size(), 6u + 1 + 1 + 3 + 12 + 6 + 6 + 1);
   EXPECT_TRUE(parameters_of(frame().scene, {}).empty());
   for (const Parameter& parameter : parameters_of(frame().scene, everything())) {
     SceneUncertainty others = everything();
-    double* const sizes[] = {&others.stiffness,         &others.mass,
-                             &others.inertia,           &others.centre_of_mass_m,
-                             &others.leg_direction_rad, &others.actuator_gain,
-                             &others.delay_samples};
+    double* const sizes[] = {
+        &others.stiffness,     &others.damping,          &others.mass,
+        &others.inertia,       &others.centre_of_mass_m, &others.leg_direction_rad,
+        &others.actuator_gain, &others.sensor_gain,      &others.delay_samples};
     EXPECT_EQ(parameter.size, *sizes[static_cast<size_t>(parameter.kind)]);
     *sizes[static_cast<size_t>(parameter.kind)] = 0;
     for (const Parameter& other : parameters_of(frame().scene, others)) {

@@ -95,8 +95,8 @@ void correct(const YamlReader& block, Scene& scene) {
            });
   correct_directions(block, as_written, scene);
   if (const auto value = block.find("delay_samples")) {
-    if (!scene.controller) value->fail("the scene has no controller whose delay that would be");
     const double change = number_within(*value, -longest_delay_samples, longest_delay_samples);
+    if (!scene.controller) return;
     double& delay = scene.controller->delay_samples;
     delay = std::clamp(delay + change, 0.0, double{longest_delay_samples});
   }
