@@ -1,6 +1,7 @@
 #include "tests/controller/child_process.hpp"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -26,7 +27,7 @@ std::string contents(int fd) {
 
 }  // namespace
 
-ChildProcess::ChildProcess(std::vector<std::string> arguments)
+ChildProcess::ChildProcess(std::vector<std::string> arguments, int priority)
     : out_fd_(memfd_create("out", MFD_CLOEXEC)), err_fd_(memfd_create("err", MFD_CLOEXEC)) {
   std::vector<char*> argv;
   for (auto& argument : arguments) argv.push_back(argument.data());
@@ -35,7 +36,18 @@ ChildProcess::ChildProcess(std::vector<std::string> arguments)
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, out_fd_, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err_fd_, STDERR_FILENO);
-  const int status = posix_spawnp(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSCHEDULER);
+  const auto spawn = [&](int policy, int its_priority) {
+    const sched_param parameters{.sched_priority = its_priority};
+    posix_spawnattr_setschedpolicy(&attributes, policy);
+    posix_spawnattr_setschedparam(&attributes, &parameters);
+    return posix_spawnp(&pid_, argv[0], &actions, &attributes, argv.data(), environ);
+  };
+  int status = priority > 0 ? spawn(SCHED_FIFO, priority) : -1;
+  if (status != 0) status = spawn(SCHED_OTHER, 0);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (status != 0) throw std::runtime_error("cannot start " + arguments[0]);
 }

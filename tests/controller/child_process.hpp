@@ -10,8 +10,9 @@ namespace stillframe::test {
 /// A program run by a test, with what it prints; killed if the test leaves before it has ended.
 class ChildProcess {
  public:
-  /// arguments[0] is the program, looked up in PATH. Errors: std::runtime_error.
-  explicit ChildProcess(std::vector<std::string> arguments);
+  /// arguments[0] is the program, looked up in PATH. It begins as any program does, whatever this
+  /// one is; at a real-time priority if one is given and allowed. Errors: std::runtime_error.
+  explicit ChildProcess(std::vector<std::string> arguments, int priority = 0);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

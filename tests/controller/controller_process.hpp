@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -25,9 +26,16 @@ using test::ChildProcess;
 
 inline const std::string program = std::string(STILLFRAME_BIN_DIR) + "/stillframe-controller";
 
+/// A plant, or a converter, does not wait for its controller (49, its way to the bus 48) nor for
+/// whatever else a machine computes: at this real-time priority, where that is allowed.
+constexpr int plant_priority = 60;
+
 class ControllerProcess : public testing::Test {
  protected:
   ControllerProcess() {
+    // Before there is a plant, whose threads take it over.
+    const sched_param parameters{.sched_priority = plant_priority};
+    sched_setscheduler(0, SCHED_FIFO, &parameters);
     static int n = 0;
     folder = std::filesystem::path(testing::TempDir()) /
              ("stillframe_controller_" + std::to_string(getpid()) + "_" + std::to_string(++n));

@@ -31,7 +31,7 @@ class RigProcess : public ControllerProcess {
     std::vector<std::string> all{bin + "converter", gains_file, folder / "samples",
                                  folder / "commands"};
     all.insert(all.end(), more.begin(), more.end());
-    return ChildProcess(all);
+    return ChildProcess(all, plant_priority);
   }
   /// What the closing line counts.
   static int counted(const std::string& out, const std::string& what) {
@@ -79,7 +79,8 @@ TEST_F(RigProcess, ConvertersBehindDevices) {
   const auto line = command_line(gains, {"--rig", file, "--duration", "6"});
   ChildProcess logger({"lcm-logger", "-q", "-f", log});
   ChildProcess cards({bin + "converter", gains_file, folder / "samples", folder / "commands",
-                      "duration=8", "ppm=150", "jitter_us=100", "gap_every=500"});
+                      "duration=8", "ppm=150", "jitter_us=100", "gap_every=500"},
+                     plant_priority);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   ChildProcess controller(line);
   EXPECT_EQ(controller.wait(), 0) << controller.err();
@@ -112,7 +113,7 @@ TEST_F(RigProcess, WhatIsWrongWithItDrivesNothing) {
     std::vector<std::string> all{bin + "converter",   gains_file,   folder / "samples",
                                  folder / "commands", "duration=4", "floor_rms=0.1"};
     all.insert(all.end(), fault.begin(), fault.end());
-    ChildProcess cards(all);
+    ChildProcess cards(all, plant_priority);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     ChildProcess controller(line);
     controller.wait();
@@ -130,7 +131,8 @@ TEST_F(RigProcess, WhatIsWrongWithItDrivesNothing) {
     auto line = command_line(
         gains, {"--rig", file, "--duration", "3.5", "--policy", folder / "passive.yaml"});
     ChildProcess cards({bin + "converter", gains_file, folder / "samples", folder / "commands",
-                        "duration=4", "floor_rms=0.1"});
+                        "duration=4", "floor_rms=0.1"},
+                       plant_priority);
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     ChildProcess controller(line);
     controller.wait();

@@ -47,7 +47,16 @@ TEST(FaultTableThreeSeeds, Wires) { expect_rows(wire_kinds()); }
 
 TEST(FaultTableThreeSeeds, Corruptions) { expect_rows(corruption_kinds()); }
 
-TEST(FaultTableThreeSeeds, Processes) { expect_rows(process_kinds()); }
+std::vector<Kind> kinds_of_processes(bool alone) {
+  std::vector<Kind> kinds = process_kinds();
+  std::erase_if(kinds, [alone](const Kind& kind) { return kind.alone != alone; });
+  return kinds;
+}
+
+TEST(FaultTableThreeSeeds, Processes) { expect_rows(kinds_of_processes(false)); }
+
+// Takes the processor from whatever runs beside it: nothing may.
+TEST(FaultTableThreeSeedsAlone, Processes) { expect_rows(kinds_of_processes(true)); }
 
 }  // namespace
 }  // namespace stillframe::faults

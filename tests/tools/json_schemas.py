@@ -440,6 +440,8 @@ def clocked(run, folder):
             verdict, said = wall.communicate(timeout=PATIENCE_S)
         if wall.returncode not in (0, 4) or not verdict:
             raise RuntimeError(f"run --mode wall_clock: exit code {wall.returncode}: {said}")
+        if all(timing.get("wake_up") is None for timing in json.loads(verdict)["timing"]):
+            raise RuntimeError(f"run --mode wall_clock: nothing is known of its wake-ups: {said}")
         wait_for("what plant and controller say at their end", lambda: seen("timing"), watch)
         watch.send_signal(signal.SIGINT)
         watch.wait(timeout=PATIENCE_S)
