@@ -265,31 +265,13 @@ std::string corrections_block(const Commissioned& found) {
     const double value = unit * std::round(found_deviation(found, i) / unit);
     std::snprintf(digits, sizeof digits, "%.6g", value);
     const double rounded = std::strtod(digits, nullptr);
-    switch (parameter.kind) {
-      case Kind::stiffness:
-        add("stiffness", parameter.subject, rounded);
-        break;
-      case Kind::damping:
-        add("damping", parameter.subject, rounded);
-        break;
-      case Kind::mass:
-        add("mass", parameter.subject, rounded);
-        break;
-      case Kind::inertia:
-        add("inertia", parameter.subject, rounded);
-        break;
-      case Kind::centre_of_mass:
-        add("centre_of_mass_m", parameter.subject, rounded);
-        break;
-      case Kind::leg_direction:
-        add("leg_direction_rad", parameter.subject, rounded);
-        break;
-      case Kind::delay:
-        delay = "  delay_samples: " + shortest_digits(rounded) + "\n";
-        break;
-      case Kind::actuator_gain:
-      case Kind::sensor_gain:
-        break;  // of the rig file
+    if (parameter.kind == Kind::actuator_gain || parameter.kind == Kind::sensor_gain) {
+      continue;  // of the rig file
+    }
+    if (parameter.kind == Kind::delay) {
+      delay = "  delay_samples: " + shortest_digits(rounded) + "\n";
+    } else {
+      add(key_of(parameter.kind), parameter.subject, rounded);
     }
   }
   std::string text = "corrections:\n";
@@ -309,29 +291,6 @@ std::string corrections_block(const Commissioned& found) {
 
 std::string uncertainty_left(const Commissioned& found) {
   std::vector<std::pair<std::string, double>> keys;
-  const auto key_of = [](Kind kind) {
-    switch (kind) {
-      case Kind::stiffness:
-        return "stiffness";
-      case Kind::damping:
-        return "damping";
-      case Kind::mass:
-        return "mass";
-      case Kind::inertia:
-        return "inertia";
-      case Kind::centre_of_mass:
-        return "centre_of_mass_m";
-      case Kind::leg_direction:
-        return "leg_direction_rad";
-      case Kind::actuator_gain:
-        return "actuator_gain";
-      case Kind::sensor_gain:
-        return "sensor_gain";
-      case Kind::delay:
-        return "delay_samples";
-    }
-    return "";
-  };
   for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
     const std::string key = key_of(found.question.parameters[i].kind);
     const double doubt = 2 * found_doubt(found, i);

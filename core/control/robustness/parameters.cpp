@@ -123,29 +123,34 @@ std::string direction_text(const Vector3d& direction) {
 
 }  // namespace
 
-std::string kind_text(Kind kind) {
-  switch (kind) {
-    case Kind::stiffness:
-      return "stiffness";
-    case Kind::damping:
-      return "damping";
-    case Kind::mass:
-      return "mass";
-    case Kind::inertia:
-      return "inertia";
-    case Kind::centre_of_mass:
-      return "centre of mass";
-    case Kind::leg_direction:
-      return "foot";
-    case Kind::actuator_gain:
-      return "actuator gain";
-    case Kind::sensor_gain:
-      return "sensor gain";
-    case Kind::delay:
-      return "delay";
-  }
-  return "";
+namespace {
+
+/// How people and how scenes call a kind.
+struct KindName {
+  Kind kind;
+  const char *text, *key;
+};
+constexpr KindName kind_names[] = {
+    {Kind::stiffness, "stiffness", "stiffness"},
+    {Kind::damping, "damping", "damping"},
+    {Kind::mass, "mass", "mass"},
+    {Kind::inertia, "inertia", "inertia"},
+    {Kind::centre_of_mass, "centre of mass", "centre_of_mass_m"},
+    {Kind::leg_direction, "foot", "leg_direction_rad"},
+    {Kind::actuator_gain, "actuator gain", "actuator_gain"},
+    {Kind::sensor_gain, "sensor gain", "sensor_gain"},
+    {Kind::delay, "delay", "delay_samples"},
+};
+
+const KindName& names_of(Kind kind) {
+  return *std::ranges::find(kind_names, kind, &KindName::kind);
 }
+
+}  // namespace
+
+std::string kind_text(Kind kind) { return names_of(kind).text; }
+
+std::string key_of(Kind kind) { return names_of(kind).key; }
 
 std::string subject_text(const Parameter& parameter) {
   switch (parameter.kind) {

@@ -40,6 +40,8 @@ std::vector<Parameter> parameters_of(const Scene& scene, const SceneUncertainty&
 /// A parameter in words: "stiffness", "leg_1v" ("lens along x", "leg_1v towards y"), and "+10 %" at
 /// a value; the delay has no subject.
 std::string kind_text(Parameter::Kind kind);
+/// Its key in `uncertainty` and in `corrections`.
+std::string key_of(Parameter::Kind kind);
 std::string subject_text(const Parameter& parameter);
 std::string deviation_text(const Parameter& parameter, double value);
 
