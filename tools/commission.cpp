@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -47,6 +48,13 @@ SceneUncertainty uncertainty_of(const CommissionOptions& options, const Scene& s
                    "well it is known; write it, or give --uncertainty FILE");
 }
 
+/// The scene's text with a block behind it.
+std::string with_block(std::string text, const std::string& block) {
+  if (!text.ends_with('\n')) text += '\n';
+  return text + "\n# Measured on the rig; without this block the scene is as it was written.\n" +
+         block;
+}
+
 /// The rig of a scene that plays one: all that the scene has is measured.
 RigFile simulated_rig(const judge::LoopDesign& design) {
   RigFile rig = controller::default_rig(design.gains);
@@ -84,7 +92,7 @@ Json to_json(const Commissioned& found, const std::optional<Files>& files,
     parameters.push_back({{"name", name_of(parameter)},
                           {"deviation", found_deviation(found, i)},
                           {"standard_deviation", found_doubt(found, i)},
-                          {"known_before", parameter.size},
+                          {"known_before", known_before(found, i)},
                           {"told", is_told(found, i)},
                           {"alike", with}});
   }
@@ -121,7 +129,9 @@ void print_wiring(const Commissioned& found) {
   }
   if (found.wiring.sound) std::cout << "Every leg answers as the rig file and the scene say.\n";
   if (!found.wiring.sound && found.wiring.connected)
-    std::cout << "Put right for what follows, but for delays.\n";
+    std::cout
+        << "Cables and signs are put right for what follows, and gains that are off by more than "
+           "half; the rest is for the fit.\n";
 }
 
 std::string with_unit(const robustness::Parameter& parameter, double deviation) {
@@ -137,7 +147,7 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
       report::count(found.recording.n_samples), report::count(found.recording.n_lost),
       -1e6 * found.recording.drift, found.disturbance_db);
   report::Table table({"what", "found", "+- (95 %)", "known before", ""}, 1);
-  bool trade = false;
+  bool trade = false, told = false;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto others = alike(found, i);
     std::string note;
@@ -148,8 +158,10 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
       return with_unit(parameters[i], deviation).substr(1);
     };
     trade = trade || !others.empty();
+    told = told || is_told(found, i);
     table.add({name_of(parameters[i]), with_unit(parameters[i], found_deviation(found, i)),
-               without_sign(1.96 * found_doubt(found, i)), without_sign(parameters[i].size), note});
+               without_sign(1.96 * found_doubt(found, i)), without_sign(known_before(found, i)),
+               note});
   }
   const auto& fit = found.fit;
   std::cout << table.print();
@@ -168,6 +180,7 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
     std::cout << "The rig does something that no value of these parameters does: do not trust the "
                  "bands.\n";
   }
+  if (!told) std::cout << "The rig tells nothing of what was asked.\n";
   if (!fit.converged) std::cout << "The fit has not settled.\n";
   std::cout << report::cell(
                    "Spectral radius on what was found: %.6f with the gains of before, "
@@ -211,6 +224,14 @@ Commissioned probed(const CommissionOptions& options, const judge::LoopDesign& d
     if (hidden.scene.controller->legs != design.scene.controller->legs) {
       throw InputError(options.simulate->string() + ": has other legs than the scene");
     }
+    if (!std::ranges::equal(hidden.scene.outputs, design.scene.outputs, {}, &SceneSignal::name,
+                            &SceneSignal::name)) {
+      throw InputError(options.simulate->string() +
+                       ": has other outputs than the scene, or in another order");
+    }
+    if (hidden.gains.sample_rate_hz != design.gains.sample_rate_hz) {
+      throw InputError(options.simulate->string() + ": has another sample rate than the scene");
+    }
     controller::SimulatedIo io(hidden.sampled);
     return go(io);
   }
@@ -231,6 +252,13 @@ int run(const CommissionOptions& options) {
     throw InputError(options.scene.string() +
                      ": corrections: are there already; commission the scene as it was written, "
                      "or write them into it");
+  }
+  try {
+    YamlReader::from_text(with_block(design.scene.text, "corrections: {}\n"), "");
+  } catch (const InputError&) {
+    throw InputError(options.scene.string() +
+                     ": a block cannot be written behind it; write its keys a line each, without "
+                     "'...' at the end");
   }
   RigFile rig =
       options.rig ? controller::read_rig(*options.rig, design.gains) : simulated_rig(design);
@@ -269,7 +297,12 @@ int run(const CommissionOptions& options) {
   if (options.rig) write_whole_file(files.rig, to_yaml(found.rig, design.gains));
   const Loops loops{judge::make_loop_design(files.scene, options.controller, options.scene).radius,
                     judge::make_loop_design(files.scene, options.controller).radius};
-  const bool passed = found.fit.converged && loops.after < 1 && found.fit.is_noise();
+  bool anything_told = false;
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    anything_told = anything_told || is_told(found, i);
+  }
+  const bool passed =
+      anything_told && found.fit.converged && loops.after < 1 && found.fit.is_noise();
   if (options.json) {
     print(to_json(found, files, loops, options, passed));
   } else {
@@ -316,7 +349,8 @@ void add_commission(cli::Command& app, int& exit_code) {
       "SCENE.updated.uncertainty.yaml; beside the rig file RIG.updated.yaml, with cables, signs "
       "and gains.\n"
       "No loop is closed. The rig is let go of beyond ten times the force, and at Ctrl-C.\n"
-      "Exit codes: 0 fitted to the noise, and the loop of the updated scene is stable; 4 not, or "
+      "Exit codes: 0 something is told, fitted to the noise, and the loop of the updated scene is "
+      "stable; 4 not, or "
       "the rig\n"
       "could not be measured.\n"
       "Keys of --json:\n"

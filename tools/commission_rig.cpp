@@ -29,6 +29,11 @@ namespace {
 constexpr double part_of_limit = 0.02;
 constexpr double highest_line = 0.42, off_resonance = 0.08;
 constexpr int most_lines = 44, lowest_line = 2;
+constexpr std::size_t fewest_lines = 8;
+constexpr Index most_window = 1'000'000;  // samples
+constexpr double gross_gain = 1.5;        // of a card at another range, say
+// Of what is as likely anywhere between -1 and 1.
+const double deviation_of_even = 1 / std::sqrt(3.0);
 constexpr double told = 0.5, correlated = 0.9;
 
 ProbeSettings settings_of(const CommissionQuestion& question, const RigFile& rig) {
@@ -91,6 +96,25 @@ Eigen::VectorXd read_back_of(const fitting::RigRecord& record, const std::vector
   return read.cwiseQuotient(expected.cwiseMax(1e-300)).cwiseSqrt();
 }
 
+/// The channels put right, but for gains that a plant with another delay or lag may feign.
+Channels without_small_gains(const Channels& before, const controller::Wiring& wiring) {
+  Channels channels = wiring.channels;
+  const auto forget = [](std::vector<controller::Channel>& right,
+                         const std::vector<controller::Channel>& was) {
+    for (controller::Channel& channel : right) {
+      const auto of_cable = std::ranges::find(was, channel.number, &controller::Channel::number);
+      const double factor = std::abs(channel.gain / of_cable->gain);
+      if (factor < gross_gain && factor > 1 / gross_gain) {
+        channel.gain = std::copysign(of_cable->gain, channel.gain);
+      }
+    }
+  };
+  forget(channels.sigma, before.sigma);
+  forget(channels.applied, before.applied);
+  forget(channels.force, before.force);
+  return channels;
+}
+
 /// The gains that were fitted, in the channels: forces that act as they are commanded, sensors
 /// that read what there is.
 void put_gains(const Commissioned& found, Channels& channels) {
@@ -137,6 +161,10 @@ double probe_force(const std::optional<double>& asked, const controller::Gains& 
 }
 
 std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_window) {
+  if (n_window > most_window) {
+    throw InputError("--window: " + std::to_string(n_window) + " samples, allowed are up to " +
+                     std::to_string(most_window));
+  }
   const double df = design.gains.sample_rate_hz / static_cast<double>(n_window);
   const Eigen::VectorXcd poles = design.settings.plant.A.eigenvalues();
   const std::vector<Resonance> at = resonances(poles);
@@ -151,8 +179,13 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
     const double exact = from * std::pow(to / from, i / double(most_lines - 1));
     int line = static_cast<int>(std::lround(exact));
     if (!lines.empty()) line = std::max(line, lines.back() + 1);
-    if (line > to || near_resonance(line * df)) continue;
+    if (line < lowest_line || line > to || near_resonance(line * df)) continue;
     lines.push_back(line);
+  }
+  if (lines.size() < fewest_lines) {
+    throw InputError("--window: of " + std::to_string(n_window) + " samples has " +
+                     std::to_string(lines.size()) +
+                     " lines beside the resonances, allowed are windows of 8 and more");
   }
   return lines;
 }
@@ -171,6 +204,15 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
                     .sampling = design.settings.sampling,
                     .parameters = robustness::parameters_of(design.scene, question.uncertainty),
                     .frame = outputs_of(rig, design.scene)};
+  if (found.question.parameters.empty()) {
+    throw InputError(
+        "uncertainty: nothing of this scene is uncertain; give at least one of its "
+        "values above 0");
+  }
+  for (Parameter& parameter : found.question.parameters) parameter.size *= deviation_of_even;
+  const double window = std::round(question.window_s * design.gains.sample_rate_hz);
+  const auto n_window = static_cast<Index>(std::min(window, 1e15));
+  const std::vector<int> lines = commission_lines(design, n_window);  // before anything moves
   ProbeSettings settings = settings_of(question, rig);
   settings.lines = controller::probe_lines(settings.n_window);
   const auto wiring_now = [&](const char* what) {
@@ -182,7 +224,7 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
   found.wiring = wiring_now("wiring");
   if (!found.wiring.sound) {
     if (!found.wiring.connected) return found;
-    found.rig.channels = found.wiring.channels;
+    found.rig.channels = without_small_gains(found.rig.channels, found.wiring);
     const controller::Wiring again = wiring_now("wiring, once more");
     // What is found beside a cable that was wrong may be found better now; what is still wrong is
     // beyond a rig file.
@@ -190,11 +232,11 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
       found.wiring.connected = false;
       return found;
     }
-    found.rig.channels = again.channels;
+    found.rig.channels = without_small_gains(found.rig.channels, again);
   }
-  settings.n_window = std::llround(question.window_s * settings.sample_rate_hz);
+  settings.n_window = n_window;
   settings.n_windows = question.n_windows;
-  settings.lines = commission_lines(design, settings.n_window);
+  settings.lines = lines;
   {
     controller::ScaledIo scaled(io, found.rig.channels, setting.n_floor, setting.n_frame);
     found.recording = controller::record_rig(
@@ -230,6 +272,10 @@ double found_deviation(const Commissioned& found, std::size_t i) {
 
 double found_doubt(const Commissioned& found, std::size_t i) {
   return found.question.parameters[i].size * found.fit.deviation(static_cast<Index>(i));
+}
+
+double known_before(const Commissioned& found, std::size_t i) {
+  return found.question.parameters[i].size / deviation_of_even;
 }
 
 bool is_told(const Commissioned& found, std::size_t i) {
@@ -274,6 +320,7 @@ std::string corrections_block(const Commissioned& found) {
       add(key_of(parameter.kind), parameter.subject, rounded);
     }
   }
+  if (keys.empty() && delay.empty()) return "corrections: {}\n";
   std::string text = "corrections:\n";
   for (const auto& [key, parts] : keys) {
     const bool is_list = key == "centre_of_mass_m" || key == "leg_direction_rad";
@@ -293,7 +340,7 @@ std::string uncertainty_left(const Commissioned& found) {
   std::vector<std::pair<std::string, double>> keys;
   for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
     const std::string key = key_of(found.question.parameters[i].kind);
-    const double doubt = 2 * found_doubt(found, i);
+    const double doubt = std::min(2 * found_doubt(found, i), known_before(found, i));
     if (keys.empty() || keys.back().first != key) keys.push_back({key, 0});
     keys.back().second = std::max(keys.back().second, doubt);
   }

@@ -22,7 +22,7 @@ double probe_force(const std::optional<double>& asked, const controller::Gains& 
 /// What is asked of a rig that is to be commissioned.
 struct CommissionQuestion {
   const judge::LoopDesign& design;
-  SceneUncertainty uncertainty;  ///< what the scene is known to, standard deviations
+  SceneUncertainty uncertainty;  ///< what the scene is known to, each way, all of it as likely
   double force_n = 0;            ///< peak on a leg
   double window_s = 2;
   int n_windows = 5;
@@ -41,19 +41,23 @@ struct Commissioned {
 
 /// The lines of a window that a rig is driven at: evenly spaced on a logarithmic axis to 0.42 of
 /// the rate, none within 8 % of a resonance of the model, which an undamped frame would follow.
+/// Errors: InputError if those are too few to tell anything.
 std::vector<int> commission_lines(const judge::LoopDesign& design, Eigen::Index n_window);
 
-/// Probes the wiring, puts it right, records, fits. io is in the units and on the cables of the
-/// driver; rig: of the rig file. Errors: std::runtime_error of probe_rig and record_rig;
-/// InputError where the rig's accelerometers are none of the scene's. Where the wiring cannot be
-/// put right nothing after it is there, and wiring.connected is false; delays are for the fit.
+/// Probes the wiring, puts right its cables and signs, and gains that are off by more than half,
+/// records, fits: other gains are for the fit, which knows the delay and the plant. io is in the
+/// units and on the cables of the driver; rig: of the rig file. Errors: std::runtime_error of
+/// probe_rig and record_rig; InputError where the rig's accelerometers are none of the scene's, or
+/// nothing is uncertain. Where the wiring cannot be put right nothing after it is there, and
+/// wiring.connected is false; delays are for the fit.
 Commissioned commission(controller::Io& io, const controller::RigFile& rig,
                         const CommissionQuestion& question, const controller::ProbeTime& time,
                         const std::function<void(const std::string&, double)>& progress,
                         const std::function<bool()>& stop);
 
 /// The deviation that was found of each parameter (SI, relative, samples) and the standard
-/// deviation of it.
+/// deviation of it; how far it could be off before, each way.
+double known_before(const Commissioned& found, std::size_t parameter);
 double found_deviation(const Commissioned& found, std::size_t parameter);
 double found_doubt(const Commissioned& found, std::size_t parameter);
 /// Whether the rig told it: known better by half than before.

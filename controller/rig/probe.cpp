@@ -148,7 +148,7 @@ class Prober {
 
   Recording record(const std::function<void(double)>& progress) {
     const Index n = settings_.n_window, windows = settings_.n_windows;
-    const Index rest = recording_margin + windows * n, part = (windows + 2) * n,
+    const Index rest = recording_margin + 2 * windows * n, part = (windows + 2) * n,
                 total = rest + part * m_ + recording_margin;
     Recording out;
     out.command = MatrixXd::Zero(total, m_);
@@ -196,7 +196,7 @@ class Prober {
     for (Index leg = -1; leg < m_; ++leg) {
       const Index from = leg < 0 ? recording_margin : rest + leg * part + n;
       Index kept = 0;
-      for (Index w = 0; w < windows; ++w) {
+      for (Index w = 0; w < (leg < 0 ? 2 : 1) * windows; ++w) {
         if (!whole(from + w * n)) continue;
         out.windows.push_back(from + w * n);
         out.driven.push_back(leg >= 0);

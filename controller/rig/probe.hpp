@@ -62,8 +62,8 @@ struct Recording {
 /// Samples before the first window and behind the last.
 inline constexpr Eigen::Index recording_margin = 40;
 
-/// Records a rig, n_windows at rest and as many with each leg driven, by one multisine of all lines
-/// over n_window samples. Nothing has to settle. Otherwise as probe_rig.
+/// Records a rig, n_windows with each leg driven and twice as many at rest, by one multisine of all
+/// lines over n_window samples. Nothing has to settle. Otherwise as probe_rig.
 Recording record_rig(Io& io, Eigen::Index m, const ProbeSettings& settings, const ProbeTime& time,
                      const std::function<void(double)>& progress,
                      const std::function<bool()>& stop);

@@ -13,6 +13,7 @@ namespace stillframe::controller {
 
 using Eigen::Index;
 using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
@@ -24,20 +25,23 @@ constexpr double lowest_line = 0.2, highest_line = 0.42;  // of the rate
 constexpr int most_lines = 12;
 constexpr double least_answer = 0.2;   // of what the plant says, of a cable that is there
 constexpr double second_answer = 0.5;  // of the largest: two legs answer, which is no cable
+constexpr double most_beyond = 1.5;    // of what the plant says of a second
 constexpr double most_delay = 3, delay_step = 0.005, wrong_delay = 0.5;  // samples
 constexpr double doubts = 4;  // standard deviations beyond which a gain is off
 
 /// What a sampled plant answers to a command on each leg at exp(j w), lines x legs, its own leg
-/// alone.
+/// alone; and how large the largest answer of another force sensor is beside it, of each leg.
 struct Expected {
   MatrixXcd sigma, applied;
+  VectorXd others;
 };
 
 Expected expected_of(const Gains& gains, const ProbeSettings& settings) {
   const SampledPlant plant = sample_and_hold(gains.loop_plant(), gains.sampling());
   const Index m = gains.n_legs(), n = plant.Phi.rows();
   const auto n_lines = static_cast<Index>(settings.lines.size());
-  Expected expected{MatrixXcd::Zero(n_lines, m), MatrixXcd::Zero(n_lines, m)};
+  Expected expected{MatrixXcd::Zero(n_lines, m), MatrixXcd::Zero(n_lines, m), VectorXd::Zero(m)};
+  MatrixXd power = MatrixXd::Zero(m, m);  // of sensor i while leg j is driven
   const MatrixXcd Phi = plant.Phi.cast<Complex>();
   for (Index l = 0; l < n_lines; ++l) {
     const double w = two_pi * settings.lines[static_cast<std::size_t>(l)] /
@@ -47,12 +51,19 @@ Expected expected_of(const Gains& gains, const ProbeSettings& settings) {
       const Complex late = std::polar(1.0, -w * plant.whole_delay(leg)), later = late / z;
       const VectorXcd drive = plant.Gamma_u.col(leg) * late + plant.Gamma_0.col(leg) * later;
       const VectorXcd x = (z * MatrixXcd::Identity(n, n) - Phi).partialPivLu().solve(drive);
-      expected.sigma(l, leg) =
-          (plant.C_sigma.row(leg) * x).value() + plant.D_sigma(leg, leg) * later;
+      VectorXcd all = plant.C_sigma * x;
+      all += plant.D_sigma.col(leg) * later;
+      expected.sigma(l, leg) = all(leg);
+      power.col(leg) += all.cwiseAbs2();
       expected.applied(l, leg) =
           ((plant.C_report.row(leg) * x).value() + plant.D_report(leg, leg) * later) *
           std::polar(1.0, -w * plant.report_age);
     }
+  }
+  for (Index leg = 0; leg < m; ++leg) {
+    const double own = power(leg, leg);
+    power(leg, leg) = 0;
+    expected.others(leg) = std::sqrt(power.col(leg).maxCoeff() / std::max(own, 1e-300));
   }
   return expected;
 }
@@ -78,14 +89,15 @@ Fit fit(const VectorXcd& c, const ProbeSettings& settings) {
   return best;
 }
 
-/// Which channel answers when a leg is driven; -1: none, or more than one.
-Index answering(const MatrixXcd& read, const VectorXcd& awaited) {
+/// Which channel answers when a leg is driven; -1: none, or more than one. others: what a second
+/// may answer by itself, over the first.
+Index answering(const MatrixXcd& read, const VectorXcd& awaited, double others) {
   const VectorXd size = read.cwiseAbs2().colwise().sum().cwiseSqrt().transpose();
   Index largest = 0;
   const double most = size.maxCoeff(&largest);
   if (!(most > least_answer * awaited.norm())) return -1;
   for (Index j = 0; j < size.size(); ++j) {
-    if (j != largest && size(j) > second_answer * most) return -1;
+    if (j != largest && size(j) > std::max(second_answer, most_beyond * others) * most) return -1;
   }
   return largest;
 }
@@ -153,9 +165,10 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
   std::vector<Index> sigma_of(static_cast<std::size_t>(m)), applied_of(sigma_of);
   for (Index i = 0; i < m; ++i) {
     const Response& response = probe.legs[static_cast<std::size_t>(i)];
-    const VectorXcd awaited = response.command.cwiseProduct(expected.sigma.col(i));
-    sigma_of[static_cast<std::size_t>(i)] = answering(response.sigma, awaited);
-    applied_of[static_cast<std::size_t>(i)] = answering(response.applied, awaited);
+    sigma_of[static_cast<std::size_t>(i)] = answering(
+        response.sigma, response.command.cwiseProduct(expected.sigma.col(i)), expected.others(i));
+    applied_of[static_cast<std::size_t>(i)] =
+        answering(response.applied, response.command.cwiseProduct(expected.applied.col(i)), 0);
   }
   for (Index i = 0; i < m; ++i) {
     const Response& response = probe.legs[static_cast<std::size_t>(i)];

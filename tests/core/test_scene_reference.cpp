@@ -225,7 +225,12 @@ YAML::Node document(const std::string& table) {
     }
     return body;
   }
-  if (!is_floor(table)) return YAML::Load(is_planar(table) ? full_planar_scene : full_scene);
+  if (!is_floor(table)) {
+    YAML::Node scene = YAML::Load(is_planar(table) ? full_planar_scene : full_scene);
+    // A correction is refused without the number that it corrects.
+    if (table != "The scene" && table != "corrections") scene.remove("corrections");
+    return scene;
+  }
   YAML::Node all = YAML::Load(full_floor), one;
   const Path& path = places.at(table);
   const std::string kind = path.empty() ? "still" : path.front();

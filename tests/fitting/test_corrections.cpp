@@ -70,6 +70,8 @@ TEST(Corrections, SayWhatIsWrong) {
   refused("{centre_of_mass_m: {lens: [1, 2, 3]}}", "lens");
   refused("{leg_direction_rad: {leg_l: [0.1, 0.1]}}", "leg_l");
   refused("{delay: 1}", "delay");
+  refused("{damping: {leg_s: 0.1}}", "'leg_s' has no damping");
+  refused("{stiffness: {arm_left: 0.1}}", "'arm_left' has no stiffness");
 }
 
 }  // namespace

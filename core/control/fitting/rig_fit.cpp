@@ -11,6 +11,7 @@
 
 #include "core/control/fitting/rig_model.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/yaml/loop_numbers.hpp"
 
 namespace stillframe::fitting {
 
@@ -37,6 +38,8 @@ constexpr double difference_step = 1e-3;
 // A twentieth of a standard deviation, squared: not seen in any band. Where there is no noise yet
 // to measure by, a part of what is left.
 constexpr double still = 0.0025, small_part = 1e-3;
+// Of what a mass, a stiffness or a gain is in the scene.
+constexpr double least_part = 0.05;
 // Of the size of an output at a line: what converters and arithmetic leave of a simulation.
 constexpr double least_noise = 1e-7;
 
@@ -79,10 +82,10 @@ class Fit {
     const double nominal = question_.sampling.delay_samples,
                  size = question_.parameters[static_cast<std::size_t>(delay_)].size;
     double least = std::numeric_limits<double>::infinity();
-    const double most = 2;  // of its size, as far as is looked
-    for (double whole = std::floor(std::max(0.0, nominal - most * size));
-         whole <= nominal + most * size; ++whole) {
-      for (const double part : {0.1, 0.3, 0.5, 0.7, 0.9}) {
+    // As far as is looked: of its size, and of what a scene may have.
+    const double to = std::min(nominal + 2 * size, double{longest_delay_samples});
+    for (double whole = std::floor(std::max(0.0, nominal - 2 * size)); whole <= to; ++whole) {
+      for (const double part : {0.0, 0.2, 0.4, 0.6, 0.8, 0.97}) {
         VectorXd at = values;
         at(delay_) = (whole + part - nominal) / size;
         const double cost = normal(at, weights, false).cost + at.squaredNorm();
@@ -94,11 +97,30 @@ class Fit {
       }
     }
   }
-  bool has_place(const VectorXd& values) const {
-    return delay_ < 0 || (values(delay_) >= first_ && values(delay_) <= last_);
-  }
   void keep_place(VectorXd& values) const {
     if (delay_ >= 0) values(delay_) = std::clamp(values(delay_), first_, last_);
+  }
+  /// The delay where it stands at an end of its place and would go beyond; -1: nothing does.
+  Index held(const VectorXd& values, const VectorXd& downhill) const {
+    if (delay_ < 0) return -1;
+    const bool below = values(delay_) <= first_ && downhill(delay_) < 0,
+               above = values(delay_) >= last_ && downhill(delay_) > 0;
+    return below || above ? delay_ : -1;
+  }
+  /// Whether there is such a thing: masses, stiffnesses and gains are above zero.
+  bool has_place(const VectorXd& values) const {
+    for (Index i = 0; i < p(); ++i) {
+      const auto& parameter = question_.parameters[static_cast<std::size_t>(i)];
+      switch (parameter.kind) {
+        case Kind::centre_of_mass:
+        case Kind::leg_direction:
+        case Kind::delay:
+          break;
+        default:
+          if (!(1 + parameter.size * values(i) > least_part)) return false;
+      }
+    }
+    return true;
   }
 
   Index n_out() const { return windows_.front().read().rows(); }
@@ -293,7 +315,8 @@ class Fit {
 /// Where a model has no place: masses and stiffnesses below zero, say.
 double cost_at(const Fit& fit, const VectorXd& values, const Weights& weights) {
   try {
-    return fit.normal(values, weights, false).cost + values.squaredNorm();
+    if (fit.has_place(values))
+      return fit.normal(values, weights, false).cost + values.squaredNorm();
   } catch (const Refusal&) {
   } catch (const InputError&) {
   }
@@ -329,7 +352,13 @@ RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
       ++found.n_iterations;
       MatrixXd A = now.JtJ;
       A.diagonal().array() += 1;
-      const VectorXd b = now.Jtr - found.values;
+      VectorXd b = now.Jtr - found.values;
+      if (const Index held = fit.held(found.values, b); held >= 0) {
+        A.row(held).setZero();
+        A.col(held).setZero();
+        A(held, held) = 1;
+        b(held) = 0;
+      }
       const double cost = now.cost + found.values.squaredNorm();
       // What an undamped step would win. By noise it is a square of standard deviations.
       found.converged =

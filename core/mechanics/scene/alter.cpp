@@ -85,6 +85,12 @@ bool is_damped(const SceneElement& element) {
          element.beam.damping_time != 0;
 }
 
+bool is_stiff(const SceneElement& element) {
+  const SceneBeam& beam = element.beam;
+  return (element.stiffness.size() > 0 && !element.stiffness.isZero(0)) || beam.EA != 0 ||
+         beam.GJ != 0 || beam.EI_y != 0 || beam.EI_z != 0;
+}
+
 void move_node(Scene& scene, size_t node, const Vector3d& displacement) {
   std::vector<size_t> moving{node};
   for (size_t i = 0; i < moving.size(); ++i) {

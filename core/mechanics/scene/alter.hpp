@@ -31,7 +31,9 @@ std::vector<Eigen::Vector3d> across(const Eigen::Vector3d& span, bool planar);
 /// All stiffnesses of an element; its dampers stay. And all its dampers.
 void scale_stiffness(SceneElement& element, double factor);
 void scale_damping(SceneElement& element, double factor);
+/// Whether it has any.
 bool is_damped(const SceneElement& element);
+bool is_stiff(const SceneElement& element);
 
 /// Displaces a node (m), and with it those that hinges join to it. Elements that end there are
 /// unstrained in their new shape.

@@ -51,11 +51,16 @@ void correct_masses(const YamlReader& block, Scene& scene) {
       if (mass.node == name) mass.mass *= factor_of(value);
     }
   });
-  for_each(block, "inertia", "node with a mass", nodes, [&](const auto& name, const auto& value) {
-    for (SceneMass& mass : scene.masses) {
-      if (mass.node == name) mass.inertia *= factor_of(value);
-    }
-  });
+  nodes.clear();
+  for (const SceneMass& mass : scene.masses) {
+    if (mass.has_inertia) nodes.push_back(mass.node);
+  }
+  for_each(block, "inertia", "node with an inertia", nodes,
+           [&](const auto& name, const auto& value) {
+             for (SceneMass& mass : scene.masses) {
+               if (mass.node == name) mass.inertia *= factor_of(value);
+             }
+           });
 }
 
 void correct_directions(const YamlReader& block, const Scene& as_written, Scene& scene) {
@@ -83,10 +88,14 @@ void correct(const YamlReader& block, Scene& scene) {
   const Scene as_written = scene;
   const auto elements = names_of(scene.elements);
   for_each(block, "stiffness", "element", elements, [&](const auto& name, const auto& value) {
-    scale_stiffness(scene.elements[element_index(scene, name)], factor_of(value));
+    SceneElement& element = scene.elements[element_index(scene, name)];
+    if (!is_stiff(element)) value.fail("'" + name + "' has no stiffness that could be corrected");
+    scale_stiffness(element, factor_of(value));
   });
   for_each(block, "damping", "element", elements, [&](const auto& name, const auto& value) {
-    scale_damping(scene.elements[element_index(scene, name)], factor_of(value));
+    SceneElement& element = scene.elements[element_index(scene, name)];
+    if (!is_damped(element)) value.fail("'" + name + "' has no damping that could be corrected");
+    scale_damping(element, factor_of(value));
   });
   correct_masses(block, scene);
   for_each(block, "centre_of_mass_m", "node", names_of(scene.nodes),
