@@ -10,6 +10,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
+#include "core/yaml/loop_numbers.hpp"
 #include "core/yaml/quoted.hpp"
 #include "core/yaml/reader.hpp"
 
@@ -79,22 +80,65 @@ bool measures_floor(const RigFile& rig, const Scene& scene) {
   return std::ranges::equal(rig.floor, scene.inputs, {}, {}, &SceneSignal::name);
 }
 
-/// What is applied over what is commanded of each leg: a gain that no force sensor sees. By its
-/// size, which no delay changes; the sign is of the wiring.
-Eigen::VectorXd read_back_of(const fitting::RigRecord& record, const std::vector<bool>& driven,
-                             const SampledPlant& plant) {
-  const fitting::LineKernel kernel(record, 0);
-  const fitting::RigModel model(plant, record, {}, kernel);
-  const Index m = record.command.cols();
-  Eigen::VectorXd read = Eigen::VectorXd::Zero(m), expected = read;
-  for (std::size_t w = 0; w < driven.size(); ++w) {
-    if (!driven[w]) continue;
-    const fitting::WindowData data(record, static_cast<Index>(w), plant.report_age, kernel);
-    read += data.read().middleRows(m, m).cwiseAbs2().rowwise().sum();
-    expected += model.predicted(data).middleRows(m, m).cwiseAbs2().rowwise().sum();
+/// What is applied over what is commanded of each leg: a gain that no force sensor sees.
+class ReadBack {
+ public:
+  ReadBack(const fitting::RigRecord& record, const std::vector<bool>& driven,
+           const fitting::FitQuestion& question)
+      : record_(record), question_(question), kernel_(record, 0) {
+    for (std::size_t w = 0; w < driven.size(); ++w) {
+      if (!driven[w]) continue;
+      windows_.emplace_back(record, static_cast<Index>(w),
+                            question.sampling.instruments.report_age_samples, kernel_);
+    }
   }
-  return read.cwiseQuotient(expected.cwiseMax(1e-300)).cwiseSqrt();
-}
+
+  /// By the delay that what is read back goes with best; no mass and no stiffness has a part in it.
+  Eigen::VectorXd gains() const {
+    const auto of_delay = std::ranges::find(question_.parameters, Kind::delay, &Parameter::kind);
+    const double nominal = question_.sampling.delay_samples;
+    double best = nominal;
+    double reach = of_delay == question_.parameters.end() ? 0 : 2 * of_delay->size;
+    double most = of_delay == question_.parameters.end() ? 1 : -1;
+    for (int pass = 0; pass < 3 && reach > 0; ++pass, reach /= 10) {
+      const double centre = best;
+      for (int i = -20; i <= 20; ++i) {
+        const double delay = centre + reach * i / 20;
+        if (delay < 0 || delay > longest_delay_samples) continue;
+        const double likeness = compared(delay).second;
+        if (likeness <= most) continue;
+        most = likeness;
+        best = delay;
+      }
+    }
+    return compared(best).first;
+  }
+
+ private:
+  /// The gains with a delay, and how much of what is read they explain.
+  std::pair<Eigen::VectorXd, double> compared(double delay) const {
+    Sampling sampling = question_.sampling;
+    sampling.delay_samples = delay;
+    const fitting::RigModel model(robustness::sampled({question_.scene, sampling}), record_, {},
+                                  kernel_);
+    const Index m = record_.command.cols();
+    Eigen::VectorXd along = Eigen::VectorXd::Zero(m), expected = along, read = along;
+    for (const fitting::WindowData& window : windows_) {
+      const Eigen::MatrixXcd e = model.predicted(window).middleRows(m, m),
+                             r = window.read().middleRows(m, m);
+      along += e.conjugate().cwiseProduct(r).real().rowwise().sum();
+      expected += e.cwiseAbs2().rowwise().sum();
+      read += r.cwiseAbs2().rowwise().sum();
+    }
+    const Eigen::VectorXd gains = along.cwiseQuotient(expected.cwiseMax(1e-300));
+    return {gains, along.dot(gains) / std::max(read.sum(), 1e-300)};
+  }
+
+  const fitting::RigRecord& record_;
+  const fitting::FitQuestion& question_;
+  fitting::LineKernel kernel_;
+  std::vector<fitting::WindowData> windows_;
+};
 
 /// The channels put right, but for gains that a plant with another delay or lag may feign.
 Channels without_small_gains(const Channels& before, const controller::Wiring& wiring) {
@@ -255,9 +299,7 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
       .n_window = settings.n_window,
       .lines = settings.lines};
   found.question.sampling.sample_time = record.sample_time;
-  found.read_back =
-      read_back_of(record, recording.driven,
-                   robustness::sampled({found.question.scene, found.question.sampling}));
+  found.read_back = ReadBack(record, recording.driven, found.question).gains();
   record.command *= found.read_back.asDiagonal();
   found.disturbance_db = over_rest_db(record, recording.driven);
   found.fit = fitting::fit_rig(found.question, record, recording.driven,

@@ -89,10 +89,14 @@ Fit fit(const VectorXcd& c, const ProbeSettings& settings) {
   return best;
 }
 
-/// Which channel answers when a leg is driven; -1: none, or more than one. others: what a second
-/// may answer by itself, over the first.
-Index answering(const MatrixXcd& read, const VectorXcd& awaited, double others) {
+/// Which channel answers when leg i is driven; -1: none, or more than one. others: what a second
+/// may answer by itself, over the first; where that is as much, a channel of its own that answers
+/// as awaited is not doubted.
+Index answering(const MatrixXcd& read, Index i, const VectorXcd& awaited, double others) {
   const VectorXd size = read.cwiseAbs2().colwise().sum().cwiseSqrt().transpose();
+  if (most_beyond * others >= 1) {
+    return std::abs(size(i) / awaited.norm() - 1) < second_answer ? i : -1;
+  }
   Index largest = 0;
   const double most = size.maxCoeff(&largest);
   if (!(most > least_answer * awaited.norm())) return -1;
@@ -166,9 +170,9 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
   for (Index i = 0; i < m; ++i) {
     const Response& response = probe.legs[static_cast<std::size_t>(i)];
     sigma_of[static_cast<std::size_t>(i)] = answering(
-        response.sigma, response.command.cwiseProduct(expected.sigma.col(i)), expected.others(i));
+        response.sigma, i, response.command.cwiseProduct(expected.sigma.col(i)), expected.others(i));
     applied_of[static_cast<std::size_t>(i)] =
-        answering(response.applied, response.command.cwiseProduct(expected.applied.col(i)), 0);
+        answering(response.applied, i, response.command.cwiseProduct(expected.applied.col(i)), 0);
   }
   for (Index i = 0; i < m; ++i) {
     const Response& response = probe.legs[static_cast<std::size_t>(i)];
