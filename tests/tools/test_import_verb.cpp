@@ -483,6 +483,197 @@ end
   expect_in_scene("{name: veloc_z_n7, velocity: n7, along: z}");
 }
 
+// --- what MATLAB makes of a function
+
+TEST_F(ImportVerb, FunctionsAreThoseOfMatlab) {
+  // Three numbers that MATLAB makes of an expression; they are the force on the tip.
+  const std::vector<std::array<std::string, 2>> cases{
+      {"[sum([1 2; 3 5]) 1]", "[4, 7, 1]"},
+      {"[sum([1 2; 3 5], 1) 1]", "[4, 7, 1]"},
+      {"[sum([1 2; 3 5], 2)' 1]", "[3, 8, 1]"},
+      {"sum([1 2 3])*[1 0 0] + [0 sum([4; 5]) 0] + [0 0 sum([1 2; 3 5], 'all')]", "[6, 9, 11]"},
+      {"sum([1 2 3], 1)", "[1, 2, 3]"},
+      {"[sum([]) sum([1; 2], 2)']", "[0, 1, 2]"},
+      {"[max([1 5; 3 2]) 1]", "[3, 5, 1]"},
+      {"[min([1 5; 3 2]) 1]", "[1, 2, 1]"},
+      {"[max([1 5; 3 2], [], 2)' 1]", "[5, 3, 1]"},
+      {"[min([1 5; 3 2], [], 1) max([1 5; 3 2], [], 'all')]", "[1, 2, 5]"},
+      {"max([1 5 3], [2 4 3])", "[2, 5, 3]"},
+      {"min([1 5 3], 2)", "[1, 2, 2]"},
+      {"[max([3 9]) min([3; 9]) max(2, 4)]", "[9, 3, 4]"},
+      {"[norm([3 -4]) norm([3 -4], 1) norm([3; -4], 2)]", "[5, 7, 5]"},
+      {"cross([1 0 0]', [0 1 0]')' + cross([0 1 0], [0 0 1])", "[1, 0, 1]"},
+      {"atan2([0 0 0], [1 1 1]) + [1 2 3]", "[1, 2, 3]"},
+      // Powers and transposes bind alike, so this column is (x.^2)'.
+      {"sum([1 2 3].^2', 2)'", "[1, 4, 9]"},
+      {"[round(-2.5) floor(-2.5) ceil(-2.5)]", "[-3, -3, -2]"},
+      {"linspace(1, 3, 3)", "[1, 2, 3]"},
+      {"[length([1 2; 3 4; 5 6]) numel([1 2; 3 4]) 1]", "[3, 4, 1]"}};
+  for (const auto& [expression, result] : cases) {
+    const ImportedJson document =
+        imported("f.m", replaced(cantilever_m, "mass = 0.05", "force = " + expression));
+    EXPECT_TRUE(document["left_out"].empty()) << expression << document["left_out"];
+    EXPECT_NE(scene().find("{node: n2, force: " + result + "}"), std::string::npos)
+        << expression << "\n"
+        << scene();
+  }
+}
+
+TEST_F(ImportVerb, ArgumentsThatAFunctionHasNotAreNamed) {
+  const std::vector<std::array<std::string, 2>> cases{
+      {"round(1.26, 1)", "round: found 2 arguments, allowed is 1"},
+      {"abs(1, 2)", "abs: found 2 arguments, allowed is 1"},
+      {"sum([1 2], 1, 2)", "sum: found 3 arguments, allowed are 1 to 2"},
+      {"sum([1 2], 3)", "sum: found dimension 3, allowed are 1, 2 and 'all'"},
+      {"sum([1 2], 'omitnan')", "sum: found another word for a dimension"},
+      {"max([1 2], 1, 2)", "max: found 3 arguments, allowed are one, two, or"},
+      {"max([1 2], [1 2 3])", "max: found matrices of two sizes"},
+      {"norm([1 2; 3 4])", "norm: found a matrix, allowed is a vector"},
+      {"norm([1 2], 3)", "norm: found another norm, allowed are 1 and 2"},
+      {"linspace(1, 2, 3, 4)", "linspace: found 4 arguments, allowed are 2 to 3"},
+      {"linspace(1, 2, 2.5)", "linspace: found size 2.5"},
+      {"zeros(1, 2, 3)", "zeros: found 3 arguments, allowed are 0 to 2"},
+      {"ones(1.5)", "ones: found size 1.5"},
+      {"cross([1 0 0], [0 1 0]')", "cross: found other matrices"},
+      {"cross([1 0 0], [0 1 0], 2)", "cross: found 3 arguments, allowed are 2"},
+      {"length([1 2], 1)", "length: found 2 arguments, allowed is 1"},
+      {"numel([1 2], 1)", "numel: found 2 arguments, allowed is 1"},
+      {"atan2(1)", "atan2: found 1 argument, allowed are 2"},
+      {"min(3, sqrt(-1))", "sqrt: found -1, allowed is what has a real value"},
+      {"min(3, (-8)^(1/3))", "a power of a negative number has no real value"},
+      {"max(1 2)", "there is no ')'"},
+      {"['a' 1]", "a text stands in a matrix"},
+      {"['a'; 'b']", "a text stands in a matrix"}};
+  for (const auto& [expression, why] : cases) {
+    const std::string line = "q = " + expression + ";";
+    const Said said =
+        run({"import", write("f.m", replaced(cantilever_m, "nprops(2).mass = 0.05;", line)),
+             "--out", folder_ / "f.yaml"});
+    EXPECT_EQ(said.exit_code, 4) << line << said.error;
+    EXPECT_NE(said.output.find("line 7: " + line + ": " + why), std::string::npos) << line << "\n"
+                                                                                   << said.output;
+  }
+}
+
+TEST_F(ImportVerb, ClearEndsVariables) {
+  const auto after = [&](const std::string& lines) {
+    return replaced(cantilever_m, "eprops(1).elems", lines + "\neprops(1).elems");
+  };
+  const auto says = [&](const std::string& lines, const std::string& what) {
+    const Said said = run({"import", write("c.m", after(lines)), "--out", folder_ / "scene.yaml"});
+    EXPECT_EQ(said.exit_code, 4) << lines << said.error;
+    EXPECT_NE(said.output.find(what), std::string::npos) << lines << "\n" << said.output;
+  };
+  // Fields of a structure, and what other names there are stays.
+  for (const char* line : {"clear nprops", "clearvars nprops", "clear('nprops')", "clear nprops L",
+                           "clearvars -except L t nodes elements"}) {
+    const ImportedJson document =
+        imported("c.m", after(std::string(line) + "\nnprops(1).fix = true;"));
+    EXPECT_TRUE(document["left_out"].empty()) << line << document["left_out"];
+    EXPECT_EQ(scene().find("mass: 0.05"), std::string::npos) << line << "\n" << scene();
+    expect_in_scene("{nodes: [n1], fix: [x, y, z, rotation]}");
+  }
+  for (const char* line : {"clear functions", "clear L", "clearvars L"}) {
+    imported("c.m", after(line));
+    expect_in_scene("{node: n2, mass: 0.05");
+  }
+  says("clear L\nnprops(2).force = [L 0 0];", "line 9: nprops(2).force = [L 0 0];: 'L' is not");
+  says("clear L*", "line 8: clear L*: is read with names of variables alone");
+  says("clear all L", "line 8: clear all L: is read with names");
+  says("clear global", "line 8: clear global: is read with names");
+  says("clear -regexp ^L", "line 8: clear -regexp ^L: is read with names");
+  says("if 1\nclear L\nend\nnprops(2).force = [L 0 0];", "line 11: nprops(2).force = [L 0 0];:");
+  says("return", "line 8: return: ");
+  for (const char* line : {"clear", "clearvars", "clear all", "clear variables", "clear nodes"}) {
+    expect_bad("c.m", after(line), "nodes: found no value of it");
+  }
+}
+
+TEST_F(ImportVerb, WhatIsSetInPartOrInABlockIsNotKnown) {
+  const auto says = [&](const std::string& lines, const std::string& what) {
+    const Said said =
+        run({"import", write("p.m", replaced(cantilever_m, "nprops(2).mass = 0.05;", lines)),
+             "--out", folder_ / "scene.yaml"});
+    EXPECT_EQ(said.exit_code, 4) << lines << said.error;
+    EXPECT_NE(said.output.find(what), std::string::npos) << lines << "\n" << said.output;
+  };
+  const std::string use = "\nnprops(2).force = [q 0 0];", unknown = "'q' is not known";
+  says("p.v = [1 2 3];\np.v(2) = 9;\nnprops(2).force = p.v;", "line 8: p.v(2) = 9;: a part of");
+  says("p.v = [1 2 3];\np.v(2) = 9;\nnprops(2).force = p.v;", "line 9: nprops(2).force = p.v;: ");
+  says("q = 1;\nfor q = 1:3\nend" + use, unknown);
+  says("q = 1;\nfor (q = 1:3)\nend" + use, unknown);
+  says("q = 1;\nif 1\n[q, w] = size(3);\nend" + use, unknown);
+  says("q = 1;\nif 1 q = 2;\nend" + use, unknown);
+  says("q = 1;\nif 1\nelse q = 2;\nend" + use, unknown);
+  says("eprops(1).type = 'wire';", "line 7: eprops(1).type: is a type that is read as a beam");
+  says("opt = 3;\nout = spacarlight(nodes, elements, nprops, opt);",
+       "line 7: opt: is no structure");
+  // A field that is set anew has nothing of its former parts.
+  std::string text =
+      replaced(cantilever_m, "nprops(2).mass = 0.05;", "opt.rls(1).def = 1;\nopt.rls = [];");
+  text = replaced(replaced(text, "1:6;", "2:6;"), "eprops);", "eprops, opt);");
+  const ImportedJson document = imported("p.m", text);
+  EXPECT_TRUE(document["left_out"].empty()) << document["left_out"];
+  expect_in_scene("rigid: [1]");
+  const ImportedJson round =
+      imported("p.m", replaced(replaced(cantilever_m, "'rect'", "'circ'"), "[20*t t]", "[t t]"));
+  ASSERT_EQ(round["approximated"].size(), 1u);
+  EXPECT_EQ(round["approximated"][0]["what"], "eprops(1).dim");
+  expect_bad("p.m", replaced(cantilever_m, "nbeams = 4", "nbeams = [4 5]"),
+             "eprops(1).nbeams: found 2 numbers, allowed is one number");
+}
+
+/// DELINPX is added to what is prescribed, on whichever side of INPUTX it stands.
+TEST_F(ImportVerb, StepsAreAddedBeforeAndBehindWhatTheyAreAddedTo) {
+  const std::string text = R"(PLTRUSS 1 1 2
+PLTRUSS 2 2 3
+X 1 0 0
+X 2 1 0
+X 3 2 0
+FIX 1
+FIX 2 2
+FIX 3 2
+INPUTX 3 1
+INPUTE 1 1
+END
+HALT
+)";
+  const std::string x = "INPUTX 3 1 2.25 0 0\n", dx = "DELINPX 3 1 0.5\n", e = "INPUTE 1 1 0.125\n",
+                    de = "DELINPE 1 1 0.0625\n";
+  for (const std::string& lines :
+       {x + dx + e + de, dx + x + de + e, dx + de + x + e, de + e + x + dx}) {
+    const ImportedJson document = imported("d.dat", text + lines + "END\nEND\n");
+    EXPECT_TRUE(document["left_out"].empty()) << document["left_out"];
+    expect_in_scene("{nodes: [n3], move: [x], value: 0.75}");
+    expect_in_scene("{element: e1, mode: 1, value: 0.1875}");
+  }
+  expect_bad("d.dat", text + x + x + "END\nEND\n",
+             "d.dat:14: INPUTX: found a second line for 3 1, allowed is one for each");
+  expect_bad("d.dat", text + "GRAVITY 0 1\nGRAVITY 1 0\nEND\nEND\n",
+             "d.dat:14: GRAVITY: found a second line");
+  expect_bad("d.dat", text + "XF 2 1 0\nXF 2 2 0\nEND\nEND\n",
+             "d.dat:14: XF: found a second line for node 2");
+  expect_bad("d.dat", text + "XM 2 1\nXM 2 2\nEND\nEND\n",
+             "d.dat:14: XM: found a second line for node 2");
+  expect_bad("d.dat", text + "STARTDE 1\nEND\nEND\n", "d.dat:13: STARTDE: found 1 number");
+  expect_bad("d.dat", text + "END 3\nEND\n", "d.dat:13: END: found '3' behind it");
+  expect_bad("d.dat", replaced(text, "INPUTX 3 1", "DYNX 3 4") + "END\nEND\n",
+             "d.dat:9: DYNX: found coordinate 4");
+}
+
+TEST_F(ImportVerb, NumbersOfWarpingOfAPlainBeamAreNamed) {
+  for (const char* line : {"ESTIFF 1 100 200 300 400 0 0 5", "EM 1 2 0.5 0.2 0.3 0 0.1"}) {
+    const std::string kinematics =
+        "BEAM 1 1 2 3 4 0 1 0\nX 1 0 0 0\nX 3 1 0 0\nFIX 1\nFIX 2\nDYNE 1\nEND\nHALT\n";
+    const ImportedJson document = imported("w.dat", kinematics + line + "\nXM 3 1\nEND\nEND\n");
+    EXPECT_TRUE(document["left_out"].empty()) << document["left_out"];
+    ASSERT_EQ(document["no_part"].size(), 1u) << line;
+    EXPECT_EQ(document["no_part"][0]["line"], 9);
+    const std::string why = document["no_part"][0]["why"];
+    EXPECT_NE(why.find("is of warping, and a BEAMW alone warps"), std::string::npos) << why;
+  }
+}
+
 // --- what is left out
 
 TEST_F(ImportVerb, WhatIsLeftOutIsNamedWithItsLine) {
@@ -682,6 +873,7 @@ TEST_F(ImportVerb, BadScriptsAreRefusedWithTheirLine) {
   expect_bad("a.m", with("eprops(1).smod = 70e9;\n", ""), "a.m:8: eprops(1): found no smod");
   expect_bad("a.m", with("210e9", "210e999"), "a.m:9: number: found '210e999'");
   expect_bad("a.m", with("nprops, eprops)", "nprops)"), "found 3 arguments");
+  expect_bad("a.m", with("nprops, eprops)", "nprops, eprops, a, b, c)"), "found 7 arguments");
 }
 
 TEST_F(ImportVerb, HugeFilesAreRefusedQuickly) {

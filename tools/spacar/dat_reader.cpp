@@ -99,6 +99,8 @@ class DatReader {
   std::set<int> held_warping_;
   std::set<int> untranslated_;  ///< numbers of elements that a scene has nothing for
   std::map<std::pair<int, int>, std::size_t> moved_nodes_, moved_elements_;
+  std::set<std::pair<std::string, int>> said_of_nodes_;  ///< XM, XF and DELXF with their nodes
+  std::set<std::size_t> started_;  ///< motions that an INPUTX or INPUTE of the dynamics begins
 
   int dimensions() const { return model_.planar ? 2 : 3; }
 
@@ -426,6 +428,10 @@ class DatReader {
   void read_fix(const Record& record) {
     require_count(file_, record, 1, 5, "are a node and its coordinates");
     if (is_warping(record, 0)) {
+      // FIX NODE, or the numbers of its coordinates: warping is the one that a beam has.
+      for (std::size_t i = 1; i < record.words.size(); ++i) {
+        static_cast<void>(whole_number(file_, record, i));
+      }
       held_warping_.insert(whole_number(file_, record, 0));
       return;
     }
@@ -522,7 +528,13 @@ class DatReader {
     }
     Motion& motion = model_.motions[found->second];
     const std::vector<double> numbers = real_numbers(file_, record, 2);
-    motion.value = numbers[0];
+    if (!started_.insert(found->second).second) {
+      refuse(file_.name, record.line, record.keyword,
+             "a second line for " + record.words[0] + ' ' + record.words[1],
+             "is one for each, and DELINPX or DELINPE to add to it");
+    }
+    // A DELINPX may stand before this line, and is added all the same.
+    motion.value += numbers[0];
     if (of_node && motion.along != "rotation") {
       motion.value -= model_.node(motion.node).position(key.second - 1);
     }
@@ -560,6 +572,7 @@ class DatReader {
       }
       most = kind == Kind::beam ? (model_.planar ? 2 : 6) : 1;
       element_numbers(record, &Element::inertia, most);
+      note_warping_of_straight(record, number, 6);
       return;
     }
     if (kind == Kind::beam && model_.planar) most = stiff || record.keyword == "ESIG" ? 3 : 2;
@@ -575,7 +588,20 @@ class DatReader {
                                                 : &Element::stress,
                     most);
     if (stiff) require_no_negative(record);
+    if (stiff && kind == Kind::beam) note_warping_of_straight(record, number, 7);
     if (record.keyword == "EDAMP") require_no_negative(record);
+  }
+
+  /// The last number of ESTIFF and of EM is of warping, and only a BEAMW warps: SPACAR's results of
+  /// guides of BEAM that have such numbers are those without.
+  void note_warping_of_straight(const Record& record, int number, std::size_t i) {
+    if (!elements_.contains(number) || warping_ends_.contains(number)) return;
+    if (record.words.size() <= i) return;
+    if (real_number(file_, record, i) == 0) return;
+    model_.remarks.no_part.push_back(
+        {.line = record.line,
+         .what = record.keyword + ' ' + record.words[0],
+         .why = "number " + std::to_string(i) + " is of warping, and a BEAMW alone warps"});
   }
 
   void require_no_negative(const Record& record) const {
@@ -585,7 +611,16 @@ class DatReader {
     }
   }
 
+  /// Whether a second line of a keyword for one node is added or takes the place of the first is
+  /// not sure, so it is neither.
+  void require_first(const Record& record) {
+    if (said_of_nodes_.emplace(record.keyword, whole_number(file_, record, 0)).second) return;
+    refuse(file_.name, record.line, record.keyword, "a second line for node " + record.words[0],
+           "is one for each node");
+  }
+
   void read_mass(const Record& record) {
+    require_first(record);
     const Coordinate of = coordinate_of(record, 0);
     Mass mass{.node = node_of(record, 0), .lines = {record.line}};
     if (of == Coordinate::position) {
@@ -606,6 +641,7 @@ class DatReader {
 
   /// XF, and DELXF that is added to it over the steps of a static analysis: the scene has the end.
   void read_load(const Record& record) {
+    require_first(record);
     const Coordinate of = coordinate_of(record, 0);
     Load load{.node = node_of(record, 0), .lines = {record.line}};
     if (of == Coordinate::position) {
@@ -644,6 +680,10 @@ class DatReader {
 
   /// STARTDE, STARTDX: where a simulation begins. Zero is the scene as it is written.
   void read_start(const Record& record) {
+    if (record.keyword == "STARTDE") {
+      require_count(file_, record, 3, 5,
+                    "are an element, a deformation, value, rate and acceleration");
+    }
     const std::vector<double> numbers =
         real_numbers(file_, record, std::min<std::size_t>(2, record.words.size()));
     const bool still = std::all_of(numbers.begin(), numbers.end(), [](double v) { return v == 0; });
@@ -654,6 +694,13 @@ class DatReader {
   void read_gravity(const Record& record) {
     const auto n = static_cast<std::size_t>(dimensions());
     require_count(file_, record, n, 3, "is an acceleration along each axis");
+    if (model_.gravity) {
+      refuse(file_.name, record.line, record.keyword, "a second line", "is one");
+    }
+    for (std::size_t i = n; i < record.words.size(); ++i) {
+      if (real_number(file_, record, i) == 0) continue;
+      leave_out(record, "has a part across the plane, which a planar scene has not");
+    }
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < n; ++i) {
       g(static_cast<Eigen::Index>(i)) = real_number(file_, record, i);
@@ -712,7 +759,10 @@ class DatReader {
               {"DYNE", free},
               {"RLSE", free},
               // A coordinate of a node as a dof: the scene's dofs are auto.
-              {"DYNX", [this](const Record& r) { static_cast<void>(coordinate_of(r, 0)); }}};
+              {"DYNX", [this](const Record& r) {
+                 require_count(file_, r, 1, 5, "are a node and its coordinates");
+                 static_cast<void>(coordinates(r, 1, coordinate_of(r, 0)));
+               }}};
     }
     if (block == 1) {
       return {{"ESTIFF", numbers},

@@ -46,6 +46,9 @@ DatFile parse_dat(const std::vector<std::string>& lines, const std::string& name
       return file;
     }
     const std::string keyword = upper(words.front());
+    if ((keyword == "END" || keyword == "HALT") && words.size() > 1) {
+      refuse(name, line, keyword, "'" + shown(words[1]) + "' behind it", "is nothing");
+    }
     if (keyword == "END") {
       ++n_ends;
     } else if (keyword == "HALT" && n_ends == 1) {

@@ -249,7 +249,20 @@ class LightReader {
     releases_[index] = {{modes.begin(), modes.end()}, field.line};
   }
 
+  /// nprops, eprops and options are structures; numbers in their place say nothing that is read.
+  void note_what_is_no_structure() {
+    for (std::size_t i = 2; i < script_.arguments.size(); ++i) {
+      const auto found = script_.variables.find(script_.arguments[i]);
+      if (found == script_.variables.end()) continue;
+      const auto& [value, line] = found->second;
+      if (value.type == Value::Type::numbers && value.numbers.size() == 0) continue;
+      model_.remarks.left_out.push_back(
+          {.line = line, .what = found->first, .why = "is no structure with fields"});
+    }
+  }
+
   void read_options() {
+    note_what_is_no_structure();
     for (const Assigned& assigned : script_.fields) {
       const auto& path = assigned.path;
       const Field field{.text = text_of(path), .line = assigned.line, .value = &assigned.value};
@@ -330,6 +343,15 @@ class LightReader {
                            name)) {
         leave_out(field, "is no property that this program translates");
       }
+    }
+    if (find(set, "type") != nullptr && !is_hinge(set)) {
+      leave_out(set.fields.at("type"), "is a type that is read as a beam; 'hinge' is the other");
+    }
+    const Field *shape = find(set, "cshape"), *dim = find(set, "dim");
+    if (shape != nullptr && dim != nullptr && lower(shape->value->text) == "circ" &&
+        numbers(*dim).size() > 1) {
+      model_.remarks.approximated.push_back(
+          {.line = dim->line, .what = dim->text, .why = "a circle has its first number alone"});
     }
   }
 
@@ -608,6 +630,7 @@ class LightReader {
       if (stiff) read_warping(element, set, its, along.norm());
     }
     if (const Field* n = find(set, "nbeams"); n != nullptr && stiff) {
+      static_cast<void>(number(*n));
       element.n_parts = whole_numbers(*n, 1000, "a number of beams").at(0);
       n_beams_ += element.n_parts;
       if (n_beams_ > most_in_script) fail(*n, "more than 10000 beams in all", "are 10000");

@@ -31,6 +31,14 @@ double subtract(double a, double b) { return a - b; }
 double multiply(double a, double b) { return a * b; }
 double divide(double a, double b) { return a / b; }
 
+double real_power(double a, double b) {
+  const double value = std::pow(a, b);
+  if (std::isnan(value) && !std::isnan(a) && !std::isnan(b)) {
+    throw Unknown("a power of a negative number has no real value");
+  }
+  return value;
+}
+
 /// An operation entry by entry, with a scalar on either side as in MATLAB.
 template <class Operation>
 Value by_entries(const Value& left, const Value& right, Operation operation) {
@@ -159,29 +167,25 @@ Value Expression::sign() {
   return power();
 }
 
+/// Powers and transposes bind alike and from the left: a.^2' is (a.^2)'.
 Value Expression::power() {
-  Value value = postfix();
-  while (is("^") || is(".^")) {
+  Value value = primary();
+  for (;;) {
+    if (take("'") || take(".'")) {
+      value = Value::of(Eigen::MatrixXd(numbers_of(value).transpose()));
+      continue;
+    }
+    if (!is("^") && !is(".^")) return value;
     const bool by_entry = is(".^");
     ++at_;
     // The sign of an exponent belongs to it: 2^-3.
     const bool minus = take("-");
-    Value exponent = postfix();
+    Value exponent = primary();
     if (minus) exponent = by_entries(Value::of(-1.0), exponent, multiply);
     if (!by_entry) static_cast<void>(single(value));
     if (!by_entry) static_cast<void>(single(exponent));
-    value = by_entries(value, exponent, [](double x, double y) { return std::pow(x, y); });
+    value = by_entries(value, exponent, real_power);
   }
-  return value;
-}
-
-Value Expression::postfix() {
-  Value value = primary();
-  while (is("'") || is(".'")) {
-    ++at_;
-    value = Value::of(Eigen::MatrixXd(numbers_of(value).transpose()));
-  }
-  return value;
 }
 
 Value Expression::primary() {
@@ -268,7 +272,8 @@ Value Expression::matrix() {
   std::vector<Eigen::MatrixXd> rows;
   std::vector<Eigen::MatrixXd> row;
   std::string text;
-  bool is_text = false;
+  bool is_text = false, text_in_row = false;
+  int n_rows_of_text = 0;
   const auto end_row = [&] {
     if (row.empty()) return;
     Eigen::Index cols = 0;
@@ -290,10 +295,13 @@ Value Expression::matrix() {
   while (!is("]")) {
     if (take(";")) {
       end_row();
+      text_in_row = false;
     } else if (!take(",")) {
       Value value = range();
       if (value.type == Value::Type::text) {
         is_text = true;
+        if (!text_in_row) ++n_rows_of_text;
+        text_in_row = true;
         text += value.text;
         require_size(static_cast<Eigen::Index>(text.size()), 1);
       } else if (numbers_of(value).size() > 0) {
@@ -304,6 +312,8 @@ Value Expression::matrix() {
   ++at_;
   end_row();
   in_matrix_ = outer;
+  // Numbers beside a text would be letters, and texts in rows a table of letters.
+  if (is_text && (!rows.empty() || n_rows_of_text > 1)) throw Unknown("a text stands in a matrix");
   if (is_text) return Value::of_text(text);
   Eigen::Index n = 0;
   for (const Eigen::MatrixXd& part : rows) n += part.rows();
@@ -333,8 +343,10 @@ std::vector<Value> Expression::arguments() {
   const bool outer = in_matrix_;
   in_matrix_ = false;
   std::vector<Value> all;
-  while (!take(")")) {
-    if (!take(",")) all.push_back(range());
+  if (!take(")")) {
+    do all.push_back(range());
+    while (take(","));
+    need(")");
   }
   in_matrix_ = outer;
   return all;

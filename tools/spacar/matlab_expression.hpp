@@ -39,7 +39,6 @@ class Expression {
   Value product();
   Value sign();
   Value power();
-  Value postfix();
   Value primary();
   Value named();
   Value field(const Path& path) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <set>
 
 #include "tools/spacar/matlab_expression.hpp"
 #include "tools/spacar/source_text.hpp"
@@ -12,9 +13,12 @@ namespace stillframe::tools::spacar {
 namespace {
 
 /// Commands that change no model.
-constexpr std::array commands{"clear", "clc",     "close", "clearvars", "addpath", "format",
-                              "tic",   "toc",     "disp",  "fprintf",   "figure",  "hold",
-                              "grid",  "warning", "which", "more",      "pkg",     "return"};
+constexpr std::array commands{"clc",  "close",   "addpath", "format", "tic",
+                              "toc",  "disp",    "fprintf", "figure", "hold",
+                              "grid", "warning", "which",   "more",   "pkg"};
+constexpr std::array clearing{"clear", "clearvars"};
+/// What may stand before an assignment in a block, without a comma between.
+constexpr std::array within_blocks{"else", "elseif", "case", "otherwise", "catch"};
 constexpr std::array blocks{"if", "for", "while", "switch", "try", "parfor"};
 
 template <class Words>
@@ -52,6 +56,8 @@ class Runner {
         i = skip_block(i);
       } else if (const auto equals = assignment(statement)) {
         assign(statement, *equals);
+      } else if (has(clearing, first)) {
+        clear(statement);
       } else if (!has(commands, first)) {
         leave_out(statement, "is no assignment");
       }
@@ -88,10 +94,10 @@ class Runner {
       }
       script_.arguments.push_back(token->text);
     }
-    if (script_.arguments.size() < 4) {
+    if (script_.arguments.size() < 4 || script_.arguments.size() > 6) {
       refuse(script_.name, statement.line, call->text,
              std::to_string(script_.arguments.size()) + " arguments",
-             "are nodes, elements, nprops, eprops, and opt");
+             "are nodes, elements, nprops, eprops, and opt, or rls and opt");
     }
     return true;
   }
@@ -109,8 +115,77 @@ class Runner {
     return std::nullopt;
   }
 
+  /// A field, and those of it: opt.rls = [] ends opt.rls(2).def.
   void forget(const Path& path) {
-    std::erase_if(script_.fields, [&](const Assigned& a) { return a.path == path; });
+    std::erase_if(script_.fields, [&](const Assigned& a) {
+      if (a.path.size() < path.size()) return false;
+      const std::size_t last = path.size() - 1;
+      return std::equal(path.begin(), path.end() - 1, a.path.begin()) &&
+             a.path[last].first == path[last].first &&
+             (path[last].second == 0 || a.path[last].second == path[last].second);
+    });
+  }
+
+  std::set<std::string> known() const {
+    std::set<std::string> names;
+    for (const auto& [name, value] : script_.variables) names.insert(name);
+    for (const Assigned& field : script_.fields) names.insert(field.path.front().first);
+    for (const auto& [name, why] : script_.unknown) names.insert(name);
+    return names;
+  }
+
+  /// The variables that a clear or clearvars ends: clear A B, clear('A', 'B'), clearvars -except A,
+  /// or all of them. Nothing if it says something else, such as a pattern.
+  std::optional<std::set<std::string>> cleared(const Statement& statement) const {
+    std::vector<Token> rest(statement.tokens.begin() + 1, statement.tokens.end() - 1);
+    const bool except = rest.size() > 2 && statement.tokens.front().text == "clearvars" &&
+                        rest[0].text == "-" && rest[1].text == "except";
+    if (except) rest.erase(rest.begin(), rest.begin() + 2);
+    const bool call = rest.size() > 2 && rest.front().text == "(" && rest.back().text == ")";
+    if (call) {
+      rest.erase(rest.begin());
+      rest.pop_back();
+      std::erase_if(rest, [](const Token& token) {
+        return token.kind == TokenKind::symbol && token.text == ",";
+      });
+    }
+    std::set<std::string> names;
+    for (const Token& token : rest) {
+      const bool is_name = token.kind == (call ? TokenKind::text : TokenKind::name);
+      if (!is_name || token.text.find_first_of("*?[-") != std::string::npos) return std::nullopt;
+      names.insert(token.text);
+    }
+    std::set<std::string> all = known();
+    if (except) {
+      for (const std::string& name : names) all.erase(name);
+      return all;
+    }
+    if (names.empty()) return all;
+    if (names.size() == 1 && statement.tokens.front().text == "clear") {
+      const std::string& word = *names.begin();
+      if (word == "all" || word == "variables" || word == "classes") return all;
+      if (word == "functions" || word == "mex" || word == "import") {
+        return std::set<std::string>{};
+      }
+    }
+    // What these say beside other names, or alone, is not sure.
+    for (const char* word :
+         {"all", "variables", "classes", "functions", "mex", "import", "global", "java"}) {
+      if (names.contains(word)) return std::nullopt;
+    }
+    return names;
+  }
+
+  void clear(const Statement& statement) {
+    const auto names = cleared(statement);
+    if (!names) {
+      leave_out(statement, "is read with names of variables alone");
+      return;
+    }
+    for (const std::string& name : *names) {
+      lose(name, statement, "");
+      script_.unknown.erase(name);
+    }
   }
 
   void lose(const std::string& variable, const Statement& statement, const std::string& why) {
@@ -129,6 +204,13 @@ class Runner {
       if (left.at() != equals) throw Unknown("what stands before the '=' is not read");
       if (path.size() == 1 && path[0].second > 0) {
         throw Unknown("a part of a matrix is set, and wholes alone are read");
+      }
+      if (path.back().second > 0) {
+        // The whole is not known any more, whatever it was.
+        path.back().second = 0;
+        forget(path);
+        leave_out(statement, "a part of a field is set, and wholes alone are read");
+        return;
       }
     } catch (const Unknown& why) {
       leave_out(statement, why.what());
@@ -158,6 +240,35 @@ class Runner {
     }
   }
 
+  /// What a statement within a loop or a condition may set, or end.
+  void lose_within(const Statement& statement) {
+    constexpr const char* why = "it is set within a loop or a condition";
+    const std::vector<Token>& tokens = statement.tokens;
+    const std::string& first = tokens.front().text;
+    if (first == "for" || first == "parfor") {
+      // for i = ..., and for (i = ...).
+      const auto name = std::find_if(tokens.begin() + 1, tokens.end(), [](const Token& token) {
+        return token.kind == TokenKind::name;
+      });
+      if (name != tokens.end()) lose(name->text, statement, why);
+    }
+    const auto equals = assignment(statement);
+    if (!equals) {
+      if (!has(clearing, first)) return;
+      for (const std::string& name : cleared(statement).value_or(known())) {
+        lose(name, statement, why);
+      }
+      return;
+    }
+    // Of [a, b] = ... all names, and of "if c a = 1" all: where c ends is not worked out.
+    const bool keyword = has(blocks, first) || has(within_blocks, first);
+    for (std::size_t i = keyword ? 1 : 0; i < *equals; ++i) {
+      if (tokens[i].kind != TokenKind::name) continue;
+      lose(tokens[i].text, statement, why);
+      if (!keyword && first != "[") break;
+    }
+  }
+
   /// From a loop or a condition to its end. What is set within is unknown.
   std::size_t skip_block(std::size_t i) {
     const Statement& head = statements_[i];
@@ -168,10 +279,7 @@ class Runner {
       const std::string& first = statement.tokens.front().text;
       if (has(blocks, first)) ++depth;
       if (first == "end" && --depth == 0) return i;
-      if (i == 0 || &statement == &head || !assignment(statement)) continue;
-      if (statement.tokens.front().kind == TokenKind::name) {
-        lose(first, statement, "it is set within a loop or a condition");
-      }
+      lose_within(statement);
     }
     refuse(script_.name, head.line, head.tokens.front().text, "no end of it",
            "is a block that 'end' closes");
