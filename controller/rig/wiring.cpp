@@ -169,8 +169,9 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
   std::vector<Index> sigma_of(static_cast<std::size_t>(m)), applied_of(sigma_of);
   for (Index i = 0; i < m; ++i) {
     const Response& response = probe.legs[static_cast<std::size_t>(i)];
-    sigma_of[static_cast<std::size_t>(i)] = answering(
-        response.sigma, i, response.command.cwiseProduct(expected.sigma.col(i)), expected.others(i));
+    sigma_of[static_cast<std::size_t>(i)] =
+        answering(response.sigma, i, response.command.cwiseProduct(expected.sigma.col(i)),
+                  expected.others(i));
     applied_of[static_cast<std::size_t>(i)] =
         answering(response.applied, i, response.command.cwiseProduct(expected.applied.col(i)), 0);
   }

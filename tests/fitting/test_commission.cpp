@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/control/robustness/evaluator.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/numerics/decibels.hpp"
 #include "judge/scene_design.hpp"
@@ -176,6 +177,54 @@ TEST(Commission, FindsAHiddenRigAndItsLoopDoesAsPredicted) {
             << worst_prediction << " dB of the prediction, " << worst_truth
             << " dB of what the true parameters give\n";
   EXPECT_GE(within, 0.90 * n);
+}
+
+/// Actuators that lag, and a delay other than the scene's, look like gains where legs are probed:
+/// gains of a sound rig stay as they are.
+TEST(Commission, GainsBesideAWrongDelayAreForTheFit) {
+  Scene scene = parse_scene(fitting::small_frame_text(), "small_frame");
+  scene.instruments.actuator_lag_hz = 100;
+  const judge::LoopDesign design = judge::make_loop_design(scene);
+  SceneUncertainty uncertainty = fitting::everything_by(0.2);
+  uncertainty.delay_samples = 0.5;
+  uncertainty.actuator_gain = uncertainty.sensor_gain = 0;
+  Sampling sampling = design.settings.sampling;
+  sampling.delay_samples += 0.3;
+  HiddenRig rig(controller::SimulatedPlant(robustness::sampled({scene, sampling}), 0.003),
+                Hidden(3), 1, 3);
+  controller::RigFile file = controller::default_rig(design.gains);
+  for (const SceneSignal& output : scene.outputs) {
+    file.channels.frame.push_back({.number = static_cast<Index>(file.frame.size())});
+    file.frame.push_back(output.name);
+  }
+  const Commissioned found = commission(
+      rig, file, {.design = design, .uncertainty = uncertainty, .force_n = 20, .window_s = 1},
+      rig.time(), [](const std::string&, double) {}, {});
+  EXPECT_FALSE(found.wiring.sound);  // it says what it saw
+  EXPECT_TRUE(found.fit.converged && found.fit.is_noise()) << found.fit.over_noise;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(found.rig.channels.sigma[i].gain, 1, 1e-3);
+    EXPECT_NEAR(found.rig.channels.applied[i].gain, 1, 1e-3);
+    EXPECT_NEAR(found.rig.channels.force[i].gain, 1, 1e-3);
+  }
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    const bool is_delay = found.question.parameters[i].kind == robustness::Parameter::Kind::delay;
+    EXPECT_LT(std::abs(found_deviation(found, i) - (is_delay ? 0.3 : 0)), 5 * found_doubt(found, i))
+        << name_of(found.question.parameters[i]);
+  }
+}
+
+TEST(Commission, RefusesWindowsThatTellNothing) {
+  const judge::LoopDesign design =
+      judge::make_loop_design(parse_scene(fitting::small_frame_text(), "small_frame"));
+  for (const Index n : {0, 1, 10, 2'000'000}) {
+    EXPECT_THROW(commission_lines(design, n), InputError) << n;
+  }
+  const auto lines = commission_lines(design, 1000);
+  EXPECT_GE(lines.size(), 20u);
+  EXPECT_TRUE(std::ranges::is_sorted(lines, std::less_equal<int>()));
+  EXPECT_GE(lines.front(), 2);
+  EXPECT_LE(lines.back(), 420);
 }
 
 }  // namespace

@@ -64,5 +64,31 @@ TEST(RigFit, BandsHoldWhatWasHidden) {
   EXPECT_LT(within, 0.99 * n);
 }
 
+/// Delays of whole numbers of samples, at which what is applied jumps, are found from others and
+/// from themselves.
+TEST(RigFit, WholeDelaysAreFound) {
+  for (const double nominal : {0.0, 1.0, 1.3}) {
+    for (const double hidden : {0.0, 1.0, 2.0}) {
+      SCOPED_TRACE(std::to_string(nominal) + " " + std::to_string(hidden));
+      FitQuestion question = small_frame_question();
+      question.sampling.delay_samples = hidden;
+      const SampledPlant plant = robustness::sampled({question.scene, question.sampling});
+      const Simulated rig = simulate(plant, drive_of(7));
+      question.sampling.delay_samples = nominal;
+      question.parameters.back().size = 1.5;
+      ASSERT_EQ(question.parameters.back().kind, robustness::Parameter::Kind::delay);
+      const RigFit fit = fit_rig(question, rig.record, rig.driven);
+      const auto p = fit.values.size();
+      EXPECT_TRUE(fit.converged);
+      EXPECT_TRUE(fit.is_noise()) << fit.over_noise;
+      EXPECT_NEAR(nominal + 1.5 * fit.values(p - 1), hidden, 5e-3);
+      for (Index i = 0; i + 1 < p; ++i) {
+        // Twenty parameters of a rig: five standard deviations in none.
+        EXPECT_LT(std::abs(fit.values(i)), 5 * fit.deviation(i));
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stillframe::fitting

@@ -14,7 +14,7 @@ namespace {
 /// lag, and a floor that is measured.
 TEST(RigModel, IsWhatAPlantDoesStepByStep) {
   std::mt19937_64 random(5);
-  for (int trial = 0; trial < 12; ++trial) {
+  for (int trial = 0; trial < 6; ++trial) {
     SCOPED_TRACE(trial);
     FitQuestion question = small_frame_question();
     question.sampling.delay_samples = std::uniform_real_distribution<double>(0, 3)(random);
