@@ -12,6 +12,7 @@
 #include "core/mechanics/scene/controller_block.hpp"
 #include "judge/loop_design.hpp"
 #include "msgs/stop_signal.hpp"
+#include "report/plots/plot_fit.hpp"
 #include "report/table.hpp"
 #include "tools/commission_rig.hpp"
 #include "tools/given_files.hpp"
@@ -27,7 +28,7 @@ using controller::RigFile;
 
 struct CommissionOptions {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> rig, controller, uncertainty, simulate;
+  std::optional<std::filesystem::path> rig, controller, uncertainty, simulate, plot;
   std::string io;
   std::optional<double> force_n;
   double window_s = 2;
@@ -171,11 +172,8 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
            "forces, masses\nand stiffnesses times one number are the same to force sensors "
            "and accelerometers.\n";
   }
-  std::cout << report::cell(
-                   "\nOf what was read %.2g %% is left at most, %.2g %% of the scene as it "
-                   "was; ",
-                   100 * fit.left.maxCoeff(), 100 * fit.left_before.maxCoeff())
-            << report::cell("%.2f times the power of the noise at rest.\n", fit.over_noise);
+  std::cout << report::cell("\nWhat is left is %.2f times the power of the noise at rest.\n",
+                            fit.over_noise);
   if (!fit.is_noise()) {
     std::cout << "The rig does something that no value of these parameters does: do not trust the "
                  "bands.\n";
@@ -191,6 +189,19 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
   std::cout << "\nNext: stillframe design " << files.scene.string() << " --out gains.yaml, and\n"
             << "  stillframe robustness " << files.scene.string() << " --uncertainty "
             << files.uncertainty.string() << "\n";
+}
+
+void draw(const Commissioned& found, const std::filesystem::path& path) {
+  report::FitPlot plot{.title = found.question.scene.title, .frequencies_hz = {}, .legs = {}};
+  const auto n = static_cast<Eigen::Index>(found.lines_hz.size());
+  plot.frequencies_hz = Eigen::Map<const Eigen::VectorXd>(found.lines_hz.data(), n);
+  const auto& legs = found.question.scene.controller->legs;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    const fitting::LegResponse& leg = found.fit.legs[i];
+    plot.legs.push_back(
+        {legs[i], leg.measured.cwiseAbs(), leg.fitted.cwiseAbs(), leg.before.cwiseAbs()});
+  }
+  plot_fit(plot, path);
 }
 
 Commissioned probed(const CommissionOptions& options, const judge::LoopDesign& design,
@@ -295,6 +306,7 @@ int run(const CommissionOptions& options) {
                    "# What is left to doubt of " + files.scene.filename().string() +
                        ": two standard deviations of the least known.\n" + uncertainty_left(found));
   if (options.rig) write_whole_file(files.rig, to_yaml(found.rig, design.gains));
+  if (options.plot) draw(found, *options.plot);
   const Loops loops{judge::make_loop_design(files.scene, options.controller, options.scene).radius,
                     judge::make_loop_design(files.scene, options.controller).radius};
   bool anything_told = false;
@@ -335,6 +347,8 @@ void add_commission(cli::Command& app, int& exit_code) {
       .check(cli::positive_number());
   verb.option("--windows", options->windows, "Periods that are recorded of each leg, and at rest")
       .check(cli::whole_number(2, 1000));
+  verb.option("--plot", options->plot, "PNG: what each leg answers, measured, fitted and before")
+      .type_name("FILE");
   verb.flag("--json", options->json, "Print JSON (keys below)");
   verb.footer(
       "First the wiring, as `rig` finds it, and puts it right for what follows. Then one leg after "

@@ -304,6 +304,10 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
   found.disturbance_db = over_rest_db(record, recording.driven);
   found.fit = fitting::fit_rig(found.question, record, recording.driven,
                                [&](double done) { progress("fitting", done); });
+  for (const int line : lines) {
+    found.lines_hz.push_back(line /
+                             (static_cast<double>(n_window) * found.question.sampling.sample_time));
+  }
   put_gains(found, found.rig.channels);
   return found;
 }

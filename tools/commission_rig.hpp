@@ -35,7 +35,8 @@ struct Commissioned {
   controller::Recording recording;
   fitting::FitQuestion question;
   fitting::RigFit fit;
-  Eigen::VectorXd read_back;  ///< m, what is applied over what is commanded
+  std::vector<double> lines_hz;  ///< that it was driven at
+  Eigen::VectorXd read_back;     ///< m, what is applied over what is commanded
   double disturbance_db = 0;  ///< what is read while driven over what is read at rest, least output
 };
 

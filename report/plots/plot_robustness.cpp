@@ -21,10 +21,6 @@ constexpr const char* most_style = " with lines linewidth 2 dashtype (4,6) linec
 constexpr const char* worst_style = " with lines linewidth 3 linecolor rgb '#D55E00'";
 constexpr const char* nominal_style = " with lines linewidth 3 linecolor rgb 'black'";
 
-std::string entry(const char* style, const char* title) {
-  return std::string("keyentry") + style + " title " + plot_text(title);
-}
-
 /// Frequency and curves in dB as columns.
 MatrixXd columns_of(const RobustnessPlot& plot, const std::vector<const VectorXd*>& curves) {
   const auto n = static_cast<Index>(plot.frequencies_hz.size());
@@ -88,12 +84,13 @@ std::string damping_panel(const RobustnessPlot& plot) {
 void plot_robustness(const RobustnessPlot& plot, const std::filesystem::path& path) {
   require(plot.frequencies_hz.size() > 1, "fewer than two frequencies");
   Surroundings around{.title = plot.title, .left_label = "", .legend = {}};
-  around.legend.push_back(entry(nominal_style, "as modelled"));
+  around.legend.push_back(legend_entry(nominal_style, "as modelled"));
   if (plot.low.size() > 0) {
-    around.legend.push_back(entry(band_style, "90 % of the plants"));
-    around.legend.push_back(entry(most_style, "largest sampled"));
+    around.legend.push_back(legend_entry(band_style, "90 % of the plants"));
+    around.legend.push_back(legend_entry(most_style, "largest sampled"));
   }
-  if (plot.worst.size() > 0) around.legend.push_back(entry(worst_style, "highest peak found"));
+  if (plot.worst.size() > 0)
+    around.legend.push_back(legend_entry(worst_style, "highest peak found"));
   std::string script = surround(around) + envelope_panel(plot);
   if (!plot.damping.empty()) script += damping_panel(plot);
   run_gnuplot(script, path);

@@ -36,6 +36,10 @@ std::string frequency_axis(double lowest_hz, double highest_hz, const std::strin
          plot_number(highest_hz) + "]\nset xtics (" + tics + ")\n" + label;
 }
 
+std::string legend_entry(const std::string& style, const std::string& title) {
+  return "keyentry" + style + " title " + plot_text(title);
+}
+
 std::string surround(const Surroundings& around) {
   return frame_style() + "set multiplot\n" + margins(0.09, 0.965, 0.1, 0.9) +
          "unset border\nunset tics\nunset grid\nset xrange [0:1]\nset yrange [0:1]\n" +

@@ -31,6 +31,9 @@ struct Surroundings {
   std::vector<std::string> legend;  ///< below them: keyentry commands
 };
 
+/// A line of a legend: `style` as behind a plot command.
+std::string legend_entry(const std::string& style, const std::string& title);
+
 /// Begins a picture of several panels, its surroundings drawn as a panel of their own without axes.
 std::string surround(const Surroundings& around);
 

@@ -267,6 +267,39 @@ class Fit {
     }
     return sum.cwiseQuotient(read.cwiseMax(1e-300)).cwiseSqrt();
   }
+  /// Of each leg, from what a fit leaves.
+  std::vector<LegResponse> responses(const VectorXd& values,
+                                     const std::vector<MatrixXcd>& residual) const {
+    const RigModel fitted = model(values), before = model(VectorXd::Zero(p()));
+    const auto m = record_.command.cols();
+    std::vector<LegResponse> legs(static_cast<std::size_t>(m));
+    std::vector<double> n(legs.size(), 0);
+    const Eigen::VectorXi at_once = Eigen::VectorXi::Zero(m);
+    for (LegResponse& leg : legs) {
+      leg.measured = leg.fitted = leg.before = Eigen::VectorXcd::Zero(n_lines());
+    }
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+      if (!driven_[w]) continue;
+      const MatrixXcd command = windows_[w].driven(at_once).middleRows(m, m);
+      Index i = 0;
+      command.rowwise().squaredNorm().maxCoeff(&i);
+      const auto over = [&](const MatrixXcd& all) {
+        return all.row(i).cwiseQuotient(command.row(i)).transpose().eval();
+      };
+      const MatrixXcd predicted = fitted.predicted(windows_[w]);
+      LegResponse& leg = legs[static_cast<std::size_t>(i)];
+      leg.measured += over(predicted + residual[w]);
+      leg.fitted += over(predicted);
+      leg.before += over(before.predicted(windows_[w]));
+      n[static_cast<std::size_t>(i)] += 1;
+    }
+    for (std::size_t i = 0; i < legs.size(); ++i) {
+      for (Eigen::VectorXcd* sum : {&legs[i].measured, &legs[i].fitted, &legs[i].before}) {
+        *sum /= std::max(1.0, n[i]);
+      }
+    }
+    return legs;
+  }
   bool has_rest() const { return std::ranges::find(driven_, false) != driven_.end(); }
 
  private:
@@ -394,6 +427,7 @@ RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
   }
   MatrixXd A = now.JtJ;
   A.diagonal().array() += 1;
+  found.legs = fit.responses(found.values, now.residual);
   found.covariance = A.ldlt().solve(MatrixXd::Identity(p, p));
   return found;
 }

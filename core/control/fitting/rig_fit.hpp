@@ -19,6 +19,12 @@ struct FitQuestion {
   std::vector<Eigen::Index> frame;  ///< q, outputs of the scene that the record has
 };
 
+/// What a leg's own force sensor reads over the force that it is driven by, at the lines, mean over
+/// windows, without what still rings from their ends.
+struct LegResponse {
+  Eigen::VectorXcd measured, fitted, before;  ///< lines, 1; before: of the scene as it is
+};
+
 struct RigFit {
   Eigen::VectorXd values;      ///< p, in units of size
   Eigen::MatrixXd covariance;  ///< p x p, in units of size, with what was known beforehand
@@ -28,6 +34,7 @@ struct RigFit {
   /// What it leaves while driven, a real number of the whitened sums in the mean square, by the
   /// noise at rest: 1 if that is all. 0 without windows at rest.
   double over_noise = 0;
+  std::vector<LegResponse> legs;  ///< m
   int n_iterations = 0;
   bool converged = false;
 
