@@ -297,6 +297,7 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
                                                  : Eigen::MatrixXd(recording.floor.rows(), 0),
       .windows = recording.windows,
       .n_window = settings.n_window,
+      .missing = recording.missing,
       .lines = settings.lines};
   found.question.sampling.sample_time = record.sample_time;
   found.read_back = ReadBack(record, recording.driven, found.question).gains();

@@ -211,6 +211,8 @@ class Prober {
     for (MatrixXd* values : {&out.sigma, &out.applied, &out.frame, &out.floor}) {
       fill_gaps(*values, there);
     }
+    out.missing = there;
+    out.missing.flip();
     out.drift = clock_.drift();
     out.n_samples = std::count(there.begin(), there.end(), true);
     out.n_lost = total - out.n_samples;

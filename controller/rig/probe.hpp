@@ -55,6 +55,7 @@ struct Recording {
   Eigen::MatrixXd frame, floor;    ///< n x q and n x p, m/s^2, likewise
   std::vector<Eigen::Index> windows;  ///< where each window begins of which hardly a sample is lost
   std::vector<bool> driven;           ///< of each window
+  std::vector<bool> missing;          ///< n, whether the sample did not come
   double drift = 0;                   ///< of the samples' clock, 1
   std::int64_t n_samples = 0, n_lost = 0;
 };

@@ -119,6 +119,7 @@ TEST(Commission, FindsAHiddenRigAndItsLoopDoesAsPredicted) {
     EXPECT_TRUE(says(legs[1], "on the cable of"));
     EXPECT_TRUE(says(legs[2], turned_name + ": wired the other way round"));
     EXPECT_TRUE(found.fit.converged);
+    EXPECT_TRUE(found.fit.is_noise()) << found.fit.over_noise;
     EXPECT_FALSE(rig.enabled);
     EXPECT_EQ(rig.acts().norm(), 0);
     // What acts over what was asked for, and likewise what is read: gains to 1 % of each other, all

@@ -43,8 +43,36 @@ constexpr double least_part = 0.05;
 // Of the size of an output at a line: what converters and arithmetic leave of a simulation.
 constexpr double least_noise = 1e-7;
 
+/// The step of a converter, from what it read; 0 where steps are not seen.
+double step_of(const Eigen::Ref<const VectorXd>& values) {
+  std::vector<double> distinct(values.begin(), values.end());
+  std::ranges::sort(distinct);
+  const auto end = std::unique(distinct.begin(), distinct.end());
+  distinct.erase(end, distinct.end());
+  const std::size_t n = distinct.size();
+  if (n < 2 || 2 * n > static_cast<std::size_t>(values.size())) return 0;
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < n; ++i) steps.push_back(distinct[i] - distinct[i - 1]);
+  // Lost samples on straight lines have values between the steps, a few.
+  std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
+  return steps[steps.size() / 2];
+}
+
 /// L_l of each line, n_out x n_out.
 using Weights = std::vector<MatrixXcd>;
+
+/// Columns whose unknown factors are eliminated.
+struct Nuisance {
+  explicit Nuisance(const MatrixXd& columns)
+      : norms(columns.colwise().norm().cwiseMax(1e-300).transpose()),
+        qr(columns * norms.cwiseInverse().asDiagonal()) {}
+  VectorXd solve(const VectorXd& values) const {
+    return norms.cwiseInverse().asDiagonal() * qr.solve(values);
+  }
+
+  VectorXd norms;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr;
+};
 
 /// Sum over windows of what least squares ask for, the ends of the windows eliminated.
 struct Normal {
@@ -59,6 +87,16 @@ class Fit {
   Fit(const FitQuestion& question, const RigRecord& record, const std::vector<bool>& driven)
       : question_(question), record_(record), driven_(driven) {
     look_from(0);
+    const auto m = record.command.cols();
+    rounding_.resize(n_out());
+    for (Index i = 0; i < rounding_.size(); ++i) {
+      const double step = step_of(i < m       ? record.sigma.col(i)
+                                  : i < 2 * m ? record.applied.col(i - m)
+                                              : record.frame.col(i - 2 * m));
+      // Of sensor and amplifier each a twelfth of the squared step, 2/n times a sum of n; half of
+      // it is in the real part. At rest there is none of it.
+      rounding_(i) = step * step / (3 * static_cast<double>(record.n_window));
+    }
   }
 
   /// Sums at lines beyond the circle by that decay.
@@ -184,6 +222,7 @@ class Fit {
       // Half of it is in the real part, and least squares are over real and imaginary parts.
       S *= few / (2 * static_cast<double>(n) * left);
       S.diagonal() += ((least_noise + wrong) * sizes(l)).cwiseAbs2().cast<Complex>();
+      S.diagonal() += rounding_.cast<Complex>();
       const Eigen::LLT<MatrixXcd> llt(S);
       weights.push_back(llt.matrixL().solve(MatrixXcd::Identity(n_out(), n_out())));
     }
@@ -222,9 +261,7 @@ class Fit {
       const auto k = static_cast<std::size_t>(i);
       ends_slope.push_back((ends_of(up[k]) - ends_of(down[k])) / step(i));
     }
-    const VectorXd norms = ends.colwise().norm().cwiseMax(1e-300).transpose();
-    const Eigen::ColPivHouseholderQR<MatrixXd> qr(ends * norms.cwiseInverse().asDiagonal());
-    const Index rank = qr.rank();
+    const Nuisance ends_only(ends);
     Normal sum;
     sum.JtJ = MatrixXd::Zero(n_slopes, n_slopes);
     sum.Jtr = VectorXd::Zero(n_slopes);
@@ -233,14 +270,26 @@ class Fit {
       const WindowData& window = windows_[w];
       MatrixXd all(rows, 1 + n_slopes);
       put(window.read() - at.predicted(window), weights, 0, all);
+      // Numbers that did not come are unknown as well, in this window alone.
+      std::optional<Nuisance> with_gaps;
+      if (const auto gaps = window.gaps(); !gaps.empty()) {
+        MatrixXd columns(rows, n + static_cast<Index>(gaps.size()));
+        columns.leftCols(n) = ends;
+        for (std::size_t i = 0; i < gaps.size(); ++i) {
+          put(gaps[i], weights, n + static_cast<Index>(i), columns);
+        }
+        with_gaps.emplace(columns);
+      }
+      const Nuisance& nuisance = with_gaps ? *with_gaps : ends_only;
+      const Index rank = nuisance.qr.rank();
       // Who rings where a window begins rings on in another way in another plant.
-      const VectorXd D = norms.cwiseInverse().asDiagonal() * qr.solve(all.col(0));
+      const VectorXd D = nuisance.solve(all.col(0)).head(n);
       for (Index i = 0; i < n_slopes; ++i) {
         const auto k = static_cast<std::size_t>(i);
         put((up[k].predicted(window) - down[k].predicted(window)) / step(i), weights, 1 + i, all);
         all.col(1 + i) += ends_slope[k] * D;
       }
-      all.applyOnTheLeft(qr.householderQ().adjoint());
+      all.applyOnTheLeft(nuisance.qr.householderQ().adjoint());
       all.topRows(rank).setZero();
       sum.cost += all.col(0).squaredNorm();
       if (driven_[w]) {
@@ -250,7 +299,7 @@ class Fit {
       sum.JtJ.noalias() += all.rightCols(n_slopes).transpose() * all.rightCols(n_slopes);
       sum.Jtr.noalias() += all.rightCols(n_slopes).transpose() * all.col(0);
       // What is left, without its weight.
-      all.applyOnTheLeft(qr.householderQ());
+      all.applyOnTheLeft(nuisance.qr.householderQ());
       sum.residual.push_back(taken(all.col(0), weights));
     }
     sum.driven /= static_cast<double>(std::max<Index>(1, n_driven));
@@ -341,6 +390,7 @@ class Fit {
   const std::vector<bool>& driven_;
   std::optional<LineKernel> kernel_;
   std::vector<WindowData> windows_;
+  VectorXd rounding_;            ///< n_out, what steps of converters add to the noise
   Index delay_ = -1;             ///< parameter
   double first_ = 0, last_ = 0;  ///< values that it is kept between
 };

@@ -41,7 +41,10 @@ LineKernel::LineKernel(const RigRecord& record, double decay)
 
 WindowData::WindowData(const RigRecord& record, Index window, int report_age,
                        const LineKernel& kernel)
-    : record_(record), kernel_(kernel), from_(record.windows[static_cast<std::size_t>(window)]) {
+    : record_(record),
+      kernel_(kernel),
+      from_(record.windows[static_cast<std::size_t>(window)]),
+      report_age_(report_age) {
   const Index m = record.command.cols(), q = record.frame.cols();
   read_.resize(2 * m + q, kernel.z.size());
   read_.topRows(m) = sums(record.sigma, from_, kernel);
@@ -50,6 +53,21 @@ WindowData::WindowData(const RigRecord& record, Index window, int report_age,
   read_.bottomRows(q) = sums(record.frame, from_ + 1, kernel);
   floor_ = sums(record.floor, from_ + 1, kernel);
   command_ = sums(record.command, from_, kernel);
+}
+
+std::vector<MatrixXcd> WindowData::gaps() const {
+  std::vector<MatrixXcd> all;
+  if (record_.missing.empty()) return all;
+  const Index m = record_.command.cols();
+  for (Index output = 0; output < read_.rows(); ++output) {
+    const Index shift = output < m ? 0 : output < 2 * m ? report_age_ : 1;
+    for (Index k = 0; k < record_.n_window; ++k) {
+      if (!record_.missing[static_cast<std::size_t>(from_ + shift + k)]) continue;
+      all.push_back(MatrixXcd::Zero(read_.rows(), read_.cols()));
+      all.back().row(output) = kernel_.powers.row(k);
+    }
+  }
+  return all;
 }
 
 VectorXcd WindowData::commands(Index leg, Index late) const {

@@ -32,6 +32,8 @@ class WindowData {
 
   /// n_out x lines: sigma, applied (as it was when its force was), frame.
   const Eigen::MatrixXcd& read() const { return read_; }
+  /// n_out x lines each: what a number in the place of one that did not come adds to the sums.
+  std::vector<Eigen::MatrixXcd> gaps() const;
   /// (2 m + p) x lines: C_0, C_1, W of commands that come so many whole samples late (m).
   Eigen::MatrixXcd driven(const Eigen::VectorXi& whole_delay) const;
 
@@ -41,6 +43,7 @@ class WindowData {
   const RigRecord& record_;
   const LineKernel& kernel_;
   Eigen::Index from_;
+  int report_age_;
   Eigen::MatrixXcd read_, floor_, command_;
 };
 

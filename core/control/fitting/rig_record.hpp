@@ -18,6 +18,8 @@ struct RigRecord {
   /// before and behind each.
   std::vector<Eigen::Index> windows;
   Eigen::Index n_window = 0;
+  /// n, whether the sample did not come, what stands there is of no meaning then; empty: all came.
+  std::vector<bool> missing;
   std::vector<int> lines;  ///< whole periods in a window, what commands are made of
 };
 
