@@ -147,7 +147,7 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
       "reads %.0f dB more than at rest\n\n",
       report::count(found.recording.n_samples), report::count(found.recording.n_lost),
       -1e6 * found.recording.drift, found.disturbance_db);
-  report::Table table({"what", "found", "+- (95 %)", "known before", ""}, 1);
+  report::Table table({"what", "", "found", "+- (95 %)", "known before"}, 2);
   bool trade = false, told = false;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto others = alike(found, i);
@@ -160,9 +160,8 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
     };
     trade = trade || !others.empty();
     told = told || is_told(found, i);
-    table.add({name_of(parameters[i]), with_unit(parameters[i], found_deviation(found, i)),
-               without_sign(1.96 * found_doubt(found, i)), without_sign(known_before(found, i)),
-               note});
+    table.add({name_of(parameters[i]), note, with_unit(parameters[i], found_deviation(found, i)),
+               without_sign(1.96 * found_doubt(found, i)), without_sign(known_before(found, i))});
   }
   const auto& fit = found.fit;
   std::cout << table.print();

@@ -53,8 +53,8 @@ VectorXd multisine(const ProbeSettings& settings) {
   return wave * (settings.force_n / wave.cwiseAbs().maxCoeff());
 }
 
-// Of a window: so many samples on a straight line are less than noise.
-constexpr double most_missing = 1.0 / 500;
+// Of a window: each costs whoever reads it an unknown of each sensor.
+constexpr double most_missing = 0.01;
 
 /// Rows that are not there, on straight lines between those that are.
 void fill_gaps(MatrixXd& values, const std::vector<bool>& there) {
