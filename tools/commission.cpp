@@ -342,9 +342,11 @@ void add_commission(cli::Command& app, int& exit_code) {
   verb.option("--force", options->force_n,
               "N, peak of the force on a leg (default: 2 % of the force limit)")
       .check(cli::positive_number());
-  verb.option("--window", options->window_s, "s, one period of what a leg is driven by")
+  verb.option("--window", options->window_s,
+              "s, one period of what a leg is driven by (default: 2)")
       .check(cli::positive_number());
-  verb.option("--windows", options->windows, "Periods that are recorded of each leg, and at rest")
+  verb.option("--windows", options->windows,
+              "Periods that are recorded of each leg, and twice as many at rest (default: 5)")
       .check(cli::whole_number(2, 1000));
   verb.option("--plot", options->plot, "PNG: what each leg answers, measured, fitted and before")
       .type_name("FILE");
@@ -372,9 +374,8 @@ void add_commission(cli::Command& app, int& exit_code) {
       "samples), told,\n"
       "               alike (names of those it could trade places with)}\n"
       "  outputs      {name, left_before, left (of what was read, rms)}\n"
-      "  over_noise (power of what is left over that of the noise at rest), converged, "
-      "spectral_radius_before, spectral_radius, scene_file, rig_file, "
-      "uncertainty_file, passed\n"
+      "  over_noise (power of what is left over that of the noise at rest), converged,\n"
+      "  spectral_radius_before, spectral_radius, scene_file, rig_file, uncertainty_file, passed\n"
       "Example: stillframe commission frame.yaml rig.yaml --uncertainty piezo_frame.yaml\n"
       "To try it without a rig: stillframe commission frame.yaml --simulate other_frame.yaml");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
