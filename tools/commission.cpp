@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -192,8 +193,10 @@ void print_page(const Commissioned& found, const Files& files, const Loops& loop
 
 void draw(const Commissioned& found, const std::filesystem::path& path) {
   report::FitPlot plot{.title = found.question.scene.title, .frequencies_hz = {}, .legs = {}};
-  const auto n = static_cast<Eigen::Index>(found.lines_hz.size());
-  plot.frequencies_hz = Eigen::Map<const Eigen::VectorXd>(found.lines_hz.data(), n);
+  const double window_s = static_cast<double>(found.n_window) * found.question.sampling.sample_time;
+  plot.frequencies_hz.resize(static_cast<Eigen::Index>(found.lines.size()));
+  std::ranges::transform(found.lines, plot.frequencies_hz.begin(),
+                         [&](int line) { return line / window_s; });
   const auto& legs = found.question.scene.controller->legs;
   for (std::size_t i = 0; i < legs.size(); ++i) {
     const fitting::LegResponse& leg = found.fit.legs[i];
@@ -203,54 +206,62 @@ void draw(const Commissioned& found, const std::filesystem::path& path) {
   plot_fit(plot, path);
 }
 
-Commissioned probed(const CommissionOptions& options, const judge::LoopDesign& design,
-                    const RigFile& rig, Patience& patience) {
+/// The plant that --simulate plays the rig by.
+SampledPlant played(const CommissionOptions& options, const judge::LoopDesign& design) {
+  const judge::LoopDesign hidden = judge::make_loop_design(*options.simulate, options.controller);
+  const std::string name = options.simulate->string();
+  if (hidden.scene.controller->legs != design.scene.controller->legs) {
+    throw InputError(name + ": has other legs than the scene");
+  }
+  if (!std::ranges::equal(hidden.scene.outputs, design.scene.outputs, {}, &SceneSignal::name,
+                          &SceneSignal::name)) {
+    throw InputError(name + ": has other outputs than the scene, or in another order");
+  }
+  if (hidden.gains.sample_rate_hz != design.gains.sample_rate_hz) {
+    throw InputError(name + ": has another sample rate than the scene");
+  }
+  return hidden.sampled;
+}
+
+Commissioned measured(const CommissionOptions& options, const judge::LoopDesign& design,
+                      const RigFile& rig, const Progress& progress) {
   const CommissionQuestion question{
       .design = design,
       .uncertainty = uncertainty_of(options, design.scene),
       .force_n = probe_force(options.force_n, design.gains, options.scene),
       .window_s = options.window_s,
       .n_windows = options.windows};
-  const auto go = [&](controller::Io& io) {
-    try {
-      return commission(
-          io, rig, question, controller::real_time(),
-          [&](const std::string& what, double done) { patience.now(what, 100 * done); },
-          stop_requested);
-    } catch (const InputError&) {
-      throw;
-    } catch (const Refusal&) {
-      throw;
-    } catch (const std::runtime_error& error) {
-      throw Failure(std::string("the rig could not be measured: ") + error.what());
-    }
-  };
-  catch_stop_signals();
-  // As the loop that will stand here (tools/rig.cpp).
-  controller::prepare_thread(controller::default_policy(design.gains.sample_rate_hz).priority,
-                             std::nullopt);
-  if (options.simulate) {
-    const judge::LoopDesign hidden = judge::make_loop_design(*options.simulate, options.controller);
-    if (hidden.scene.controller->legs != design.scene.controller->legs) {
-      throw InputError(options.simulate->string() + ": has other legs than the scene");
-    }
-    if (!std::ranges::equal(hidden.scene.outputs, design.scene.outputs, {}, &SceneSignal::name,
-                            &SceneSignal::name)) {
-      throw InputError(options.simulate->string() +
-                       ": has other outputs than the scene, or in another order");
-    }
-    if (hidden.gains.sample_rate_hz != design.gains.sample_rate_hz) {
-      throw InputError(options.simulate->string() + ": has another sample rate than the scene");
-    }
-    controller::SimulatedIo io(hidden.sampled);
-    return go(io);
-  }
-  if (rig.driver.empty()) {
+  if (!options.simulate && rig.driver.empty()) {
     throw InputError("no driver: name one in a rig file or with --io, or play with --simulate");
   }
-  const controller::DriverSetting setting = rig.setting(design.gains);
-  const controller::LoadedIo io = controller::load_driver(rig.driver, setting);
-  return go(*io);
+  std::optional<SampledPlant> plant;
+  if (options.simulate) plant = played(options, design);
+  catch_stop_signals();
+  // As the loop that will stand here: what measures, and the threads of its driver, wait behind
+  // nobody; what computes afterwards has no such right.
+  auto thread = std::async(std::launch::async, [&] {
+    controller::prepare_thread(controller::default_policy(design.gains.sample_rate_hz).priority,
+                               std::nullopt);
+    const auto go = [&](controller::Io& io) {
+      return measure(io, rig, question, controller::real_time(), progress, stop_requested);
+    };
+    if (plant) {
+      controller::SimulatedIo io(*plant);
+      return go(io);
+    }
+    const controller::DriverSetting setting = rig.setting(design.gains);
+    const controller::LoadedIo io = controller::load_driver(rig.driver, setting);
+    return go(*io);
+  });
+  try {
+    return thread.get();
+  } catch (const InputError&) {
+    throw;
+  } catch (const Refusal&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw Failure(std::string("the rig could not be measured: ") + error.what());
+  }
 }
 
 int run(const CommissionOptions& options) {
@@ -285,7 +296,12 @@ int run(const CommissionOptions& options) {
       {{"the updated scene", files.scene}, {"the uncertainty that is left", files.uncertainty}});
   Commissioned found = [&] {
     Patience patience("wiring");
-    return probed(options, design, rig, patience);
+    const auto progress = [&](const std::string& what, double done) {
+      patience.now(what, 100 * done);
+    };
+    Commissioned all = measured(options, design, rig, progress);
+    if (all.wiring.connected) fit_recording(all, progress);
+    return all;
   }();
   if (!options.json) print_wiring(found);
   if (!found.wiring.connected) {

@@ -3,12 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <stdexcept>
 
 #include "controller/rig/scaled_io.hpp"
 #include "core/control/fitting/rig_model.hpp"
 #include "core/errors/input_error.hpp"
-#include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
 #include "core/yaml/loop_numbers.hpp"
 #include "core/yaml/quoted.hpp"
@@ -31,8 +30,8 @@ constexpr double part_of_limit = 0.02;
 constexpr double highest_line = 0.42, off_resonance = 0.08;
 constexpr int most_lines = 44, lowest_line = 2;
 constexpr std::size_t fewest_lines = 8;
-constexpr Index most_window = 1'000'000;  // samples
-constexpr double gross_gain = 1.5;        // of a card at another range, say
+constexpr Index most_window = 1'000'000, most_recorded = 5'000'000;  // samples
+constexpr double gross_gain = 1.5;  // of a card at another range, say
 // Of what is as likely anywhere between -1 and 1.
 const double deviation_of_even = 1 / std::sqrt(3.0);
 constexpr double told = 0.5, correlated = 0.9;
@@ -140,6 +139,23 @@ class ReadBack {
   std::vector<fitting::WindowData> windows_;
 };
 
+/// A channel of a driver that gives no numbers.
+void require_numbers(const Commissioned& found) {
+  const auto require = [](const Eigen::MatrixXd& values, const char* kind,
+                          const std::vector<std::string>& names) {
+    for (Index i = 0; i < values.cols(); ++i) {
+      if (values.col(i).allFinite()) continue;
+      throw std::runtime_error(std::string(kind) + " " + names[static_cast<std::size_t>(i)] +
+                               " gave what is no number");
+    }
+  };
+  const auto& legs = found.question.scene.controller->legs;
+  require(found.recording.sigma, "force sensor", legs);
+  require(found.recording.applied, "read-back", legs);
+  require(found.recording.frame, "accelerometer", found.rig.frame);
+  require(found.recording.floor, "accelerometer", found.rig.floor);
+}
+
 /// The channels put right, but for gains that a plant with another delay or lag may feign.
 Channels without_small_gains(const Channels& before, const controller::Wiring& wiring) {
   Channels channels = wiring.channels;
@@ -234,10 +250,9 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
   return lines;
 }
 
-Commissioned commission(controller::Io& io, const RigFile& rig, const CommissionQuestion& question,
-                        const controller::ProbeTime& time,
-                        const std::function<void(const std::string&, double)>& progress,
-                        const std::function<bool()>& stop) {
+Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQuestion& question,
+                     const controller::ProbeTime& time, const Progress& progress,
+                     const std::function<bool()>& stop) {
   const judge::LoopDesign& design = question.design;
   const Index m = design.gains.n_legs();
   const controller::DriverSetting setting = rig.setting(design.gains);
@@ -257,6 +272,10 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
   const double window = std::round(question.window_s * design.gains.sample_rate_hz);
   const auto n_window = static_cast<Index>(std::min(window, 1e15));
   const std::vector<int> lines = commission_lines(design, n_window);  // before anything moves
+  if ((question.n_windows + 2) * (m + 2) * n_window > most_recorded) {
+    throw InputError("--window, --windows: that is a recording of more than " +
+                     std::to_string(most_recorded) + " samples");
+  }
   ProbeSettings settings = settings_of(question, rig);
   settings.lines = controller::probe_lines(settings.n_window);
   const auto wiring_now = [&](const char* what) {
@@ -286,6 +305,13 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
     found.recording = controller::record_rig(
         scaled, m, settings, time, [&](double done) { progress("recording", done); }, stop);
   }
+  found.lines = lines;
+  found.n_window = n_window;
+  require_numbers(found);
+  return found;
+}
+
+void fit_recording(Commissioned& found, const Progress& progress) {
   const Recording& recording = found.recording;
   fitting::RigRecord record{
       .sample_time = found.question.sampling.sample_time * (1 + recording.drift),
@@ -293,24 +319,20 @@ Commissioned commission(controller::Io& io, const RigFile& rig, const Commission
       .sigma = recording.sigma,
       .applied = recording.applied,
       .frame = recording.frame,
-      .floor = measures_floor(rig, design.scene) ? recording.floor
-                                                 : Eigen::MatrixXd(recording.floor.rows(), 0),
+      .floor = measures_floor(found.rig, found.question.scene)
+                   ? recording.floor
+                   : Eigen::MatrixXd(recording.floor.rows(), 0),
       .windows = recording.windows,
-      .n_window = settings.n_window,
+      .n_window = found.n_window,
       .missing = recording.missing,
-      .lines = settings.lines};
+      .lines = found.lines};
   found.question.sampling.sample_time = record.sample_time;
   found.read_back = ReadBack(record, recording.driven, found.question).gains();
   record.command *= found.read_back.asDiagonal();
   found.disturbance_db = over_rest_db(record, recording.driven);
   found.fit = fitting::fit_rig(found.question, record, recording.driven,
                                [&](double done) { progress("fitting", done); });
-  for (const int line : lines) {
-    found.lines_hz.push_back(line /
-                             (static_cast<double>(n_window) * found.question.sampling.sample_time));
-  }
   put_gains(found, found.rig.channels);
-  return found;
 }
 
 double found_deviation(const Commissioned& found, std::size_t i) {
@@ -352,11 +374,11 @@ std::string corrections_block(const Commissioned& found) {
   std::string delay;
   for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
     const Parameter& parameter = found.question.parameters[i];
-    // Half a digit beyond the band, as a hand would write it.
+    // To two digits of its doubt: what is rounded off is in no band.
     char digits[32];
     const double unit = std::pow(10, std::floor(std::log10(found_doubt(found, i))) - 1);
     const double value = unit * std::round(found_deviation(found, i) / unit);
-    std::snprintf(digits, sizeof digits, "%.6g", value);
+    std::snprintf(digits, sizeof digits, "%.12g", value);
     const double rounded = std::strtod(digits, nullptr);
     if (parameter.kind == Kind::actuator_gain || parameter.kind == Kind::sensor_gain) {
       continue;  // of the rig file

@@ -34,9 +34,10 @@ struct Commissioned {
   controller::RigFile rig;    ///< put right, with the gains that were fitted
   controller::Recording recording;
   fitting::FitQuestion question;
+  Eigen::Index n_window = 0;  ///< samples
+  std::vector<int> lines;     ///< whole periods in a window, that it was driven at
   fitting::RigFit fit;
-  std::vector<double> lines_hz;  ///< that it was driven at
-  Eigen::VectorXd read_back;     ///< m, what is applied over what is commanded
+  Eigen::VectorXd read_back;  ///< m, what is applied over what is commanded
   double disturbance_db = 0;  ///< what is read while driven over what is read at rest, least output
 };
 
@@ -45,16 +46,23 @@ struct Commissioned {
 /// Errors: InputError if those are too few to tell anything.
 std::vector<int> commission_lines(const judge::LoopDesign& design, Eigen::Index n_window);
 
-/// Probes the wiring, puts right its cables and signs, and gains that are off by more than half,
-/// records, fits: other gains are for the fit, which knows the delay and the plant. io is in the
-/// units and on the cables of the driver; rig: of the rig file. Errors: std::runtime_error of
-/// probe_rig and record_rig; InputError where the rig's accelerometers are none of the scene's, or
-/// nothing is uncertain. Where the wiring cannot be put right nothing after it is there, and
-/// wiring.connected is false; delays are for the fit.
-Commissioned commission(controller::Io& io, const controller::RigFile& rig,
-                        const CommissionQuestion& question, const controller::ProbeTime& time,
-                        const std::function<void(const std::string&, double)>& progress,
-                        const std::function<bool()>& stop);
+/// What is being done, and the part of it that is done.
+using Progress = std::function<void(const std::string&, double)>;
+
+/// Probes the wiring, puts right its cables and signs, and gains that are off by more than half:
+/// other gains and delays are for the fit, which knows the plant. Then records. io is in the units
+/// and on the cables of the driver; rig: of the rig file. To be called by a thread at real-time
+/// priority. Errors: std::runtime_error of probe_rig and record_rig, and of channels that give no
+/// numbers; InputError where the rig's accelerometers are none of the scene's, nothing is uncertain
+/// or a window tells nothing. Where the wiring cannot be put right there is no recording, and
+/// wiring.connected is false.
+Commissioned measure(controller::Io& io, const controller::RigFile& rig,
+                     const CommissionQuestion& question, const controller::ProbeTime& time,
+                     const Progress& progress, const std::function<bool()>& stop);
+
+/// Fits what was recorded, and puts the gains that come out into the channels of the rig. Seconds
+/// of computing, by a thread of no priority. Errors: as fit_rig.
+void fit_recording(Commissioned& found, const Progress& progress);
 
 /// The deviation that was found of each parameter (SI, relative, samples) and the standard
 /// deviation of it; how far it could be off before, each way.

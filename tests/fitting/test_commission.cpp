@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 #include <iostream>
-#include <numeric>
+#include <limits>
 
 #include "core/control/robustness/evaluator.hpp"
 #include "core/errors/input_error.hpp"
@@ -41,6 +41,28 @@ double most_db(const VectorXd& a, const VectorXd& b) {
     most = std::max(most, std::abs(decibels(a(i)) - decibels(b(i))));
   }
   return most;
+}
+
+/// The rig file of a scene all of whose outputs are measured.
+controller::RigFile rig_file_of(const judge::LoopDesign& design) {
+  controller::RigFile file = controller::default_rig(design.gains);
+  for (const SceneSignal& output : design.scene.outputs) {
+    file.channels.frame.push_back({.number = static_cast<Index>(file.frame.size())});
+    file.frame.push_back(output.name);
+  }
+  return file;
+}
+
+/// By 20 N in windows of a second.
+Commissioned commissioned(HiddenRig& rig, const judge::LoopDesign& design,
+                          const SceneUncertainty& uncertainty) {
+  const auto nobody = [](const std::string&, double) {};
+  Commissioned found =
+      measure(rig, rig_file_of(design),
+              {.design = design, .uncertainty = uncertainty, .force_n = 20, .window_s = 1},
+              rig.time(), nobody, {});
+  if (found.wiring.connected) fit_recording(found, nobody);
+  return found;
 }
 
 int n_rigs() {
@@ -101,14 +123,7 @@ TEST(Commission, FindsAHiddenRigAndItsLoopDoesAsPredicted) {
         robustness::perturbed(scene, model.sampling, model.parameters, values);
     HiddenRig rig(controller::SimulatedPlant(robustness::sampled(truth), 0.003), hidden,
                   static_cast<unsigned>(trial), 3);
-    controller::RigFile file = controller::default_rig(design.gains);
-    for (const SceneSignal& output : scene.outputs) {
-      file.channels.frame.push_back({.number = static_cast<Index>(file.frame.size())});
-      file.frame.push_back(output.name);
-    }
-    const Commissioned found = commission(
-        rig, file, {.design = design, .uncertainty = uncertainty, .force_n = 20, .window_s = 1},
-        rig.time(), [](const std::string&, double) {}, {});
+    const Commissioned found = commissioned(rig, design, uncertainty);
     ASSERT_TRUE(found.wiring.connected);
     const auto says = [&](std::size_t leg, const std::string& what) {
       return std::ranges::any_of(found.wiring.legs[leg].wrong, [&](const std::string& wrong) {
@@ -193,14 +208,7 @@ TEST(Commission, GainsBesideAWrongDelayAreForTheFit) {
   sampling.delay_samples += 0.3;
   HiddenRig rig(controller::SimulatedPlant(robustness::sampled({scene, sampling}), 0.003),
                 Hidden(3), 1, 3);
-  controller::RigFile file = controller::default_rig(design.gains);
-  for (const SceneSignal& output : scene.outputs) {
-    file.channels.frame.push_back({.number = static_cast<Index>(file.frame.size())});
-    file.frame.push_back(output.name);
-  }
-  const Commissioned found = commission(
-      rig, file, {.design = design, .uncertainty = uncertainty, .force_n = 20, .window_s = 1},
-      rig.time(), [](const std::string&, double) {}, {});
+  const Commissioned found = commissioned(rig, design, uncertainty);
   EXPECT_FALSE(found.wiring.sound);  // it says what it saw
   EXPECT_TRUE(found.fit.converged && found.fit.is_noise()) << found.fit.over_noise;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -226,6 +234,21 @@ TEST(Commission, RefusesWindowsThatTellNothing) {
   EXPECT_TRUE(std::ranges::is_sorted(lines, std::less_equal<int>()));
   EXPECT_GE(lines.front(), 2);
   EXPECT_LE(lines.back(), 420);
+}
+
+TEST(Commission, NamesAChannelThatGivesNoNumbers) {
+  const Scene scene = parse_scene(fitting::small_frame_text(), "small_frame");
+  const judge::LoopDesign design = judge::make_loop_design(scene);
+  Hidden hidden(3);
+  hidden.frame_noise = std::numeric_limits<double>::quiet_NaN();
+  HiddenRig rig(controller::SimulatedPlant(design.sampled, 0.003), hidden, 1, 3);
+  try {
+    commissioned(rig, design, fitting::everything_by(0.2));
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "accelerometer frame_l gave what is no number");
+  }
+  EXPECT_FALSE(rig.enabled);
 }
 
 }  // namespace

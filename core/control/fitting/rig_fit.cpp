@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -32,7 +33,7 @@ struct Look {
   double wrong;  ///< the part of what is read that the model is taken to be wrong by
 };
 constexpr Look looks[] = {{0.1, 0.3}, {0.02, 0.1}, {0, 0.03}, {0, 0}, {0, 0}};
-constexpr int most_rounds = 5, first_by_noise = 3;
+constexpr int most_rounds = std::size(looks), first_by_noise = 3;
 // Of a prior's standard deviation: of the 1e-10 of a model, 1e-7 of a slope is left.
 constexpr double difference_step = 1e-3;
 // A twentieth of a standard deviation, squared: not seen in any band. Where there is no noise yet
@@ -110,8 +111,8 @@ class Fit {
   }
 
   /// What is applied when sigma is sampled jumps where the delay goes through a whole number of
-  /// samples: the fit stays between two of them. Answers the values of the delay's parameter there,
-  /// best first, by what the scene as it is leaves at each.
+  /// samples: the fit stays between those two between which the scene as it is leaves least, and
+  /// begins where it does.
   void choose_whole_delay(VectorXd& values, const Weights& weights) {
     for (Index i = 0; i < p(); ++i) {
       if (question_.parameters[static_cast<std::size_t>(i)].kind == Kind::delay) delay_ = i;
@@ -164,7 +165,6 @@ class Fit {
   Index n_out() const { return windows_.front().read().rows(); }
   Index n_lines() const { return windows_.front().read().cols(); }
   Index p() const { return static_cast<Index>(question_.parameters.size()); }
-  const std::vector<WindowData>& windows() const { return windows_; }
 
   RigModel model(const VectorXd& values) const {
     return RigModel(robustness::sampled(robustness::perturbed(question_.scene, question_.sampling,
@@ -172,18 +172,14 @@ class Fit {
                     record_, question_.frame, *kernel_);
   }
 
-  /// Outputs by their size over all lines and windows: of nothing known yet.
+  /// Outputs by their size at each line: of nothing known yet.
   Weights by_size() const {
     Weights weights;
-    for (Index l = 0; l < n_lines(); ++l) weights.push_back(sizes(l).cwiseInverse().asDiagonal());
+    const auto read = all_read();
+    for (Index l = 0; l < n_lines(); ++l) {
+      weights.push_back(rms(read, l).cwiseInverse().asDiagonal());
+    }
     return weights;
-  }
-
-  /// rms over windows, never zero.
-  VectorXd sizes(Index line) const {
-    std::vector<MatrixXcd> read;
-    for (const WindowData& window : windows_) read.push_back(window.read());
-    return rms(read, line);
   }
 
   /// The inverse roots of the covariance of what is left about each line, of the windows at rest or
@@ -200,6 +196,7 @@ class Fit {
     // The ends of a window take up a part of what it reads.
     const double left =
         1 - static_cast<double>(n_ends) / static_cast<double>(2 * n_lines() * n_out());
+    const auto read = all_read();
     std::vector<VectorXd> size;
     for (Index l = 0; l < n_lines(); ++l) size.push_back(rms(noise, l));
     Weights weights;
@@ -221,7 +218,7 @@ class Fit {
       const double few = static_cast<double>(n) / std::max<double>(1, double(n - n_out()));
       // Half of it is in the real part, and least squares are over real and imaginary parts.
       S *= few / (2 * static_cast<double>(n) * left);
-      S.diagonal() += ((least_noise + wrong) * sizes(l)).cwiseAbs2().cast<Complex>();
+      S.diagonal() += ((least_noise + wrong) * rms(read, l)).cwiseAbs2().cast<Complex>();
       S.diagonal() += rounding_.cast<Complex>();
       const Eigen::LLT<MatrixXcd> llt(S);
       weights.push_back(llt.matrixL().solve(MatrixXcd::Identity(n_out(), n_out())));
@@ -352,6 +349,11 @@ class Fit {
   bool has_rest() const { return std::ranges::find(driven_, false) != driven_.end(); }
 
  private:
+  std::vector<MatrixXcd> all_read() const {
+    std::vector<MatrixXcd> read;
+    for (const WindowData& window : windows_) read.push_back(window.read());
+    return read;
+  }
   /// Over windows, never zero.
   VectorXd rms(const std::vector<MatrixXcd>& windows, Index line) const {
     VectorXd sum = VectorXd::Zero(n_out());

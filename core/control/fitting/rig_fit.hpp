@@ -49,12 +49,13 @@ struct RigFit {
 
 /// Fits by least squares what the record says at its lines,
 ///   min over p and the D_w of   sum |L_l (Y_w(l) - G_l(p) U_w(l) - B_l(p) D_w)|^2 + |p|^2,
-/// Y, U, B, D of WindowData. L_l L_l^H is the inverse of the covariance of what is left at lines
-/// about l over all windows, found anew until it stays: noise of the floor comes into all outputs
-/// together, along a few directions, and costs little across them. D_w are eliminated. Bands are of
-/// that noise: what the model cannot say adds to it, and shows in over_noise.
-/// driven: of each window, whether commands were on it. Set-up. Errors: InputError, Refusal of a
-/// scene that has no such model; std::invalid_argument if the record has too few windows.
+/// Y, U, B, D of WindowData. L_l^H L_l is the inverse of the covariance of what is left at lines
+/// about l while nothing is driven, and at last, where that explains what is left, of all: noise of
+/// the floor comes into all outputs together, along a few directions, and costs little across them.
+/// D_w are eliminated. Bands are of that noise: what the model cannot say adds to it, and shows in
+/// over_noise. driven: of each window, whether commands were on it. Set-up. Errors: InputError,
+/// Refusal of a scene that has no such model; std::invalid_argument if the record has too few
+/// windows.
 RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
                const std::vector<bool>& driven, const std::function<void(double)>& progress = {});
 
