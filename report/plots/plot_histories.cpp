@@ -55,7 +55,13 @@ std::string three_tics(double largest) {
          plot_number(-largest) + ":" + plot_number(largest) + "]\n";
 }
 
-/// The signals that there are, the one with the largest peak first, so that none is hidden behind
+/// Mean size: a moment in which a loop takes over does not count as its peak does.
+double mean_of(const MatrixXd& rows) {
+  const auto values = rows.rightCols(2).array();
+  return values.isFinite().select(values.abs(), 0.0).mean();
+}
+
+/// The signals that there are, the largest over the whole time first, so that none is hidden behind
 /// another.
 std::vector<const Signal*> drawing_order(const AxisHistory& axis) {
   std::vector<const Signal*> order;
@@ -63,7 +69,7 @@ std::vector<const Signal*> drawing_order(const AxisHistory& axis) {
     if ((axis.*signal.values).size() > 0) order.push_back(&signal);
   }
   std::stable_sort(order.begin(), order.end(), [&axis](const Signal* a, const Signal* b) {
-    return largest_of(axis.*a->values) > largest_of(axis.*b->values);
+    return mean_of(axis.*a->values) > mean_of(axis.*b->values);
   });
   return order;
 }

@@ -185,6 +185,22 @@ TEST_F(Plots, Histories) {
   expect_picture(file);
 }
 
+/// A loop that takes over shakes its frame more than the floor does, for a moment: what is small
+/// afterwards is still drawn over what is large.
+TEST_F(Plots, HistoriesHideNoSignalBehindALongerOne) {
+  MatrixXd floor(100, 3), active(100, 3);
+  for (Index i = 0; i < 100; ++i) {
+    const double size = i < 2 ? 0.01 : 1e-4;
+    floor.row(i) << static_cast<double>(i), -3e-3, 3e-3;
+    active.row(i) << static_cast<double>(i), -size, size;
+  }
+  const HistoryPlot plot{.title = "", .axes = {{"a", floor, {}, active}}};
+  const std::string script = script_of([&] { plot_histories(plot, folder_ / "a.png"); });
+  const auto drawn = script.rfind("plot $");
+  ASSERT_NE(drawn, std::string::npos);
+  EXPECT_LT(script.find("$floor", drawn), script.find("$active", drawn)) << script.substr(drawn);
+}
+
 TEST_F(Plots, ThirdOctaves) {
   OctavePlot plot{.title = "One-third-octave velocity of floor and frame", .axes = {}};
   for (const ToyMotion& history : toy_motion()) {
