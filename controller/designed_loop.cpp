@@ -24,7 +24,8 @@ DesignedLoop::DesignedLoop(const Gains& gains)
   Gamma_beside_ = plant_.Gamma_0 + plant_.Gamma_u;
   x_ = x_next_ = VectorXd::Zero(plant_.Phi.rows());
   w_ = w_now_ = VectorXd::Zero(n_floor());
-  before_ = beside_ = u_ = last_ = sigma_ = change_ = VectorXd::Zero(m);
+  before_ = beside_ = excited_ = excited_before_ = u_ = last_ = sigma_ = change_ =
+      VectorXd::Zero(m);
   acts_ = VectorXd::Ones(m);
   // A gains file has one delay for all legs.
   commands_ = MatrixXd::Zero(m, plant_.whole_delay.maxCoeff() + 1);
@@ -32,7 +33,7 @@ DesignedLoop::DesignedLoop(const Gains& gains)
 }
 
 void DesignedLoop::reset(double gain) noexcept {
-  for (VectorXd* each : {&x_, &w_, &before_}) each->setZero();
+  for (VectorXd* each : {&x_, &w_, &before_, &excited_, &excited_before_}) each->setZero();
   commands_.setZero();
   reports_.setZero();
   law_.reset();
@@ -77,8 +78,10 @@ const VectorXd& DesignedLoop::step(std::int64_t n, const Ref<const VectorXd>& w,
   sigma_.noalias() += plant_.D_sigma * beside_;
   law_.hear_floor(samples, w, share);
   law_.step_over(samples, sigma_, reports_.col((newest_report_ + 1) % reports_.cols()), u_);
-  change_ = gain_ * u_ - last_;
+  change_ = gain_ * u_ + excited_before_ - last_;
   u_ *= gain;
+  u_ += excited_;
+  excited_before_ = excited_;
   gain_ = gain;
   if (!change_.allFinite() || !x_.allFinite()) {
     reset(gain);

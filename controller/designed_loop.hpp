@@ -35,11 +35,14 @@ class DesignedLoop {
   void actuators(const Eigen::Ref<const Eigen::VectorXd>& part) noexcept { acts_ = part; }
   /// What acts on the frame in the next step beside its own commands, and is not reported: m, N.
   void act_beside(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept { beside_ = force; }
+  /// That much (m, N) is added to the next command, and reported.
+  void excite(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept { excited_ = force; }
   /// The next command after n samples, of which the last had the floor's acceleration w (p, m/s^2),
   /// those between the one before and it what lies between; commands were held meanwhile. v: m, N,
   /// beside what the sensors read; gain: of the law in the command; share: of the feed-forward in
-  /// the law. Returns the change of the command but for what a gain that moves changes by itself,
-  /// m, N. A loop that has run away, as none that is stable does, begins again at rest.
+  /// the law. Returns the change of the command but for what a gain that moves, or an excitation,
+  /// changes by itself, m, N. A loop that has run away, as none that is stable does, begins again
+  /// at rest.
   const Eigen::VectorXd& step(std::int64_t n, const Eigen::Ref<const Eigen::VectorXd>& w,
                               const Eigen::Ref<const Eigen::VectorXd>& v, double gain,
                               double share = 1) noexcept;
@@ -65,14 +68,15 @@ class DesignedLoop {
   SampledPlant plant_;
   Eigen::MatrixXd Gamma_beside_;  ///< of a force that acts over a whole sample
   Law law_;
-  Eigen::VectorXd x_, x_next_;         ///< of the plant
-  Eigen::VectorXd w_, w_now_;          ///< p, the last floor, and the one of a sample
-  Eigen::VectorXd before_, u_, last_;  ///< m, N
-  Eigen::VectorXd beside_;             ///< m, N
-  Eigen::VectorXd acts_;               ///< m, 1
-  Eigen::VectorXd sigma_, change_;     ///< m, N
-  Eigen::MatrixXd commands_;           ///< m x (whole delay + 1), a ring
-  Eigen::MatrixXd reports_;            ///< m x (report age + 1), a ring
+  Eigen::VectorXd x_, x_next_;                ///< of the plant
+  Eigen::VectorXd w_, w_now_;                 ///< p, the last floor, and the one of a sample
+  Eigen::VectorXd before_, u_, last_;         ///< m, N
+  Eigen::VectorXd beside_;                    ///< m, N
+  Eigen::VectorXd excited_, excited_before_;  ///< m, N
+  Eigen::VectorXd acts_;                      ///< m, 1
+  Eigen::VectorXd sigma_, change_;            ///< m, N
+  Eigen::MatrixXd commands_;                  ///< m x (whole delay + 1), a ring
+  Eigen::MatrixXd reports_;                   ///< m x (report age + 1), a ring
   Eigen::Index newest_command_ = 0, newest_report_ = 0;
   double gain_ = 0;  ///< in the last command
 };

@@ -24,6 +24,7 @@ LoopRecord record_of(Eigen::Index m, Eigen::Index p, Eigen::Index q) {
   LoopRecord record;
   record.measurement = measurement_of(m, p, q);
   record.command = command_of(m);
+  record.excitation = Eigen::VectorXd::Zero(m);
   return record;
 }
 
@@ -101,6 +102,7 @@ void Loop::period(std::int64_t now_ns) noexcept {
                                    .defect = record_.defect,
                                    .request = record_.request},
                                   record_.command);
+  if (record_.sent) record_.excitation = supervisor_.excited();
   record_.computed_ns = monotonic_ns();
   io_.beat();
   enable();

@@ -19,6 +19,7 @@ struct LoopRecord {
   bool sent = false;
   Measurement measurement;  ///< only with defect none
   Command command;
+  Eigen::VectorXd excitation;  ///< m, N, what was added to the law's force in it
 };
 
 /// The supervisor's memory before a period; msgs/loop_checkpoint_t.lcm.

@@ -43,7 +43,8 @@ constexpr double squares_of_a_difference = 70;
 constexpr double products_of_differences = -56;
 
 /// The changes of a loop's commands (m x n, N) after one sample of floor channel j, or of sensor
-/// j - p, until it no longer swings. squares: m, N^2, of the forces of the legs meanwhile.
+/// j - p, or of the excitation of leg j - p - m, until it no longer swings. squares: m, N^2, of the
+/// forces of the legs meanwhile.
 MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece, Ref<VectorXd> squares) {
   const Index p = loop.n_floor();
   const VectorXd rest_w = VectorXd::Zero(p), rest_v = VectorXd::Zero(m);
@@ -53,7 +54,10 @@ MatrixXd changes_of(DesignedLoop& loop, Index m, Index j, Index piece, Ref<Vecto
   squares.setZero();
   for (Index n = 0; n < most_samples;) {
     VectorXd w = rest_w, v = rest_v;
-    if (n == 0) (j < p ? w(j) : v(j - p)) = 1;
+    if (n == 0 && j < p) w(j) = 1;
+    if (n == 0 && j >= p && j < p + m) v(j - p) = 1;
+    if (n <= 1 && j >= p + m)
+      loop.excite((1.0 - static_cast<double>(n)) * VectorXd::Unit(m, j - p - m));
     if (n == changes.cols()) changes.conservativeResize(m, n + piece);
     const VectorXd change = loop.step(1, w, v, 1);
     changes.col(n++) = change;
@@ -122,6 +126,11 @@ Pace::Pace(const Gains& gains, const Settings& settings)
     for (PaceScale& scale : scales_) scale.learn(changes, j);
   }
   force_per_noise_ = squares.rightCols(m);
+  VectorXd unused(m);
+  for (Index j = 0; settings.excited && j < m; ++j) {
+    const MatrixXd changes = changes_of(designed_, m, p + m + j, piece, unused);
+    for (PaceScale& scale : scales_) scale.learn_excitation(changes, j);
+  }
   const auto samples = [&](double seconds) {
     return std::clamp<Index>(std::llround(seconds * gains.sample_rate_hz), 1, most_samples / 2);
   };
@@ -254,6 +263,10 @@ void Pace::expect(std::int64_t n, double gain, const Ref<const VectorXd>& acts,
     scale.doubt_floor(beyond_);
   }
   if (n > DesignedLoop::longest_step) lose_track();
+}
+
+void Pace::excite(const Ref<const VectorXd>& force) noexcept {
+  for (PaceScale& scale : scales_) scale.excite(force);
 }
 
 void Pace::let_go(const Ref<const VectorXd>& force) noexcept {

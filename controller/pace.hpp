@@ -17,7 +17,7 @@ namespace stillframe::controller {
 /// i and a sample:
 ///   most_i = min(max(F_i + G_i, |c_i| + F_i / 4), |c_i| + min(F_i / 4, 2 C_i) + D_i)
 ///            + 9 (sum_k (N_ik v_k)^2)^1/2 + 2 S_i + sum_k B_ik d_k
-///            + sum_k R_ik f_k + free,
+///            + sum_k R_ik f_k + sum_k X_ik e_k + free,
 ///   F_i = sum_j L_ij W_j.
 /// c: what the designed loop, which is followed sample by sample with as much of each command
 /// acting as the read-backs say, changes its command by now, but for what a gain that comes up or
@@ -34,7 +34,9 @@ namespace stillframe::controller {
 /// within seconds, too. The same holds of what a loop changes within some milliseconds, every
 /// change remembered for so long (pace_scale.hpp): what grows slowly is seen there. f_k: the force
 /// |u_k| from which the gain began to go down, forgotten within seconds, and R_ik the largest
-/// change then with leg k holding one newton because of a sensor that is constantly off. Where the
+/// change then with leg k holding one newton because of a sensor that is constantly off; e_k the
+/// excitation of leg k, forgotten within seconds, and X_ik as L_ij after one newton of it for a
+/// sample. Where the
 /// floor is not measured, S_i counts four times and is kept. Construction is set-up; the rest is
 /// hot: noexcept, no allocation. Source: docs/safety.md.
 class Pace {
@@ -46,6 +48,7 @@ class Pace {
     double ramp_in_s = 1;   ///< s, in which the gain comes up
     double ramp_out_s = 1;  ///< s, in which it goes down
     double force_limit = std::numeric_limits<double>::infinity();  ///< N
+    bool excited = false;                                          ///< excite will be called
   };
   /// Errors: as law_from_gains and sample_and_hold.
   Pace(const Gains& gains, const Settings& settings);
@@ -73,6 +76,8 @@ class Pace {
   /// Obedience::acts).
   void expect(std::int64_t n, double gain, const Eigen::Ref<const Eigen::VectorXd>& acts,
               double share = 1) noexcept;
+  /// So much is added to the commands at most, m, N.
+  void excite(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept;
   /// The gain begins to go down from that force (m, N).
   void let_go(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept;
   /// The loop is not where the designed one is: it met a limit of its actuators, or was let go of.

@@ -53,9 +53,10 @@ PaceScale::PaceScale(Index m, Index p, double keep)
       per_noise_(MatrixXd::Zero(m, m)),
       per_offset_(MatrixXd::Zero(m, m)),
       per_held_(MatrixXd::Zero(m, m)),
+      per_excited_(MatrixXd::Zero(m, m)),
       per_lost_(MatrixXd::Zero(m, p)) {
-  reading_ = swing_ = doubt_ = held_ = noise_ = designed_ = met_ = lost_ = caught_up_ = force_ =
-      VectorXd::Zero(m);
+  reading_ = swing_ = doubt_ = held_ = excited_ = noise_ = designed_ = met_ = lost_ = caught_up_ =
+      force_ = VectorXd::Zero(m);
 }
 
 MatrixXd PaceScale::remembered(MatrixXd z) const {
@@ -75,6 +76,10 @@ void PaceScale::learn(const Ref<const MatrixXd>& changes, Index j) {
   per_noise_.col(j - p) = z.cwiseAbs2().rowwise().sum();
 }
 
+void PaceScale::learn_excitation(const Ref<const MatrixXd>& changes, Index j) {
+  per_excited_.col(j) = remembered(changes).cwiseAbs().rowwise().sum();
+}
+
 void PaceScale::learn_offset(const Ref<const MatrixXd>& changes, Index k) {
   per_offset_.col(k) = remembered(changes).cwiseAbs().rowwise().maxCoeff();
 }
@@ -90,6 +95,12 @@ void PaceScale::learn_letting_go(const Ref<const MatrixXd>& changes, Index k, do
 void PaceScale::let_go(const Ref<const VectorXd>& force) noexcept {
   for (Index i = 0; i < held_.size(); ++i) {
     held_(i) = std::max(held_(i), per_held_.row(i).dot(force.cwiseAbs()));
+  }
+}
+
+void PaceScale::excite(const Ref<const VectorXd>& force) noexcept {
+  for (Index i = 0; i < excited_.size(); ++i) {
+    excited_(i) = std::max(excited_(i), per_excited_.row(i).dot(force.cwiseAbs()));
   }
 }
 
@@ -113,6 +124,7 @@ void PaceScale::begin(const Ref<const VectorXd>& doubt,
   noise_.noalias() = per_noise_ * variance;
   noise_ = sure * noise_.cwiseSqrt();
   held_.setZero();
+  excited_.setZero();
   designed_.setZero();
   met_.setZero();
   lost_.setZero();
@@ -123,6 +135,7 @@ void PaceScale::begin(const Ref<const VectorXd>& doubt,
 void PaceScale::forget(double kept, std::int64_t n, bool whole, bool floor_known) noexcept {
   doubt_ *= kept;
   held_ *= kept;
+  excited_ *= kept;
   met_ *= kept;
   if (floor_known) swing_ *= whole ? std::min(kept, power(keep_lost_, n)) : kept;
 }
@@ -145,7 +158,7 @@ void PaceScale::lose_track(const Ref<const VectorXd>& largest) noexcept {
 }
 
 double PaceScale::most(Index i, const VectorXd* largest, double n) const noexcept {
-  const double beside = noise_(i) + doubt_(i) + held_(i) + free_(i);
+  const double beside = noise_(i) + doubt_(i) + held_(i) + excited_(i) + free_(i);
   if (largest == nullptr) return n * (beside + 4 * swing_(i));
   const double any_floor = per_floor_.row(i).dot(*largest), designed = std::abs(designed_(i));
   const double other = not_as_designed * any_floor;

@@ -10,14 +10,15 @@ namespace stillframe::controller {
 /// long, z[k] = a z[k-1] + change[k]; a = 0: the change alone. All is linear in what makes the
 /// changes, so that of leg i
 ///   |z_i| <= min(max(F_i + G_i, |c_i| + q F_i), |c_i| + min(q F_i, 2 C_i) + D_i)
-///            + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i + (B d)_i + (R f)_i + free / (1 - a),   F = L
-///            W,
-/// with L, N2, B, R, D and S as in pace.hpp, of z in place of the change, c the z of the designed
-/// loop, C the largest |c| of the last seconds, and G the largest |c| since more samples in a row
-/// were lost than the designed loop follows, as far as it remembers it. F is of a loop that hears
-/// every sample; one that misses some catches up with more, as the designed one does, which misses
-/// the same. Set-up: construction, both learn and allow; the rest is hot:
-/// noexcept, no allocation.
+///            + sure (sum_k N2_ik v_k^2)^1/2 + 2 S_i + (B d)_i + (R f)_i + (X e)_i + free / (1 -
+///            a),
+///   F = L W,
+/// with L, N2, B, R, X, D and S as in pace.hpp, of z in place of the change, c the z of the
+/// designed loop, C the largest |c| of the last seconds, and G the largest |c| since more samples
+/// in a row were lost than the designed loop follows, as far as it remembers it. F is of a loop
+/// that hears every sample; one that misses some catches up with more, as the designed one does,
+/// which misses the same. Set-up: construction, both learn and allow; the rest is hot: noexcept, no
+/// allocation.
 class PaceScale {
  public:
   /// m legs, p channels of the floor; keep: a.
@@ -27,6 +28,8 @@ class PaceScale {
   /// of sensor j - p.
   void learn(const Eigen::Ref<const Eigen::MatrixXd>& changes, Eigen::Index j);
 
+  /// The same after one sample of one newton of excitation on leg j.
+  void learn_excitation(const Eigen::Ref<const Eigen::MatrixXd>& changes, Eigen::Index j);
   /// The same, while the gain comes up, with a reading of sensor k that is constantly wrong by one.
   void learn_offset(const Eigen::Ref<const Eigen::MatrixXd>& changes, Eigen::Index k);
   /// The same, while the gain goes down again, of a loop that held so much with that leg (N)
@@ -52,6 +55,8 @@ class PaceScale {
   /// that the designed loop knows of: a sensor that has drifted. That goes faster than the gain
   /// does.
   void let_go(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept;
+  /// So much (m, N) is added to commands at most, and is answered for seconds.
+  void excite(const Eigen::Ref<const Eigen::VectorXd>& force) noexcept;
   /// Of the floor so much (p, m/s^2) was lost or not believed for a sample.
   void doubt_floor(const Eigen::Ref<const Eigen::VectorXd>& w) noexcept;
   /// The loop is not where the designed one is. largest: p, m/s^2, W.
@@ -72,8 +77,8 @@ class PaceScale {
 
   template <class Archive>
   void visit(Archive& archive) {
-    archive(reading_), archive(swing_), archive(doubt_), archive(held_), archive(noise_),
-        archive(designed_);
+    archive(reading_), archive(swing_), archive(doubt_), archive(held_), archive(excited_),
+        archive(noise_), archive(designed_);
     archive(lost_), archive(caught_up_), archive(met_), archive(force_);
   }
 
@@ -83,7 +88,7 @@ class PaceScale {
 
   double keep_;
   Eigen::VectorXd free_;  ///< m, N
-  Eigen::MatrixXd per_floor_, per_noise_, per_offset_, per_held_;
+  Eigen::MatrixXd per_floor_, per_noise_, per_offset_, per_held_, per_excited_;
   /// m x p, N per m/s^2: after one sample of the floor z is never more than this, and k samples
   /// later no more than keep_lost_^k of it.
   Eigen::MatrixXd per_lost_;
@@ -92,6 +97,7 @@ class PaceScale {
   Eigen::VectorXd swing_;      ///< m, N, S
   Eigen::VectorXd doubt_;      ///< m, N, B d
   Eigen::VectorXd held_;       ///< m, N, R f
+  Eigen::VectorXd excited_;    ///< m, N, X e
   Eigen::VectorXd noise_;      ///< m, N
   Eigen::VectorXd designed_;   ///< m, N, c
   Eigen::VectorXd met_;        ///< m, N, the largest |c| of the last seconds

@@ -38,6 +38,20 @@ constexpr bool is_passing(Fault fault) noexcept {
 std::string_view to_text(Defect defect) noexcept;
 std::string_view to_text(Fault fault) noexcept;
 
+/// What is added to the commands of an active loop, leg after leg; controller/excitation.hpp.
+struct ExcitationPlan {
+  enum class Kind { none, multisine, sweep, step };
+
+  Kind kind = Kind::none;
+  bool open_loop = false;         ///< the law's own force is left out
+  std::optional<double> force_n;  ///< N, peak; none: 2 % of the force limit
+  std::optional<double> from_hz;  ///< none: two periods in a window
+  std::optional<double> to_hz;    ///< none: 0.42 of the sample rate
+  double window_s = 2;            ///< s, after which it repeats itself
+  std::int64_t windows = 5;       ///< of each leg, and as many of nothing before
+  std::int64_t lines = 44;        ///< frequencies of a multisine
+};
+
 /// The numbers of the fault policy of wall-clock runs, docs/safety.md; a policy file states those
 /// that differ from default_policy, which at 200 Hz and more is what stands here.
 struct Policy {
@@ -72,6 +86,8 @@ struct Policy {
   double record_s = 10;             ///< s, length of the flight record
   std::int64_t record_files = 100;  ///< so many records are kept, the oldest goes
   double record_mb = 1000;          ///< MB, in all
+
+  ExcitationPlan excitation;
 };
 
 /// Of the words off, best_effort and enforce.

@@ -18,7 +18,7 @@ constexpr double shortest_fade_s = 0.1;
 constexpr double shortest_arming_s = 0.2;
 // A ramp of fewer samples is a flight of steps; the shortest one has as many at 1 kHz.
 constexpr std::int64_t fewest_of_a_ramp = 10;
-constexpr double longest_record_s = 120;
+constexpr double longest_record_s = 120, longest_window_s = 100;
 
 // Of whatever has no bound of its own: a stiffness of steel as thick as an arm is 1e9 N/m.
 constexpr double largest_number = 1e12;
@@ -120,9 +120,30 @@ void read_realtime(const YamlReader& block, Policy& policy) {
   if (block.find("cpu")) read(block, "cpu", WholeRange{0, 1023}, policy.cpu.emplace());
 }
 
+void read_excitation(const YamlReader& block, double rate_hz, ExcitationPlan& plan) {
+  block.allow_only({"kind", "loop", "force_n", "from_hz", "to_hz", "window_s", "windows", "lines"});
+  if (const auto value = block.find("kind")) {
+    const std::string word = value->one_of({"none", "multisine", "sweep", "step"});
+    using Kind = ExcitationPlan::Kind;
+    plan.kind = word == "multisine" ? Kind::multisine
+                : word == "sweep"   ? Kind::sweep
+                : word == "step"    ? Kind::step
+                                    : Kind::none;
+  }
+  if (const auto value = block.find("loop")) {
+    plan.open_loop = value->one_of({"closed", "open"}) == "open";
+  }
+  read_positive(block, "force_n", plan.force_n);
+  read_positive(block, "from_hz", plan.from_hz);
+  read_positive(block, "to_hz", plan.to_hz);
+  read_positive(block, "window_s", slowed(longest_window_s, rate_hz), plan.window_s);
+  read(block, "windows", WholeRange{1, 1000}, plan.windows);
+  read(block, "lines", WholeRange{1, 200}, plan.lines);
+}
+
 Policy read(const YamlReader& root, double rate_hz) {
   root.allow_only({"start", "arming", "ramp", "measurements", "watch", "rejoin", "limits",
-                   "realtime", "flight_record"});
+                   "realtime", "flight_record", "excitation"});
   Policy policy = default_policy(rate_hz);
   if (const auto value = root.find("start")) {
     policy.start_at_once = value->one_of({"at_once", "on_request"}) == "at_once";
@@ -143,6 +164,9 @@ Policy read(const YamlReader& root, double rate_hz) {
     read(*block, "most_files", WholeRange{1, 100000}, policy.record_files);
     read_positive(*block, "most_mb", policy.record_mb);
   }
+  if (const auto block = root.find("excitation")) {
+    read_excitation(*block, rate_hz, policy.excitation);
+  }
   return policy;
 }
 
@@ -151,7 +175,7 @@ Policy read(const YamlReader& root, double rate_hz) {
 Policy default_policy(double sample_rate_hz) {
   Policy policy;
   for (double* seconds : {&policy.arming_s, &policy.ramp_in_s, &policy.ramp_out_s, &policy.fade_s,
-                          &policy.record_s}) {
+                          &policy.record_s, &policy.excitation.window_s}) {
     *seconds = slowed(*seconds, sample_rate_hz);
   }
   return policy;

@@ -34,7 +34,8 @@ constexpr double step_kept = 0.7;
 Pace::Settings pace_settings(const Gains& gains, const Policy& policy) {
   Pace::Settings settings{.ramp_in_s = policy.ramp_in_s,
                           .ramp_out_s = policy.ramp_out_s,
-                          .force_limit = force_limit(gains, policy)};
+                          .force_limit = force_limit(gains, policy),
+                          .excited = policy.excitation.kind != ExcitationPlan::Kind::none};
   if (!policy.free_rate_n_per_s) settings.beside = free_floor;
   const double free_rate =
       free_part * settings.force_limit / slowed(1, gains.sample_rate_hz);  // N/s
@@ -133,14 +134,15 @@ Supervisor::Supervisor(const Gains& gains, const Policy& policy, bool active)
       pace_(gains, pace_settings(gains, policy)),
       floor_evidence_(gains),
       floor_watch_(law_.floor().n_floor(), policy, gains.sample_time()),
+      excitation_(gains, policy),
       sample_time_(gains.sample_time()),
       forgets_(sample_time_ / slowed(missing_s, gains.sample_rate_hz)),
       let_go_(let_go_samples(sample_time_)),
       active_(active),
       wanted_(active && policy.start_at_once),
       quiet_(let_go_) {
-  ramp_ = allowed_ = change_ = asked_ = asked_before_ = base_ = step_ = force_ = u_ = offset_ =
-      sigma_ = VectorXd::Zero(law_.n_legs());
+  ramp_ = allowed_ = excited_ = excited_before_ = change_ = asked_ = asked_before_ = base_ = step_ =
+      force_ = u_ = offset_ = sigma_ = VectorXd::Zero(law_.n_legs());
   Counter counter;
   visit(counter);
   memory_size_ = counter.n;
@@ -154,7 +156,7 @@ void Supervisor::visit(Archive& archive) {
   archive(quiet_), archive(held_);
   archive(rejoins_), archive(passing_fault_), archive(p_), archive(q_);
   archive(base_), archive(step_), archive(force_), archive(offset_);
-  archive(asked_before_), archive(met_limit_);
+  archive(asked_before_), archive(excited_before_), archive(met_limit_);
   archive(seq_), archive(law_seq_), archive(floor_seq_), archive(time_ns_);
   archive(n_faults_), archive(n_rejoins_), archive(n_saturated_);
   law_.visit(archive);
@@ -165,6 +167,7 @@ void Supervisor::visit(Archive& archive) {
   pace_.visit(archive);
   floor_evidence_.visit(archive);
   floor_watch_.visit(archive);
+  excitation_.visit(archive);
 }
 
 void Supervisor::save(std::span<double> memory) const noexcept {
@@ -184,6 +187,7 @@ bool Supervisor::engaged() const noexcept {
 
 bool Supervisor::step(const Event& event, Command& command) noexcept {
   pace_.forget(event.n_elapsed);
+  excited_.setZero();
   if (event.measurement != nullptr) {
     seq_ = event.measurement->seq;
     hear_floor(event);
@@ -312,6 +316,7 @@ void Supervisor::watch(const Event& event) noexcept {
     pace_.let_go(base_);
     obedience_.lose_track();
     p_ = smooth_step_inverse(smooth_step(p_) * smooth_step(q_));
+    excited_before_ *= smooth_step(q_);
     state_ = wanted_ ? State::ramp_in : State::ramp_out;
   }
 }
@@ -446,6 +451,7 @@ void Supervisor::arm(const Event& event) noexcept {
   }
   asked_.setZero();
   asked_before_.setZero();
+  excited_before_.setZero();
   n_samples_ = 1;
   met_limit_ = false;
   law_.reset();
@@ -486,10 +492,23 @@ void Supervisor::run_law(const Event& event) noexcept {
   move_gain(event.n_elapsed);
   if (!engaged()) return;
   const double gain = smooth_step(p_);
-  force_ = asked_ = gain * u_;
+  if (excitation_.open_loop()) u_.setZero();
+  force_ = gain * u_;
   ramp_ = (gain - gain_before) * u_;
+  if (excitation_.any()) excite(now.seq, gain);
+  asked_ = force_;
   if (unheard_ > 0) pace_.lose_track();
   pace_.expect(n_samples_, gain, obedience_.acts(), floor_watch_.share());
+}
+
+void Supervisor::excite(std::int64_t seq, double gain) noexcept {
+  if (state_ == State::active) excitation_.begin(seq);
+  excited_ = gain * excitation_.at(seq);
+  ramp_ += excited_ - excited_before_;
+  excited_before_ = excited_;
+  force_ += excited_;
+  allowed_ = gain * excitation_.reach();
+  pace_.excite(allowed_);
 }
 
 void Supervisor::move_gain(std::int64_t n_elapsed) noexcept {

@@ -7,6 +7,7 @@
 
 #include "controller/arming.hpp"
 #include "controller/command_watch.hpp"
+#include "controller/excitation.hpp"
 #include "controller/floor_evidence.hpp"
 #include "controller/floor_watch.hpp"
 #include "controller/io.hpp"
@@ -37,7 +38,7 @@ struct Event {
 
 /// The state machine around the law: arming, smooth ramps, what is done when measurements fail, and
 /// the limits of the actuators. With w = s(p) of smooth_step.hpp, F the command, u the law's force:
-///   ramps and active:   F = w u, p by T/ramp a period;
+///   ramps and active:   F = w (u + e), p by T/ramp a period, e an excitation of an active loop;
 ///   no measurement:     F held, for at most hold_periods;
 ///   then, and in faults: F = F_0 s(q), F_0 the force at its beginning, q from 1 to 0 in fade_s;
 ///   of a loop that has run away F_0 is smoothed, and the step to it decays within samples.
@@ -65,6 +66,9 @@ class Supervisor {
   Eigen::Index broken_floor() const noexcept { return floor_watch_.broken(); }
   bool latched() const noexcept { return latched_; }
   bool active() const noexcept { return active_; }
+  /// What the last command has of it, m, N.
+  const Eigen::VectorXd& excited() const noexcept { return excited_; }
+  const Excitation& excitation() const noexcept { return excitation_; }
   std::int64_t n_faults() const noexcept { return n_faults_; }
   std::int64_t n_rejoins() const noexcept { return n_rejoins_; }
   std::int64_t n_saturated() const noexcept { return n_saturated_; }
@@ -94,6 +98,7 @@ class Supervisor {
   void arm(const Event& event) noexcept;
   void hear_floor(const Event& event) noexcept;
   void run_law(const Event& event) noexcept;
+  void excite(std::int64_t seq, double gain) noexcept;
   void move_gain(std::int64_t n_elapsed) noexcept;
 
   Law law_;
@@ -105,6 +110,7 @@ class Supervisor {
   Pace pace_;
   FloorEvidence floor_evidence_;
   FloorWatch floor_watch_;
+  Excitation excitation_;
   double sample_time_;
   double forgets_;       ///< of missing_part_, in a period
   std::int64_t let_go_;  ///< periods in which amplifiers that hear nothing let go of a force
@@ -125,7 +131,9 @@ class Supervisor {
   double p_ = 0, q_ = 0;
   Eigen::VectorXd base_, step_, force_, u_, offset_, sigma_;  ///< m, N
   Eigen::VectorXd asked_, asked_before_, change_;  ///< m, N, by the law, before the last gate
-  Eigen::VectorXd ramp_, allowed_;  ///< m, N: what the gain changes by itself, and what may change
+  Eigen::VectorXd excited_, excited_before_;  ///< m, N, what is added to a command, and was before
+  /// m, N: what gain and excitation change by themselves, and what may change
+  Eigen::VectorXd ramp_, allowed_;
   std::int64_t seq_ = -1, law_seq_ = -1, floor_seq_ = -1;
   bool met_limit_ = false;      ///< of an actuator, and has not caught up since
   std::int64_t n_samples_ = 1;  ///< that the law has made up for now

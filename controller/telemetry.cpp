@@ -4,11 +4,13 @@
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 
 namespace stillframe::controller {
 
 using stillframe_msgs::controller_status_t;
+using stillframe_msgs::excitation_t;
 using stillframe_msgs::loop_checkpoint_t;
 using stillframe_msgs::loop_record_t;
 using stillframe_msgs::loop_records_t;
@@ -104,6 +106,9 @@ void Telemetry::publish_records() {
   loop_records_t message;
   message.run_id = run_id;
   message.instance = presence_.instance();
+  excitation_t excitation;
+  excitation.run_id = run_id;
+  excitation.instance = presence_.instance();
   const auto give = [&] {
     message.n_records = static_cast<std::int32_t>(message.records.size());
     if (message.n_records > 0) link_.publish(channels::loop, message);
@@ -112,6 +117,12 @@ void Telemetry::publish_records() {
   while (const LoopRecord* record = loop_.records().oldest()) {
     message.records.push_back(to_message(*record));
     if (link_.hosts()) link_.publish_samples(*record);
+    if (record->sent && !record->excitation.isZero(0)) {
+      excitation.seq = record->command.seq;
+      excitation.n_legs = static_cast<std::int32_t>(record->excitation.size());
+      excitation.force.assign(record->excitation.begin(), record->excitation.end());
+      link_.publish(channels::excitation, excitation);
+    }
     loop_.records().pop();
     if (message.records.size() == records_a_message) give();
   }

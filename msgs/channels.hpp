@@ -14,6 +14,7 @@ inline constexpr const char* request = "SF_REQUEST";        // control_request_t
 inline constexpr const char* status = "SF_STATUS";          // controller_status_t, controller
 inline constexpr const char* loop = "SF_LOOP";              // loop_records_t, controller
 inline constexpr const char* checkpoint = "SF_CHECKPOINT";  // loop_checkpoint_t, controller
+inline constexpr const char* excitation = "SF_EXCITATION";  // excitation_t, controller
 
 inline constexpr const char* logger_check =
     "SF_LOGGER_CHECK";  // empty, makes a logger write out what it holds

@@ -4,6 +4,7 @@
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
@@ -113,6 +114,11 @@ void walk(Walk& w, const loop_checkpoint_t*) {
   w.doubles(w.count());
 }
 
+void walk(Walk& w, const excitation_t*) {
+  w.int64s(3);
+  w.doubles(w.count());
+}
+
 constexpr std::size_t fingerprint_size = 8;
 
 }  // namespace
@@ -138,5 +144,6 @@ template Fit fit<control_request_t>(std::string_view) noexcept;
 template Fit fit<controller_status_t>(std::string_view) noexcept;
 template Fit fit<loop_records_t>(std::string_view) noexcept;
 template Fit fit<loop_checkpoint_t>(std::string_view) noexcept;
+template Fit fit<excitation_t>(std::string_view) noexcept;
 
 }  // namespace stillframe

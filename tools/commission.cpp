@@ -7,17 +7,18 @@
 
 #include "controller/policy.hpp"
 #include "controller/realtime.hpp"
+#include "controller/rig/scaled_io.hpp"
 #include "controller/rig/simulated_io.hpp"
+#include "controller/start_check.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
 #include "core/mechanics/scene/controller_block.hpp"
 #include "judge/loop_design.hpp"
 #include "msgs/stop_signal.hpp"
+#include "report/page/write_page.hpp"
 #include "report/plots/plot_fit.hpp"
-#include "report/table.hpp"
-#include "tools/commission_rig.hpp"
+#include "tools/commission_text.hpp"
 #include "tools/given_files.hpp"
-#include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
 
@@ -27,10 +28,13 @@ namespace {
 
 using controller::RigFile;
 
+constexpr double armed_windows = 2;  // of that length are looked at before the loop is closed
+using Eigen::Index;
+
 struct CommissionOptions {
   std::filesystem::path scene;
-  std::optional<std::filesystem::path> rig, controller, uncertainty, simulate, plot;
-  std::string io;
+  std::optional<std::filesystem::path> rig, controller, uncertainty, simulate, policy, plot, report;
+  std::string io, until = "scene";
   std::optional<double> force_n;
   double window_s = 2;
   int windows = 5;
@@ -69,143 +73,6 @@ RigFile simulated_rig(const judge::LoopDesign& design) {
   return rig;
 }
 
-/// The loops that the gains of before and those of the updated scene make on what was found.
-struct Loops {
-  double before = 0, after = 0;  ///< spectral radii
-};
-
-struct Files {
-  std::filesystem::path scene, rig, uncertainty;
-};
-
-Json to_json(const Commissioned& found, const std::optional<Files>& files,
-             const std::optional<Loops>& loops, const CommissionOptions& options, bool passed) {
-  Json wrong = Json::array();
-  for (const auto& leg : found.wiring.legs) {
-    for (const std::string& what : leg.wrong) wrong.push_back({{"leg", leg.leg}, {"what", what}});
-  }
-  Json parameters = Json::array(), outputs = Json::array();
-  for (std::size_t i = 0; files && i < found.question.parameters.size(); ++i) {
-    const auto& parameter = found.question.parameters[i];
-    Json with = Json::array();
-    for (const std::size_t other : alike(found, i)) {
-      with.push_back(name_of(found.question.parameters[other]));
-    }
-    parameters.push_back({{"name", name_of(parameter)},
-                          {"deviation", found_deviation(found, i)},
-                          {"standard_deviation", found_doubt(found, i)},
-                          {"known_before", known_before(found, i)},
-                          {"told", is_told(found, i)},
-                          {"alike", with}});
-  }
-  const auto& legs = found.question.scene.controller->legs;
-  for (Eigen::Index i = 0; i < found.fit.left.size(); ++i) {
-    const auto m = static_cast<Eigen::Index>(legs.size());
-    const std::string name =
-        i < 2 * m ? (i < m ? "sigma " : "applied ") + legs[static_cast<std::size_t>(i % m)]
-                  : found.rig.frame[static_cast<std::size_t>(i - 2 * m)];
-    outputs.push_back(
-        {{"name", name}, {"left_before", found.fit.left_before(i)}, {"left", found.fit.left(i)}});
-  }
-  return {{"scene", found.question.scene.title},
-          {"wrong", wrong},
-          {"connected", found.wiring.connected},
-          {"clock_ppm", files ? Json(-1e6 * found.recording.drift) : Json()},
-          {"n_samples", found.recording.n_samples},
-          {"n_lost", found.recording.n_lost},
-          {"parameters", parameters},
-          {"outputs", outputs},
-          {"over_noise", files ? Json(found.fit.over_noise) : Json()},
-          {"converged", found.fit.converged},
-          {"spectral_radius_before", loops ? Json(loops->before) : Json()},
-          {"spectral_radius", loops ? Json(loops->after) : Json()},
-          {"scene_file", files ? Json(files->scene.string()) : Json()},
-          {"rig_file", files && options.rig ? Json(files->rig.string()) : Json()},
-          {"uncertainty_file", files ? Json(files->uncertainty.string()) : Json()},
-          {"passed", passed}};
-}
-
-void print_wiring(const Commissioned& found) {
-  for (const auto& leg : found.wiring.legs) {
-    for (const std::string& what : leg.wrong) std::cout << leg.leg << ": " << what << "\n";
-  }
-  if (found.wiring.sound) std::cout << "Every leg answers as the rig file and the scene say.\n";
-  if (!found.wiring.sound && found.wiring.connected)
-    std::cout
-        << "Cables and signs are put right for what follows, and gains that are off by more than "
-           "half; the rest is for the fit.\n";
-}
-
-std::string with_unit(const robustness::Parameter& parameter, double deviation) {
-  return deviation_text(parameter, deviation / parameter.size);
-}
-
-void print_page(const Commissioned& found, const Files& files, const Loops& loops,
-                const CommissionOptions& options) {
-  const auto& parameters = found.question.parameters;
-  std::cout << report::cell(
-      "\n%lld samples, %lld lost, clock %+.1f ppm; driven, the least output "
-      "reads %.0f dB more than at rest\n\n",
-      report::count(found.recording.n_samples), report::count(found.recording.n_lost),
-      -1e6 * found.recording.drift, found.disturbance_db);
-  report::Table table({"what", "", "found", "+- (95 %)", "known before"}, 2);
-  bool trade = false, told = false;
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto others = alike(found, i);
-    std::string note;
-    if (others.size() == 1) note = "or " + name_of(parameters[others[0]]);
-    if (others.size() > 1) note = report::cell("or with %zu others", others.size());
-    if (!is_told(found, i)) note = "not told" + (note.empty() ? "" : ", " + note);
-    const auto without_sign = [&](double deviation) {
-      return with_unit(parameters[i], deviation).substr(1);
-    };
-    trade = trade || !others.empty();
-    told = told || is_told(found, i);
-    table.add({name_of(parameters[i]), note, with_unit(parameters[i], found_deviation(found, i)),
-               without_sign(1.96 * found_doubt(found, i)), without_sign(known_before(found, i))});
-  }
-  const auto& fit = found.fit;
-  std::cout << table.print();
-  if (trade) {
-    std::cout
-        << "or ...: this rig tells both together rather than each (--json has all names). All "
-           "forces, masses\nand stiffnesses times one number are the same to force sensors "
-           "and accelerometers.\n";
-  }
-  std::cout << report::cell("\nWhat is left is %.2f times the power of the noise at rest.\n",
-                            fit.over_noise);
-  if (!fit.is_noise()) {
-    std::cout << "The rig does something that no value of these parameters does: do not trust the "
-                 "bands.\n";
-  }
-  if (!told) std::cout << "The rig tells nothing of what was asked.\n";
-  if (!fit.converged) std::cout << "The fit has not settled.\n";
-  std::cout << report::cell(
-                   "Spectral radius on what was found: %.6f with the gains of before, "
-                   "%.6f with those of the updated scene.\n",
-                   loops.before, loops.after)
-            << "Written: " << files.scene.string() << ", " << files.uncertainty.string();
-  if (options.rig) std::cout << ", " << files.rig.string();
-  std::cout << "\nNext: stillframe design " << files.scene.string() << " --out gains.yaml, and\n"
-            << "  stillframe robustness " << files.scene.string() << " --uncertainty "
-            << files.uncertainty.string() << "\n";
-}
-
-void draw(const Commissioned& found, const std::filesystem::path& path) {
-  report::FitPlot plot{.title = found.question.scene.title, .frequencies_hz = {}, .legs = {}};
-  const double window_s = static_cast<double>(found.n_window) * found.question.sampling.sample_time;
-  plot.frequencies_hz.resize(static_cast<Eigen::Index>(found.lines.size()));
-  std::ranges::transform(found.lines, plot.frequencies_hz.begin(),
-                         [&](int line) { return line / window_s; });
-  const auto& legs = found.question.scene.controller->legs;
-  for (std::size_t i = 0; i < legs.size(); ++i) {
-    const fitting::LegResponse& leg = found.fit.legs[i];
-    plot.legs.push_back(
-        {legs[i], leg.measured.cwiseAbs(), leg.fitted.cwiseAbs(), leg.before.cwiseAbs()});
-  }
-  plot_fit(plot, path);
-}
-
 /// The plant that --simulate plays the rig by.
 SampledPlant played(const CommissionOptions& options, const judge::LoopDesign& design) {
   const judge::LoopDesign hidden = judge::make_loop_design(*options.simulate, options.controller);
@@ -223,57 +90,123 @@ SampledPlant played(const CommissionOptions& options, const judge::LoopDesign& d
   return hidden.sampled;
 }
 
-Commissioned measured(const CommissionOptions& options, const judge::LoopDesign& design,
-                      const RigFile& rig, const Progress& progress) {
-  const CommissionQuestion question{
-      .design = design,
-      .uncertainty = uncertainty_of(options, design.scene),
-      .force_n = probe_force(options.force_n, design.gains, options.scene),
-      .window_s = options.window_s,
-      .n_windows = options.windows};
-  if (!options.simulate && rig.driver.empty()) {
-    throw InputError("no driver: name one in a rig file or with --io, or play with --simulate");
-  }
-  std::optional<SampledPlant> plant;
-  if (options.simulate) plant = played(options, design);
-  catch_stop_signals();
-  // As the loop that will stand here: what measures, and the threads of its driver, wait behind
-  // nobody; what computes afterwards has no such right.
-  auto thread = std::async(std::launch::async, [&] {
-    controller::prepare_thread(controller::default_policy(design.gains.sample_rate_hz).priority,
-                               std::nullopt);
-    const auto go = [&](controller::Io& io) {
-      return measure(io, rig, question, controller::real_time(), progress, stop_requested);
-    };
-    if (plant) {
-      controller::SimulatedIo io(*plant);
-      return go(io);
+/// The Io of a rig, from the first measurement to the last of the loop.
+class Rig {
+ public:
+  Rig(const CommissionOptions& options, const judge::LoopDesign& design, const RigFile& file)
+      : file_(file), setting_(file.setting(design.gains)) {
+    if (!options.simulate && file.driver.empty()) {
+      throw InputError("no driver: name one in a rig file or with --io, or play with --simulate");
     }
-    const controller::DriverSetting setting = rig.setting(design.gains);
-    const controller::LoadedIo io = controller::load_driver(rig.driver, setting);
-    return go(*io);
-  });
-  try {
-    return thread.get();
-  } catch (const InputError&) {
-    throw;
-  } catch (const Refusal&) {
-    throw;
-  } catch (const std::runtime_error& error) {
-    throw Failure(std::string("the rig could not be measured: ") + error.what());
+    if (options.simulate) plant_ = played(options, design);
+    priority_ = controller::default_policy(design.gains.sample_rate_hz).priority;
   }
+
+  /// Does something with it as the loop does that will stand here: what measures, and the threads
+  /// of its driver, wait behind nobody; what computes afterwards has no such right.
+  template <class Measure>
+  auto with(Measure measure) {
+    auto thread = std::async(std::launch::async, [&] {
+      controller::prepare_thread(priority_, std::nullopt);
+      if (!simulated_ && plant_) simulated_.emplace(*plant_);
+      if (!loaded_ && !plant_) loaded_.emplace(controller::load_driver(file_.driver, setting_));
+      controller::Io& io = plant_ ? static_cast<controller::Io&>(*simulated_) : **loaded_;
+      return measure(io);
+    });
+    try {
+      return thread.get();
+    } catch (const InputError&) {
+      throw;
+    } catch (const Refusal&) {
+      throw;
+    } catch (const std::runtime_error& error) {
+      throw Failure(std::string("the rig could not be measured: ") + error.what());
+    }
+  }
+
+ private:
+  const RigFile& file_;
+  controller::DriverSetting setting_;
+  std::int64_t priority_ = 0;
+  std::optional<SampledPlant> plant_;
+  std::optional<controller::SimulatedIo> simulated_;
+  std::optional<controller::LoadedIo> loaded_;
+};
+
+void draw(const Commissioning& all, const std::filesystem::path& path) {
+  const judge::Commissioned& found = *all.found;
+  report::FitPlot plot{.title = all.title,
+                       .left_label = "force sensor over actuator (dB)",
+                       .fitted = "updated scene",
+                       .other = "scene as it was",
+                       .frequencies_hz = {},
+                       .panels = {}};
+  const double window_s = static_cast<double>(found.n_window) * found.question.sampling.sample_time;
+  plot.frequencies_hz.resize(static_cast<Index>(found.lines.size()));
+  std::ranges::transform(found.lines, plot.frequencies_hz.begin(),
+                         [&](int line) { return line / window_s; });
+  for (std::size_t i = 0; i < all.legs.size(); ++i) {
+    const fitting::LegResponse& leg = found.fit.legs[i];
+    plot.panels.push_back(
+        {all.legs[i], leg.measured.cwiseAbs(), leg.fitted.cwiseAbs(), leg.before.cwiseAbs()});
+  }
+  plot_fit(plot, path);
 }
 
-int run(const CommissionOptions& options) {
+/// By which a loop is closed. Errors: as read_policy; Refusal without a force limit.
+controller::Policy policy_of(const CommissionOptions& options, const controller::Gains& gains) {
+  controller::Policy policy = options.policy
+                                  ? controller::read_policy(*options.policy, gains.sample_rate_hz)
+                                  : controller::default_policy(gains.sample_rate_hz);
+  policy.start_at_once = true;
+  controller::force_limit(gains, policy);
+  return policy;
+}
+
+/// Closes the loop of the gains that the design has, and holds it against its prediction.
+ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::LoopDesign& design,
+                   const RigFile& file, const std::function<void(double)>& progress) {
+  controller::Policy policy = policy_of(options, design.gains);
+  policy.excitation = {.kind = controller::ExcitationPlan::Kind::multisine,
+                       .window_s = options.window_s,
+                       .windows = options.windows};
+  policy.excitation.force_n = judge::added_force(
+      judge::probe_force(options.force_n, design.gains, options.scene), design, policy);
+  const controller::DriverSetting setting = file.setting(design.gains);
+  ClosedOnRig all{.run = rig.with([&](controller::Io& io) {
+    controller::ScaledIo scaled(io, file.channels, setting.n_floor, setting.n_frame);
+    return controller::close_on_rig(scaled, design.gains, policy,
+                                    static_cast<Index>(file.channels.floor.size()),
+                                    static_cast<Index>(file.channels.frame.size()),
+                                    controller::real_time(), progress, stop_requested);
+  })};
+  all.response = judge::closed_response(all.run, design, judge::outputs_of(file, design.scene));
+  return all;
+}
+
+/// What is asked for before anything moves. Errors: InputError.
+void require_sense(const CommissionOptions& options, const judge::LoopDesign& design,
+                   bool corrected) {
   if (options.simulate && (options.rig || !options.io.empty())) {
     throw InputError("--simulate plays the rig: leave the rig file and --io out");
   }
-  const judge::LoopDesign design = judge::make_loop_design(options.scene, options.controller);
-  if (YamlReader::from_file(options.scene).find("corrections")) {
+  if (options.until != "loop" && options.policy) {
+    throw InputError("--policy is of the loop: it goes with --until loop");
+  }
+  if (corrected && options.until != "loop") {
     throw InputError(options.scene.string() +
                      ": corrections: are there already; commission the scene as it was written, "
-                     "or write them into it");
+                     "or write them into it; with --until loop its loop is closed as it is");
   }
+  if (corrected && options.plot) {
+    throw InputError("--plot draws what is fitted, and this scene is corrected already");
+  }
+  if (options.until == "wiring" && (options.plot || options.uncertainty)) {
+    throw InputError(
+        "--plot and --uncertainty are of the scene, which --until wiring leaves alone");
+  }
+  if (options.until == "loop") policy_of(options, design.gains);
+  if (corrected) return;
   try {
     YamlReader::from_text(with_block(design.scene.text, "corrections: {}\n"), "");
   } catch (const InputError&) {
@@ -281,69 +214,112 @@ int run(const CommissionOptions& options) {
                      ": a block cannot be written behind it; write its keys a line each, without "
                      "'...' at the end");
   }
-  RigFile rig =
-      options.rig ? controller::read_rig(*options.rig, design.gains) : simulated_rig(design);
-  if (!options.io.empty()) rig.driver = options.io;
-  const Files files{updated(options.scene, ".updated.yaml"),
-                    options.rig ? updated(*options.rig, ".updated.yaml") : std::filesystem::path(),
-                    updated(options.scene, ".updated.uncertainty.yaml")};
-  require_own_places(
-      {{"the scene", options.scene},
-       {"the rig file", options.rig},
-       {"--controller", options.controller},
-       {"--uncertainty", options.uncertainty},
-       {"--simulate", options.simulate}},
-      {{"the updated scene", files.scene}, {"the uncertainty that is left", files.uncertainty}});
-  Commissioned found = [&] {
+}
+
+/// Measures, fits, and writes what was found; true if a loop may be closed on it.
+bool find_scene(Commissioning& all, Rig& rig, const CommissionOptions& options,
+                const judge::LoopDesign& design, const CommissionedFiles& files,
+                const judge::Progress& progress) {
+  const bool only_wiring = options.until == "wiring";
+  const judge::CommissionQuestion question{
+      .design = design,
+      .uncertainty = only_wiring ? SceneUncertainty{} : uncertainty_of(options, design.scene),
+      .force_n = judge::probe_force(options.force_n, design.gains, options.scene),
+      .window_s = options.window_s,
+      .n_windows = options.windows,
+      .only_wiring = only_wiring};
+  all.found = rig.with([&](controller::Io& io) {
+    return judge::measure(io, all.rig, question, controller::real_time(), progress, stop_requested);
+  });
+  judge::Commissioned& found = *all.found;
+  all.passed = found.wiring.sound;
+  if (!found.wiring.connected) return false;
+  if (!only_wiring) fit_recording(found, progress);
+  all.rig = found.rig;
+  if (files.rig) write_whole_file(*files.rig, to_yaml(found.rig, design.gains));
+  all.files.rig = files.rig;
+  if (only_wiring) return true;
+  write_whole_file(*files.scene, with_block(design.scene.text, corrections_block(found)));
+  write_whole_file(*files.uncertainty,
+                   "# What is left to doubt of " + files.scene->filename().string() +
+                       ": two standard deviations of the least known.\n" + uncertainty_left(found));
+  all.files = files;
+  if (options.plot) draw(all, *options.plot);
+  all.loops = {judge::make_loop_design(*files.scene, options.controller, options.scene).radius,
+               judge::make_loop_design(*files.scene, options.controller).radius};
+  all.passed = judge::anything_told(found) && found.fit.converged && all.loops->after < 1 &&
+               found.fit.is_noise();
+  return all.passed;
+}
+
+void say_next(const Commissioning& all) {
+  if (!all.files.scene) return;
+  const std::string scene = all.files.scene->string();
+  std::cout << "Next: stillframe design " << scene << " --out gains.yaml, and\n"
+            << "  stillframe robustness " << scene << " --uncertainty "
+            << all.files.uncertainty->string() << "\n";
+}
+
+int run(const CommissionOptions& options) {
+  const judge::LoopDesign design = judge::make_loop_design(options.scene, options.controller);
+  const bool corrected = YamlReader::from_file(options.scene).find("corrections").has_value();
+  require_sense(options, design, corrected);
+  Commissioning all{
+      .title = design.scene.title,
+      .rig = options.rig ? controller::read_rig(*options.rig, design.gains) : simulated_rig(design),
+      .legs = design.gains.legs};
+  if (!options.io.empty()) all.rig.driver = options.io;
+  CommissionedFiles files{updated(options.scene, ".updated.yaml"),
+                          updated(options.scene, ".updated.uncertainty.yaml"),
+                          {}};
+  if (options.rig) files.rig = updated(*options.rig, ".updated.yaml");
+  require_own_places({{"the scene", options.scene},
+                      {"the rig file", options.rig},
+                      {"--controller", options.controller},
+                      {"--uncertainty", options.uncertainty},
+                      {"--policy", options.policy},
+                      {"--simulate", options.simulate}},
+                     {{"the updated scene", files.scene},
+                      {"the uncertainty that is left", files.uncertainty},
+                      {"the updated rig file", files.rig},
+                      {"--plot", options.plot},
+                      {"--report", options.report}});
+  Rig rig(options, design, all.rig);
+  catch_stop_signals();
+  {
     Patience patience("wiring");
     const auto progress = [&](const std::string& what, double done) {
       patience.now(what, 100 * done);
     };
-    Commissioned all = measured(options, design, rig, progress);
-    if (all.wiring.connected) fit_recording(all, progress);
-    return all;
-  }();
-  if (!options.json) print_wiring(found);
-  if (!found.wiring.connected) {
-    if (options.json)
-      print(to_json(found, {}, {}, options, false));
-    else
-      std::cout << "No rig file can put all of it right: nothing else was done.\n";
-    return exit_failed;
+    const bool may_close = corrected || find_scene(all, rig, options, design, files, progress);
+    if (may_close && options.until == "loop") {
+      std::optional<judge::LoopDesign> found;
+      if (!corrected) found = judge::make_loop_design(*files.scene, options.controller);
+      all.closed = closed(rig, options, found ? *found : design, all.rig,
+                          [&](double done) { progress("closed", done); });
+      all.passed = all.closed->response.is_as_predicted();
+    }
   }
-  std::string text = design.scene.text;
-  if (!text.ends_with('\n')) text += '\n';
-  write_whole_file(files.scene, text +
-                                    "\n# Measured on the rig; without this block the scene is "
-                                    "as it was written.\n" +
-                                    corrections_block(found));
-  write_whole_file(files.uncertainty,
-                   "# What is left to doubt of " + files.scene.filename().string() +
-                       ": two standard deviations of the least known.\n" + uncertainty_left(found));
-  if (options.rig) write_whole_file(files.rig, to_yaml(found.rig, design.gains));
-  if (options.plot) draw(found, *options.plot);
-  const Loops loops{judge::make_loop_design(files.scene, options.controller, options.scene).radius,
-                    judge::make_loop_design(files.scene, options.controller).radius};
-  bool anything_told = false;
-  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
-    anything_told = anything_told || is_told(found, i);
-  }
-  const bool passed =
-      anything_told && found.fit.converged && loops.after < 1 && found.fit.is_noise();
+  if (options.report) write_page(page_of(all), *options.report);
   if (options.json) {
-    print(to_json(found, files, loops, options, passed));
-  } else {
-    print_page(found, files, loops, options);
+    print(to_json(all));
+    return all.passed ? exit_done : exit_failed;
   }
-  return passed ? exit_done : exit_failed;
+  if (all.found) print_wiring(all);
+  if (all.is_fitted()) print_parameters(all);
+  if (all.closed) print_closed(all);
+  if (options.until == "loop" && !all.closed) std::cout << "The loop was not closed.\n";
+  if (options.until == "scene") say_next(all);
+  return all.passed ? exit_done : exit_failed;
 }
 
 }  // namespace
 
 void add_commission(cli::Command& app, int& exit_code) {
   auto options = std::make_shared<CommissionOptions>();
-  cli::Command verb = app.verb(
-      "commission", "Measure a rig before its loop is closed, and correct the scene by it");
+  cli::Command verb =
+      app.verb("commission",
+               "From the first cable of a rig to its loop: wiring, scene, closed and measured");
   verb.option("scene", options->scene, "Scene with a controller").required().type_name("SCENE");
   verb.option("rig", options->rig, "Rig file (docs/hardware.md)").type_name("RIG");
   verb.option("--controller", options->controller, "Controller block that replaces the scene's")
@@ -366,24 +342,40 @@ void add_commission(cli::Command& app, int& exit_code) {
       .check(cli::whole_number(2, 1000));
   verb.option("--plot", options->plot, "PNG: what each leg answers, measured, fitted and before")
       .type_name("FILE");
+  verb.option("--report", options->report, "HTML page of all that was found").type_name("FILE");
+  verb.option(
+          "--until", options->until,
+          "The last step: wiring; scene, measured and corrected; loop, closed on it and measured")
+      .check(cli::one_of({"wiring", "scene", "loop"}))
+      .show_default();
+  verb.option("--policy", options->policy,
+              "With --until loop: fault policy (docs/safety.md; default: its defaults)")
+      .type_name("FILE");
   verb.flag("--json", options->json, "Print JSON (keys below)");
   verb.footer(
-      "First the wiring, as `rig` finds it, and puts it right for what follows. Then one leg after "
-      "the\n"
-      "other is driven by a multisine from 2 / window to 0.42 of the sample rate, but for the "
-      "model's own\n"
+      "wiring: as `rig` finds it, and puts it right for what follows. scene: one leg after the "
+      "other is\n"
+      "driven by a multisine from 2 / window to 0.42 of the sample rate, but for the model's own\n"
       "resonances, and what all force sensors, read-backs and accelerometers answer is fitted: of "
       "every\n"
-      "parameter that the uncertainty names, its value and how well it is known now "
+      "parameter that the uncertainty names, its value and how well it is known now. loop: gains "
+      "are\n"
+      "designed anew, and the loop is closed on the rig as a controller would, with the same "
+      "multisine\n"
+      "added to its commands; what it makes of that is held against its prediction "
       "(docs/hardware.md).\n"
+      "Each step is taken only if the one before it ended well. A scene that was corrected begins "
+      "with loop.\n"
       "Written beside the scene: SCENE.updated.yaml, the scene with a block of corrections, and\n"
       "SCENE.updated.uncertainty.yaml; beside the rig file RIG.updated.yaml, with cables, signs "
       "and gains.\n"
-      "No loop is closed. The rig is let go of beyond ten times the force, and at Ctrl-C.\n"
-      "Exit codes: 0 something is told, fitted to the noise, and the loop of the updated scene is "
-      "stable; 4 not, or "
-      "the rig\n"
-      "could not be measured.\n"
+      "The rig is let go of beyond ten times the force, at any fault of a closed loop, and at "
+      "Ctrl-C.\n"
+      "Exit codes: 0 the wiring was sound (wiring); something is told, fitted to the noise, and "
+      "the loop of\n"
+      "the updated scene is stable (scene); and within 1 dB of its prediction where noise lets it "
+      "be seen\n"
+      "(loop); 4 not, or the rig could not be measured.\n"
       "Keys of --json:\n"
       "  scene, wrong (leg, what), connected, clock_ppm, n_samples, n_lost\n"
       "  parameters   {name, deviation, standard_deviation, known_before (relative, m, rad or "
@@ -391,9 +383,16 @@ void add_commission(cli::Command& app, int& exit_code) {
       "               alike (names of those it could trade places with)}\n"
       "  outputs      {name, left_before, left (of what was read, rms)}\n"
       "  over_noise (power of what is left over that of the noise at rest), converged,\n"
-      "  spectral_radius_before, spectral_radius, scene_file, rig_file, uncertainty_file, passed\n"
+      "  spectral_radius_before, spectral_radius, scene_file, rig_file, uncertainty_file\n"
+      "  closed       {of (frame or sigma), frequencies_hz, measured, standard_deviation, "
+      "predicted, "
+      "passive\n"
+      "               (largest singular values from added forces, m/s^2 or N per N), n_told, "
+      "worst_db, worst_hz,\n"
+      "               frame_peak (m/s^2), force_peak (N), n_faults, as_predicted}, passed\n"
       "Example: stillframe commission frame.yaml rig.yaml --uncertainty piezo_frame.yaml\n"
-      "To try it without a rig: stillframe commission frame.yaml --simulate other_frame.yaml");
+      "To try it without a rig: stillframe commission frame.yaml --simulate other_frame.yaml "
+      "--until loop");
   verb.runs([options, &exit_code] { exit_code = run(*options); });
 }
 

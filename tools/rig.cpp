@@ -11,9 +11,9 @@
 #include "controller/start_check.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
+#include "judge/commissioning.hpp"
 #include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
-#include "tools/commission_rig.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
@@ -99,7 +99,7 @@ int run(const RigOptions& options) {
   if (rig.driver.empty()) throw InputError("no driver: name one with --io, or in a rig file");
   ProbeSettings settings;
   settings.sample_rate_hz = gains.sample_rate_hz;
-  settings.force_n = probe_force(options.force_n, gains, options.gains);
+  settings.force_n = judge::probe_force(options.force_n, gains, options.gains);
   settings.most_n = 10 * settings.force_n;
   settings.lines = probe_lines(settings.n_window);
   settings.n_floor = static_cast<Eigen::Index>(rig.channels.floor.size());

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "controller/deadlines.hpp"
+#include "controller/excitation.hpp"
 #include "controller/sample_clock.hpp"
 #include "core/numerics/smooth_step.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -36,21 +37,6 @@ std::complex<double> amplitude(const Eigen::Ref<const VectorXd>& values, int lin
     sum += (1 - std::cos(two_pi * turns)) * values(k) * std::polar(1.0, -two_pi * line * turns);
   }
   return 2.0 / n * sum;
-}
-
-/// A multisine of all lines over a window, phases of Schroeder, of that peak.
-VectorXd multisine(const ProbeSettings& settings) {
-  const auto n_lines = static_cast<double>(settings.lines.size());
-  const Index n = settings.n_window;
-  VectorXd wave = VectorXd::Zero(n);
-  for (std::size_t l = 0; l < settings.lines.size(); ++l) {
-    const double phase = two_pi / 2 * static_cast<double>(l * l) / n_lines;
-    for (Index k = 0; k < n; ++k) {
-      const auto turns = static_cast<double>((settings.lines[l] * k) % n) / static_cast<double>(n);
-      wave(k) += std::cos(two_pi * turns - phase);
-    }
-  }
-  return wave * (settings.force_n / wave.cwiseAbs().maxCoeff());
 }
 
 // Of a window: each costs whoever reads it an unknown of each sensor.
@@ -84,7 +70,7 @@ class Prober {
         deadlines_(time.now_ns(), settings.sample_rate_hz, 0.5),
         measurement_(measurement_of(m, settings.n_floor, settings.n_frame)),
         command_(command_of(m)),
-        wave_(multisine(settings)),
+        wave_(settings.force_n * multisine(settings.lines, settings.n_window)),
         mean_(VectorXd::Zero(m)) {}
 
   ~Prober() { fade(); }
@@ -189,33 +175,8 @@ class Prober {
       }
       k = now;
     }
-    const auto whole = [&](Index from) {
-      const auto begin = there.begin() + from;
-      return std::count(begin, begin + n, false) <= most_missing * static_cast<double>(n);
-    };
-    for (Index leg = -1; leg < m_; ++leg) {
-      const Index from = leg < 0 ? recording_margin : rest + leg * part + n;
-      Index kept = 0;
-      for (Index w = 0; w < (leg < 0 ? 2 : 1) * windows; ++w) {
-        if (!whole(from + w * n)) continue;
-        out.windows.push_back(from + w * n);
-        out.driven.push_back(leg >= 0);
-        ++kept;
-      }
-      if (kept < 2) {
-        throw std::runtime_error("too many samples are lost: of " + std::to_string(windows) +
-                                 " windows of " + std::to_string(n) + " samples " +
-                                 std::to_string(kept) + " are whole");
-      }
-    }
-    for (MatrixXd* values : {&out.sigma, &out.applied, &out.frame, &out.floor}) {
-      fill_gaps(*values, there);
-    }
-    out.missing = there;
-    out.missing.flip();
+    choose_windows(out, there, recording_margin, n, 2 * windows, windows, m_);
     out.drift = clock_.drift();
-    out.n_samples = std::count(there.begin(), there.end(), true);
-    out.n_lost = total - out.n_samples;
     return out;
   }
 
@@ -314,9 +275,9 @@ class Prober {
       Index worst = 0;
       const double most = (measurement_.sigma - mean_).cwiseAbs().maxCoeff(&worst);
       if (!(most <= most_)) {
-        throw std::runtime_error("the force in leg " + std::to_string(worst + 1) + " was " +
-                                 std::to_string(most) + " N from its mean, allowed are " +
-                                 std::to_string(most_) + " N");
+        throw TooFar("the force in leg " + std::to_string(worst + 1) + " was " +
+                     std::to_string(most) + " N from its mean, allowed are " +
+                     std::to_string(most_) + " N");
       }
     }
     return n == 1;
@@ -371,6 +332,35 @@ class Prober {
 };
 
 }  // namespace
+
+void choose_windows(Recording& recording, const std::vector<bool>& there, Index from, Index n,
+                    Index at_rest, Index windows, Index m) {
+  for (Index leg = -1; leg < m; ++leg) {
+    const Index of_leg = leg < 0 ? from : from + (at_rest + leg * (windows + 2) + 1) * n,
+                most = leg < 0 ? at_rest : windows;
+    Index kept = 0;
+    for (Index w = 0; w < most; ++w) {
+      const auto begin = there.begin() + of_leg + w * n;
+      if (std::count(begin, begin + n, false) > most_missing * static_cast<double>(n)) continue;
+      recording.windows.push_back(of_leg + w * n);
+      recording.driven.push_back(leg);
+      ++kept;
+    }
+    if (kept < std::min<Index>(2, most)) {
+      throw std::runtime_error("too many samples are lost: of " + std::to_string(most) +
+                               " windows of " + std::to_string(n) + " samples " +
+                               std::to_string(kept) + " are whole");
+    }
+  }
+  for (MatrixXd* values :
+       {&recording.sigma, &recording.applied, &recording.frame, &recording.floor}) {
+    fill_gaps(*values, there);
+  }
+  recording.missing = there;
+  recording.missing.flip();
+  recording.n_samples = std::count(there.begin(), there.end(), true);
+  recording.n_lost = static_cast<std::int64_t>(there.size()) - recording.n_samples;
+}
 
 ProbeTime real_time() {
   return {.now_ns = [] { return monotonic_ns(); },

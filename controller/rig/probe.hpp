@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,12 @@ struct ProbeTime {
   std::function<void(std::int64_t)> sleep_until_ns;
 };
 ProbeTime real_time();
+
+/// A force sensor went beyond most_n; the force has faded.
+class TooFar : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// How a rig is probed: one leg after the other by a multisine, all others at rest.
 struct ProbeSettings {
@@ -54,11 +61,18 @@ struct Recording {
   Eigen::MatrixXd sigma, applied;  ///< n x m, N; on a straight line where a sample was lost
   Eigen::MatrixXd frame, floor;    ///< n x q and n x p, m/s^2, likewise
   std::vector<Eigen::Index> windows;  ///< where each window begins of which hardly a sample is lost
-  std::vector<bool> driven;           ///< of each window
+  std::vector<Eigen::Index> driven;   ///< of each window, the leg; -1: none
   std::vector<bool> missing;          ///< n, whether the sample did not come
   double drift = 0;                   ///< of the samples' clock, 1
   std::int64_t n_samples = 0, n_lost = 0;
 };
+
+/// Chooses the windows of a recording of which hardly a sample is lost, and fills in what is: from
+/// a row on, at_rest windows of n samples with nothing driven, then of each of m legs one in which
+/// the drive rises, so many driven, and one in which it falls. there: of each row, whether it was
+/// read. Set-up. Errors: std::runtime_error where fewer than two are left of any.
+void choose_windows(Recording& recording, const std::vector<bool>& there, Eigen::Index from,
+                    Eigen::Index n, Eigen::Index at_rest, Eigen::Index windows, Eigen::Index m);
 
 /// Samples before the first window and behind the last.
 inline constexpr Eigen::Index recording_margin = 40;
@@ -71,7 +85,8 @@ Recording record_rig(Io& io, Eigen::Index m, const ProbeSettings& settings, cons
 
 /// Probes a rig. Forces rise and fall within a window each, so that nothing is kicked. progress: of
 /// 0 to 1. Set-up, but for what goes to the Io. Errors: std::runtime_error where no samples come,
-/// too many are lost, a force is beyond most_n, or `stop` says so; the force has faded by then.
+/// too many are lost, a force is beyond most_n (TooFar), or `stop` says so; the force has faded by
+/// then.
 Probe probe_rig(Io& io, Eigen::Index m, const ProbeSettings& settings, const ProbeTime& time,
                 const std::function<void(double)>& progress, const std::function<bool()>& stop);
 

@@ -10,18 +10,47 @@ namespace stillframe::controller {
 
 namespace {
 
-constexpr Eigen::Index n_sines = 12;
-constexpr double lowest_hz = 2, highest_hz = 50;
+constexpr double lowest_hz = 2, highest_hz = 50, settled_s = 5;
 
 }  // namespace
+
+Tremor::Tremor(double rms, Eigen::Index n, double sample_time, unsigned seed)
+    : follows_(1 - std::exp(-two_pi * highest_hz * sample_time)),
+      rests_(1 - std::exp(-two_pi * lowest_hz * sample_time)),
+      random_(seed),
+      states_(Eigen::ArrayXXd::Zero(n, 3)) {
+  // The sum of squares after one unit of noise.
+  double squares = 0;
+  Eigen::ArrayXXd one = Eigen::ArrayXXd::Zero(1, 3);
+  for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(settled_s / sample_time) + 100; ++k) {
+    const double value = step(one.row(0), k == 0 ? 1 : 0);
+    squares += value * value;
+  }
+  size_ = rms / std::sqrt(squares);
+}
+
+double Tremor::step(
+    Eigen::Ref<Eigen::Array<double, 1, Eigen::Dynamic>, 0, Eigen::InnerStride<>> state,
+    double noise) const noexcept {
+  state(0) += follows_ * (noise - state(0));
+  state(1) += follows_ * (state(0) - state(1));
+  state(2) += rests_ * (state(1) - state(2));
+  return state(1) - state(2);
+}
+
+void Tremor::advance(Eigen::VectorXd& w) noexcept {
+  for (Eigen::Index i = 0; i < w.size(); ++i) w(i) = step(states_.row(i), size_ * normal_(random_));
+}
 
 SimulatedPlant::SimulatedPlant(const Gains& gains, double floor_rms)
     : SimulatedPlant(sample_and_hold(gains.loop_plant(), gains.sampling()), floor_rms) {
   has_frame_ = false;
 }
 
-SimulatedPlant::SimulatedPlant(SampledPlant plant, double floor_rms)
-    : plant_(std::move(plant)), floor_rms_(floor_rms), has_frame_(true) {
+SimulatedPlant::SimulatedPlant(SampledPlant plant, double floor_rms, unsigned seed)
+    : plant_(std::move(plant)),
+      floor_(floor_rms, plant_.Gamma_w.cols(), plant_.sample_time, seed),
+      has_frame_(true) {
   const Eigen::Index m = plant_.Gamma_u.cols();
   x_ = next_ = Eigen::VectorXd::Zero(plant_.Phi.rows());
   w_ = Eigen::VectorXd::Zero(plant_.Gamma_w.cols());
@@ -29,13 +58,6 @@ SimulatedPlant::SimulatedPlant(SampledPlant plant, double floor_rms)
   before_ = Eigen::VectorXd::Zero(m);
   on_its_way_ = Eigen::MatrixXd::Zero(m, plant_.whole_delay(0) + 1);
   reports_ = Eigen::MatrixXd::Zero(m, plant_.report_age + 1);
-  const Eigen::ArrayXd step = Eigen::ArrayXd::LinSpaced(n_sines, 0, 1);
-  turn_ = two_pi * plant_.sample_time * lowest_hz * (step * std::log(highest_hz / lowest_hz)).exp();
-  phase_.resize(n_sines, w_.size());
-  // No two of them move together.
-  for (Eigen::Index i = 0; i < phase_.size(); ++i) {
-    phase_(i) = two_pi * std::fmod(0.6180339887498949 * static_cast<double>(i * i + i + 1), 1.0);
-  }
 }
 
 void SimulatedPlant::read(Measurement& m) noexcept {
@@ -56,10 +78,7 @@ void SimulatedPlant::read(Measurement& m) noexcept {
 }
 
 void SimulatedPlant::advance(const Eigen::VectorXd& force) noexcept {
-  const double size = floor_rms_ * std::sqrt(2.0 / n_sines);
-  for (Eigen::Index i = 0; i < w_.size(); ++i) {
-    w_(i) = size * (phase_.col(i) + turn_ * static_cast<double>(k_)).sin().sum();
-  }
+  floor_.advance(w_);
   on_its_way_.col(k_ % on_its_way_.cols()) = force;
   const auto now = on_its_way_.col((k_ + 1) % on_its_way_.cols());
   y_.noalias() = plant_.C_y * x_;

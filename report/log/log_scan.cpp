@@ -12,6 +12,7 @@
 #include "report/log/scan_commands.hpp"
 #include "report/log/seq_clock.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 #include "stillframe_msgs/run_state_t.hpp"
@@ -235,6 +236,8 @@ class Scanner {
       with<control_request_t>(event, [](control_request_t&&) {});
     } else if (event.channel == channels::checkpoint) {
       with<loop_checkpoint_t>(event, [](loop_checkpoint_t&&) {});
+    } else if (event.channel == channels::excitation) {
+      with<excitation_t>(event, [](excitation_t&&) {});
     } else if (event.channel != channels::logger_check) {
       take_foreign(std::string(event.channel));
     }

@@ -36,6 +36,7 @@ struct MeasuredValues {
 /// The deck's figure: singular values over frequency, predicted and measured.
 struct SingularValueFigure {
   std::string quantity = "floor to frame acceleration";
+  bool of_floor = true;                ///< whether that is so
   std::vector<double> frequencies_hz;  ///< n_g, Hz, of the predicted curves
   Eigen::MatrixXd open, closed;        ///< n_g x n_s, as the sampled loop must show them
   Eigen::MatrixXd closed_continuous;   ///< n_g x n_s, of the continuous design

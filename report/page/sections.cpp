@@ -92,18 +92,17 @@ std::string singular_values_html(const SingularValueFigure& figure) {
     const auto& f = (closed ? figure.closed_measured : figure.open_measured).frequencies_hz;
     words += " and measured at " + std::to_string(f.size()) + " frequencies";
   }
-  std::string caption =
-      "Lines: predicted, open loop and closed loop as the sampled loop must show them";
+  std::string caption = figure.of_floor ? "" : "From " + figure.quantity + ". ";
+  caption += "Lines: predicted, open loop and closed loop as the sampled loop must show them";
   if (figure.closed_continuous.size() > 0) {
     caption += "; dashed: the continuous design, whose distance is the price of sampling";
   }
   caption += ".";
-  caption +=
-      " The largest is what inputs that move each on their own can do at most: a frame that "
-      "follows "
-      "its floor is above 1 (0 dB) wherever several inputs share its motion. For a floor that "
-      "moves "
-      "as one, see the transmissibility.";
+  caption += " The largest is what inputs that move each on their own can do at most";
+  caption += figure.of_floor
+                 ? ": a frame that follows its floor is above 1 (0 dB) wherever several inputs "
+                   "share its motion. For a floor that moves as one, see the transmissibility."
+                 : ".";
   caption += points_in_words({&figure.open_measured, &figure.closed_measured});
   if (error) caption += " Below: measured less predicted.";
   return chart("fig-singular-values", words, error ? 620 : 440, "", caption);

@@ -7,19 +7,21 @@
 
 namespace stillframe::report {
 
-/// What a leg's force sensor reads over its force, size, over frequency.
+/// A size over frequency: measured, as a model has it, and as another one has it.
 struct FitPanel {
   std::string title;
-  Eigen::VectorXd measured, fitted, before;  ///< n_f, 1
+  Eigen::VectorXd measured, fitted, other;  ///< n_f
+  Eigen::VectorXd doubt = {};               ///< n_f, of measured, each way; empty: not drawn
 };
 
 struct FitPlot {
-  std::string title;
+  std::string title, left_label;
+  std::string fitted, other;       ///< what the models are called
   Eigen::VectorXd frequencies_hz;  ///< n_f
-  std::vector<FitPanel> legs;      ///< the first six are drawn
+  std::vector<FitPanel> panels;    ///< the first six are drawn
 };
 
-/// A panel a leg. Set-up. Errors: as the pictures of report/plots/plots.hpp.
+/// In decibels. Set-up. Errors: as the pictures of report/plots/plots.hpp.
 void plot_fit(const FitPlot& plot, const std::filesystem::path& path);
 
 }  // namespace stillframe::report

@@ -79,8 +79,10 @@ INSTANTIATE_TEST_SUITE_P(
 // 200 measurements is lost, and now and then 2000.
 TEST(Loop, AMillionPeriodsWithoutAllocationOrPageFault) {
   InProcessIo io(4, 8);
-  Supervisor supervisor(toy::gains(5), {}, true);
-  auto loop = std::make_unique<Loop>(io, supervisor, Policy{}, LoopSetting{.sample_rate_hz = 1000});
+  Policy policy;
+  policy.excitation = {.kind = ExcitationPlan::Kind::multisine, .force_n = 1e-3, .window_s = 0.5};
+  Supervisor supervisor(toy::gains(5), policy, true);
+  auto loop = std::make_unique<Loop>(io, supervisor, policy, LoopSetting{.sample_rate_hz = 1000});
   Measurement m;
   m.sigma = m.applied = Eigen::VectorXd::Zero(4);
   Command command;

@@ -78,7 +78,7 @@ TEST(Policy, TheWordsOfTheChoices) {
 TEST(Policy, ErrorsSayWhereWhatAndWhatIsAllowed) {
   EXPECT_EQ(error_of("strat: at_once"),
             "policy.yaml:1:1: strat: unknown key (did you mean 'start'?); allowed: start, arming, "
-            "ramp, measurements, watch, rejoin, limits, realtime, flight_record");
+            "ramp, measurements, watch, rejoin, limits, realtime, flight_record, excitation");
   EXPECT_EQ(error_of("ramp:\n  on_s: 1\n"),
             "policy.yaml:2:3: ramp.on_s: unknown key (did you mean 'in_s'?); allowed: in_s, out_s");
   EXPECT_EQ(error_of("start: soon"),
@@ -107,6 +107,7 @@ TEST(Policy, ASlowLoopTakesAsManySamplesAsOneOf200Hz) {
   slow.arming_s = 10;
   slow.ramp_in_s = slow.ramp_out_s = slow.fade_s = 20;
   slow.record_s = 200;
+  slow.excitation.window_s = 40;
   EXPECT_EQ(fields(default_policy(10)), fields(slow));
   EXPECT_EQ(fields(parse_policy("{}", "policy.yaml", 10)), fields(slow));
   slow.fade_s = 3;

@@ -7,6 +7,7 @@
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
@@ -21,7 +22,8 @@ using MessageTypes =
     std::tuple<stillframe_msgs::measurement_t, stillframe_msgs::command_t,
                stillframe_msgs::run_info_t, stillframe_msgs::run_state_t, stillframe_msgs::timing_t,
                stillframe_msgs::control_request_t, stillframe_msgs::controller_status_t,
-               stillframe_msgs::loop_records_t, stillframe_msgs::loop_checkpoint_t>;
+               stillframe_msgs::loop_records_t, stillframe_msgs::loop_checkpoint_t,
+               stillframe_msgs::excitation_t>;
 
 inline constexpr std::size_t fingerprint_size = 8;
 

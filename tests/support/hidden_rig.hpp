@@ -65,6 +65,8 @@ class HiddenRig : public Io {
     m.seq = k_;
     m.received_ns = due;
     peak = std::max(peak, read_.sigma.cwiseAbs().maxCoeff());
+    if (read_.frame.size() > 0)
+      frame_peak = std::max(frame_peak, read_.frame.cwiseAbs().maxCoeff());
     if (uniform_(random_) < hidden_.lost) return receive(m);
     return true;
   }
@@ -78,6 +80,7 @@ class HiddenRig : public Io {
   const Eigen::VectorXd& acts() const { return acts_; }
 
   double peak = 0;
+  double frame_peak = 0;  ///< m/s^2, as it moves
   bool enabled = false;
 
  private:

@@ -336,6 +336,8 @@ def rigs(run):
     known = "stiffness: 0.2\nmass: 0.1\nsensor_gain: 0.1\ndelay_samples: 0.5\n"
     run.check("commission", "rig_leg.yaml", write("turned_rig.yaml", turned), "--uncertainty",
               write("rig_known.yaml", known), "--window", 0.4, "--windows", 3, codes=(0, 4))
+    run.check("commission", "rig_leg.yaml", "--simulate", "rig_leg.yaml", "--uncertainty", "rig_known.yaml",
+              "--window", 0.4, "--windows", 3, "--until", "loop", "--report", "rig.html", codes=(0, 4))
 
 
 def runs(run):

@@ -34,7 +34,7 @@ struct Look {
 };
 constexpr Look looks[] = {{0.1, 0.3}, {0.02, 0.1}, {0, 0.03}, {0, 0}, {0, 0}};
 constexpr int most_rounds = std::size(looks), first_by_noise = 3;
-// Of a prior's standard deviation: of the 1e-10 of a model, 1e-7 of a slope is left.
+// Of a prior's standard deviation: of the 1e-10 of a model's matrices, 1e-7 of a slope is left.
 constexpr double difference_step = 1e-3;
 // A twentieth of a standard deviation, squared: not seen in any band. Where there is no noise yet
 // to measure by, a part of what is left.
@@ -166,10 +166,12 @@ class Fit {
   Index n_lines() const { return windows_.front().read().cols(); }
   Index p() const { return static_cast<Index>(question_.parameters.size()); }
 
+  SampledPlant plant(const VectorXd& values) const {
+    return robustness::sampled(
+        robustness::perturbed(question_.scene, question_.sampling, question_.parameters, values));
+  }
   RigModel model(const VectorXd& values) const {
-    return RigModel(robustness::sampled(robustness::perturbed(question_.scene, question_.sampling,
-                                                              question_.parameters, values)),
-                    record_, question_.frame, *kernel_);
+    return RigModel(plant(values), record_, question_.frame, *kernel_);
   }
 
   /// Outputs by their size at each line: of nothing known yet.
@@ -228,8 +230,7 @@ class Fit {
 
   Normal normal(const VectorXd& values, const Weights& weights, bool with_slopes) const {
     const RigModel at = model(values);
-    std::vector<RigModel> up, down;
-    VectorXd step(p());
+    std::vector<RigModel> slopes;
     for (Index i = 0; with_slopes && i < p(); ++i) {
       VectorXd above = values, below = values;
       above(i) += difference_step;
@@ -238,9 +239,7 @@ class Fit {
         above(i) = std::min(above(i), last_);
         below(i) = std::max(below(i), first_);
       }
-      step(i) = above(i) - below(i);
-      up.push_back(model(above));
-      down.push_back(model(below));
+      slopes.push_back(at.slope(plant(above), plant(below), above(i) - below(i)));
     }
     const Index n = at.n_ends(), rows = 2 * n_lines() * n_out(), n_slopes = with_slopes ? p() : 0;
     // The ends are the same columns in every window.
@@ -256,7 +255,7 @@ class Fit {
     std::vector<MatrixXd> ends_slope;
     for (Index i = 0; i < n_slopes; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      ends_slope.push_back((ends_of(up[k]) - ends_of(down[k])) / step(i));
+      ends_slope.push_back(ends_of(slopes[k]));
     }
     const Nuisance ends_only(ends);
     Normal sum;
@@ -283,7 +282,7 @@ class Fit {
       const VectorXd D = nuisance.solve(all.col(0)).head(n);
       for (Index i = 0; i < n_slopes; ++i) {
         const auto k = static_cast<std::size_t>(i);
-        put((up[k].predicted(window) - down[k].predicted(window)) / step(i), weights, 1 + i, all);
+        put(slopes[k].predicted(window), weights, 1 + i, all);
         all.col(1 + i) += ends_slope[k] * D;
       }
       all.applyOnTheLeft(nuisance.qr.householderQ().adjoint());

@@ -21,6 +21,34 @@ MatrixXcd sums(const MatrixXd& signals, Index from, const LineKernel& kernel) {
   return signals.middleRows(from, kernel.powers.rows()).transpose() * kernel.powers;
 }
 
+/// What is driven and read of a sampled plant: x' = Phi x + drive u, read = C x + D u, u the two
+/// commands of a sample and the floor.
+struct Rows {
+  Rows(const SampledPlant& plant, const std::vector<Index>& frame, Index p) {
+    const Index n = plant.Phi.rows(), m = plant.Gamma_u.cols(),
+                q = static_cast<Index>(frame.size());
+    C.resize(2 * m + q, n);
+    D = MatrixXd::Zero(2 * m + q, 2 * m + p);
+    drive.resize(n, 2 * m + p);
+    C.topRows(m) = plant.C_sigma;
+    D.topLeftCorner(m, m) = plant.D_sigma;
+    C.middleRows(m, m) = plant.C_report;
+    D.block(m, 0, m, m) = plant.D_report;
+    for (Index i = 0; i < q; ++i) {
+      const Index row = frame[static_cast<std::size_t>(i)];
+      C.row(2 * m + i) = plant.C_y.row(row);
+      D.block(2 * m + i, 0, 1, m) = plant.D_0.row(row);
+      D.block(2 * m + i, m, 1, m) = plant.D_yu.row(row);
+      if (p > 0) D.block(2 * m + i, 2 * m, 1, p) = plant.D_yw.row(row);
+    }
+    drive.leftCols(m) = plant.Gamma_0;
+    drive.middleCols(m, m) = plant.Gamma_u;
+    if (p > 0) drive.rightCols(p) = plant.Gamma_w;
+  }
+
+  MatrixXd C, D, drive;
+};
+
 }  // namespace
 
 LineKernel::LineKernel(const RigRecord& record, double decay)
@@ -96,37 +124,44 @@ MatrixXcd WindowData::driven(const Eigen::VectorXi& whole_delay) const {
 
 RigModel::RigModel(const SampledPlant& plant, const RigRecord& record,
                    const std::vector<Index>& frame, const LineKernel& kernel)
-    : whole_delay_(plant.whole_delay) {
+    : n_floor_(record.floor.cols()), whole_delay_(plant.whole_delay), frame_(frame), z_(kernel.z) {
   const bool on_circle = kernel.z_n.cwiseAbs().minCoeff() == 1;
-  const Index n = plant.Phi.rows(), m = record.command.cols(), p = record.floor.cols();
-  const auto q = static_cast<Index>(frame.size());
-  const Index n_in = 2 * m + p;
+  const Rows rows(plant, frame, n_floor_);
+  const Index n = plant.Phi.rows(), n_in = rows.drive.cols();
   n_ends_ = on_circle ? n : 2 * n;
-  MatrixXd C(2 * m + q, n), D = MatrixXd::Zero(2 * m + q, n_in);
-  C.topRows(m) = plant.C_sigma;
-  D.topLeftCorner(m, m) = plant.D_sigma;
-  C.middleRows(m, m) = plant.C_report;
-  D.block(m, 0, m, m) = plant.D_report;
-  for (Index i = 0; i < q; ++i) {
-    const Index row = frame[static_cast<std::size_t>(i)];
-    C.row(2 * m + i) = plant.C_y.row(row);
-    D.block(2 * m + i, 0, 1, m) = plant.D_0.row(row);
-    D.block(2 * m + i, m, 1, m) = plant.D_yu.row(row);
-    if (p > 0) D.block(2 * m + i, 2 * m, 1, p) = plant.D_yw.row(row);
-  }
   MatrixXcd drive(n, n_in + n_ends_);
-  drive.leftCols(m) = plant.Gamma_0.cast<Complex>();
-  drive.middleCols(m, m) = plant.Gamma_u.cast<Complex>();
-  if (p > 0) drive.middleCols(2 * m, p) = plant.Gamma_w.cast<Complex>();
+  drive.leftCols(n_in) = rows.drive.cast<Complex>();
   const MatrixXcd Phi = plant.Phi.cast<Complex>(), I = MatrixXcd::Identity(n, n);
   for (Index l = 0; l < kernel.z.size(); ++l) {
     const Complex z = kernel.z(l);
     drive.middleCols(n_in, n) = z * I;
     if (!on_circle) drive.rightCols(n) = -z * kernel.z_n(l) * I;
-    MatrixXcd all = C * (z * I - Phi).partialPivLu().solve(drive);
-    all.leftCols(n_in) += D;
+    MatrixXcd state = (z * I - Phi).partialPivLu().solve(drive);
+    MatrixXcd all = rows.C * state;
+    all.leftCols(n_in) += rows.D;
     response_.push_back(std::move(all));
+    state_.push_back(std::move(state));
   }
+}
+
+RigModel RigModel::slope(const SampledPlant& above, const SampledPlant& below, double step) const {
+  const Rows up(above, frame_, n_floor_), down(below, frame_, n_floor_);
+  const MatrixXd dC = (up.C - down.C) / step, dD = (up.D - down.D) / step,
+                 dPhi = (above.Phi - below.Phi) / step, d_drive = (up.drive - down.drive) / step;
+  const Index n = dPhi.rows(), n_in = d_drive.cols();
+  RigModel slope;
+  slope.n_ends_ = n_ends_;
+  slope.whole_delay_ = whole_delay_;
+  for (std::size_t l = 0; l < response_.size(); ++l) {
+    // C (z I - Phi)^-1 is what the state at a window's beginning adds, over z.
+    const MatrixXcd of_state = response_[l].middleCols(n_in, n) / z_(static_cast<Index>(l));
+    MatrixXcd moved = dPhi * state_[l];
+    moved.leftCols(n_in) += d_drive;
+    MatrixXcd all = dC * state_[l] + of_state * moved;
+    all.leftCols(n_in) += dD;
+    slope.response_.push_back(std::move(all));
+  }
+  return slope;
 }
 
 MatrixXcd RigModel::predicted(const WindowData& window) const {

@@ -54,6 +54,12 @@ class RigModel {
   RigModel(const SampledPlant& plant, const RigRecord& record,
            const std::vector<Eigen::Index>& frame, const LineKernel& kernel);
 
+  /// What this changes by along a change of its plant: the derivative of the resolvent is taken
+  /// from its inverse, and only matrices, which change smoothly, by differences; near a resonance
+  /// differences of responses are of no use. above, below: plants a step apart, with these whole
+  /// samples of delay.
+  RigModel slope(const SampledPlant& above, const SampledPlant& below, double step) const;
+
   /// Unknown numbers of a window.
   Eigen::Index n_ends() const { return n_ends_; }
   const Eigen::VectorXi& whole_delay() const { return whole_delay_; }
@@ -63,9 +69,14 @@ class RigModel {
   Eigen::MatrixXcd of_ends(std::size_t line) const;
 
  private:
-  Eigen::Index n_ends_;
+  RigModel() = default;
+
+  Eigen::Index n_ends_ = 0, n_floor_ = 0;
   Eigen::VectorXi whole_delay_;
+  std::vector<Eigen::Index> frame_;
+  Eigen::VectorXcd z_;
   std::vector<Eigen::MatrixXcd> response_;  ///< of each line, n_out x (2 m + p + n_ends)
+  std::vector<Eigen::MatrixXcd> state_;     ///< of each line, n x (2 m + p + n_ends)
 };
 
 }  // namespace stillframe::fitting

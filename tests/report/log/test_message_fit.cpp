@@ -8,6 +8,7 @@
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
@@ -54,6 +55,10 @@ void fill(loop_checkpoint_t& m, std::size_t n) {
   m.n = static_cast<int>(n);
   m.memory.assign(n, 4.5);
 }
+void fill(excitation_t& m, std::size_t n) {
+  m.n_legs = static_cast<int>(n);
+  m.force.assign(n, 5.5);
+}
 
 template <typename Message>
 class MessageFit : public ::testing::Test {
@@ -70,7 +75,7 @@ class MessageFit : public ::testing::Test {
 
 using Types =
     ::testing::Types<measurement_t, command_t, run_info_t, run_state_t, timing_t, control_request_t,
-                     controller_status_t, loop_records_t, loop_checkpoint_t>;
+                     controller_status_t, loop_records_t, loop_checkpoint_t, excitation_t>;
 TYPED_TEST_SUITE(MessageFit, Types);
 
 TYPED_TEST(MessageFit, WhatLcmEncodesFitsAndComesBack) {

@@ -12,10 +12,10 @@
 #include "core/control/fitting/rig_fit.hpp"
 #include "judge/loop_design.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
-/// N, what a leg is driven by while it is probed: --force, or 2 % of the limit. Errors: InputError
-/// without a limit (source: whose it would be), or beyond it.
+/// N, what a leg is driven by while it is probed: --force, or small_force of the limit. Errors:
+/// InputError without a limit (source: whose it would be), or beyond it.
 double probe_force(const std::optional<double>& asked, const controller::Gains& gains,
                    const std::filesystem::path& source);
 
@@ -26,6 +26,7 @@ struct CommissionQuestion {
   double force_n = 0;            ///< peak on a leg
   double window_s = 2;
   int n_windows = 5;
+  bool only_wiring = false;  ///< nothing is recorded, and nothing has to be uncertain
 };
 
 /// What was found.
@@ -60,9 +61,14 @@ Commissioned measure(controller::Io& io, const controller::RigFile& rig,
                      const CommissionQuestion& question, const controller::ProbeTime& time,
                      const Progress& progress, const std::function<bool()>& stop);
 
-/// Fits what was recorded, and puts the gains that come out into the channels of the rig. Seconds
+/// Fits what was recorded, and puts the gains that come out into the channels of the rig, and the
+/// tares of its force sensors. Seconds
 /// of computing, by a thread of no priority. Errors: as fit_rig.
 void fit_recording(Commissioned& found, const Progress& progress);
+
+/// Where each accelerometer of the rig stands among the scene's outputs. Errors: InputError where
+/// it is none of them.
+std::vector<Eigen::Index> outputs_of(const controller::RigFile& rig, const Scene& scene);
 
 /// The deviation that was found of each parameter (SI, relative, samples) and the standard
 /// deviation of it; how far it could be off before, each way.
@@ -71,6 +77,10 @@ double found_deviation(const Commissioned& found, std::size_t parameter);
 double found_doubt(const Commissioned& found, std::size_t parameter);
 /// Whether the rig told it: known better by half than before.
 bool is_told(const Commissioned& found, std::size_t parameter);
+/// Whether any was.
+bool anything_told(const Commissioned& found);
+/// q, m/s^2, the largest reading of each accelerometer from its mean at rest, in the recording.
+Eigen::VectorXd frame_peak(const Commissioned& found);
 /// Those with which it could trade places: correlated by 0.9 or more.
 std::vector<std::size_t> alike(const Commissioned& found, std::size_t parameter);
 
@@ -79,4 +89,4 @@ std::vector<std::size_t> alike(const Commissioned& found, std::size_t parameter)
 std::string corrections_block(const Commissioned& found);
 std::string uncertainty_left(const Commissioned& found);
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

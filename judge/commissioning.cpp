@@ -1,10 +1,11 @@
-#include "tools/commission_rig.hpp"
+#include "judge/commissioning.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "controller/excitation.hpp"
 #include "controller/rig/scaled_io.hpp"
 #include "core/control/fitting/rig_model.hpp"
 #include "core/errors/input_error.hpp"
@@ -13,27 +14,29 @@
 #include "core/yaml/quoted.hpp"
 #include "core/yaml/reader.hpp"
 
-namespace stillframe::tools {
+namespace stillframe::judge {
 
 using controller::Channels;
 using controller::ProbeSettings;
 using controller::Recording;
 using controller::RigFile;
 using Eigen::Index;
+using Eigen::VectorXd;
 using robustness::Parameter;
 using Kind = Parameter::Kind;
 
 namespace {
 
-// Enough for a converter of 12 bits, and no danger to anything.
-constexpr double part_of_limit = 0.02;
-constexpr double highest_line = 0.42, off_resonance = 0.08;
+constexpr double off_resonance = 0.08;
 constexpr int most_lines = 44, lowest_line = 2;
 constexpr std::size_t fewest_lines = 8;
 constexpr Index most_window = 1'000'000, most_recorded = 5'000'000;  // samples
 constexpr double gross_gain = 1.5;  // of a card at another range, say
 // Of what is as likely anywhere between -1 and 1.
 const double deviation_of_even = 1 / std::sqrt(3.0);
+// Of a recording, each with so much less force than the one before.
+constexpr int most_attempts = 3;
+constexpr double less_force = 4;
 constexpr double told = 0.5, correlated = 0.9;
 
 ProbeSettings settings_of(const CommissionQuestion& question, const RigFile& rig) {
@@ -44,23 +47,6 @@ ProbeSettings settings_of(const CommissionQuestion& question, const RigFile& rig
   settings.n_floor = static_cast<Index>(rig.channels.floor.size());
   settings.n_frame = static_cast<Index>(rig.channels.frame.size());
   return settings;
-}
-
-/// Where each accelerometer of the frame stands among the scene's outputs.
-std::vector<Index> outputs_of(const RigFile& rig, const Scene& scene) {
-  std::vector<std::string> names;
-  for (const SceneSignal& output : scene.outputs) names.push_back(output.name);
-  std::vector<Index> places;
-  for (const std::string& name : rig.frame) {
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end()) {
-      const std::string near = nearest_name(name, names);
-      throw InputError("rig file: frame: '" + name + "' is no output of the scene" +
-                       (near.empty() ? "" : "; the nearest name is '" + near + "'"));
-    }
-    places.push_back(found - names.begin());
-  }
-  return places;
 }
 
 /// A correction is of a node, whatever stands there.
@@ -93,7 +79,7 @@ class ReadBack {
   }
 
   /// By the delay that what is read back goes with best; no mass and no stiffness has a part in it.
-  Eigen::VectorXd gains() const {
+  VectorXd gains() const {
     const auto of_delay = std::ranges::find(question_.parameters, Kind::delay, &Parameter::kind);
     const double nominal = question_.sampling.delay_samples;
     double best = nominal;
@@ -115,13 +101,13 @@ class ReadBack {
 
  private:
   /// The gains with a delay, and how much of what is read they explain.
-  std::pair<Eigen::VectorXd, double> compared(double delay) const {
+  std::pair<VectorXd, double> compared(double delay) const {
     Sampling sampling = question_.sampling;
     sampling.delay_samples = delay;
     const fitting::RigModel model(robustness::sampled({question_.scene, sampling}), record_, {},
                                   kernel_);
     const Index m = record_.command.cols();
-    Eigen::VectorXd along = Eigen::VectorXd::Zero(m), expected = along, read = along;
+    VectorXd along = VectorXd::Zero(m), expected = along, read = along;
     for (const fitting::WindowData& window : windows_) {
       const Eigen::MatrixXcd e = model.predicted(window).middleRows(m, m),
                              r = window.read().middleRows(m, m);
@@ -129,7 +115,7 @@ class ReadBack {
       expected += e.cwiseAbs2().rowwise().sum();
       read += r.cwiseAbs2().rowwise().sum();
     }
-    const Eigen::VectorXd gains = along.cwiseQuotient(expected.cwiseMax(1e-300));
+    const VectorXd gains = along.cwiseQuotient(expected.cwiseMax(1e-300));
     return {gains, along.dot(gains) / std::max(read.sum(), 1e-300)};
   }
 
@@ -192,27 +178,60 @@ void put_gains(const Commissioned& found, Channels& channels) {
   }
 }
 
+/// What the force sensors read while nothing is driven is taken out of them: of a frame that rings
+/// on for minutes, arming cannot tell it in half a second, and a law makes hundreds of times as
+/// much of it.
+void put_tares(const Recording& recording, Index n_window,
+               std::vector<controller::Channel>& sigma) {
+  VectorXd sum = VectorXd::Zero(recording.sigma.cols());
+  double n = 0;
+  for (std::size_t w = 0; w < recording.windows.size(); ++w) {
+    if (recording.driven[w] >= 0) continue;
+    sum += recording.sigma.middleRows(recording.windows[w], n_window).colwise().sum().transpose();
+    n += static_cast<double>(n_window);
+  }
+  for (std::size_t i = 0; i < sigma.size(); ++i) {
+    sigma[i].tare += sum(static_cast<Index>(i)) / n / sigma[i].gain;
+  }
+}
+
 /// Of the output of which it is least, over all lines.
 double over_rest_db(const fitting::RigRecord& record, const std::vector<bool>& driven) {
   const fitting::LineKernel kernel(record, 0);
-  Eigen::VectorXd power[2];
+  VectorXd power[2];
   for (std::size_t w = 0; w < driven.size(); ++w) {
     const fitting::WindowData data(record, static_cast<Index>(w), 0, kernel);
-    const Eigen::VectorXd each = data.read().cwiseAbs2().rowwise().sum();
-    Eigen::VectorXd& sum = power[driven[w]];
-    sum = sum.size() == 0 ? each : Eigen::VectorXd(sum.cwiseMax(each));
+    const VectorXd each = data.read().cwiseAbs2().rowwise().sum();
+    VectorXd& sum = power[driven[w]];
+    sum = sum.size() == 0 ? each : VectorXd(sum.cwiseMax(each));
   }
   return 10 * std::log10((power[1].cwiseQuotient(power[0].cwiseMax(1e-300))).minCoeff());
 }
 
 }  // namespace
 
+std::vector<Index> outputs_of(const RigFile& rig, const Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneSignal& output : scene.outputs) names.push_back(output.name);
+  std::vector<Index> places;
+  for (const std::string& name : rig.frame) {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      const std::string near = nearest_name(name, names);
+      throw InputError("rig file: frame: '" + name + "' is no output of the scene" +
+                       (near.empty() ? "" : "; the nearest name is '" + near + "'"));
+    }
+    places.push_back(found - names.begin());
+  }
+  return places;
+}
+
 double probe_force(const std::optional<double>& asked, const controller::Gains& gains,
                    const std::filesystem::path& source) {
   if (!gains.force_limit_n && !asked) {
     throw InputError(source.string() + ": force_limit_n: missing; say --force in N");
   }
-  const double force = asked.value_or(part_of_limit * gains.force_limit_n.value_or(0));
+  const double force = asked.value_or(controller::small_force * gains.force_limit_n.value_or(0));
   if (gains.force_limit_n && force > *gains.force_limit_n) {
     throw InputError("--force: found " + shortest_digits(force) + ", allowed is up to " +
                      shortest_digits(*gains.force_limit_n) + ", the force limit of the loop");
@@ -233,15 +252,9 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
       return std::abs(hz - resonance.hz) < off_resonance * resonance.hz;
     });
   };
-  const double from = lowest_line, to = highest_line * static_cast<double>(n_window);
-  std::vector<int> lines;
-  for (int i = 0; i < most_lines; ++i) {
-    const double exact = from * std::pow(to / from, i / double(most_lines - 1));
-    int line = static_cast<int>(std::lround(exact));
-    if (!lines.empty()) line = std::max(line, lines.back() + 1);
-    if (line < lowest_line || line > to || near_resonance(line * df)) continue;
-    lines.push_back(line);
-  }
+  std::vector<int> lines = controller::logarithmic_lines(
+      lowest_line, controller::driven_up_to * static_cast<double>(n_window), most_lines);
+  std::erase_if(lines, [&](int line) { return near_resonance(line * df); });
   if (lines.size() < fewest_lines) {
     throw InputError("--window: of " + std::to_string(n_window) + " samples has " +
                      std::to_string(lines.size()) +
@@ -263,7 +276,7 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
                     .sampling = design.settings.sampling,
                     .parameters = robustness::parameters_of(design.scene, question.uncertainty),
                     .frame = outputs_of(rig, design.scene)};
-  if (found.question.parameters.empty()) {
+  if (found.question.parameters.empty() && !question.only_wiring) {
     throw InputError(
         "uncertainty: nothing of this scene is uncertain; give at least one of its "
         "values above 0");
@@ -297,13 +310,24 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
     }
     found.rig.channels = without_small_gains(found.rig.channels, again);
   }
+  if (question.only_wiring) return found;
   settings.n_window = n_window;
   settings.n_windows = question.n_windows;
   settings.lines = lines;
-  {
+  // A line that happens to be on a resonance of the rig, which nobody knows before, makes an
+  // undamped frame ring further and further: with less force it rings as much less, within the same
+  // bound.
+  for (int attempt = 1;; ++attempt) {
     controller::ScaledIo scaled(io, found.rig.channels, setting.n_floor, setting.n_frame);
-    found.recording = controller::record_rig(
-        scaled, m, settings, time, [&](double done) { progress("recording", done); }, stop);
+    try {
+      found.recording = controller::record_rig(
+          scaled, m, settings, time, [&](double done) { progress("recording", done); }, stop);
+      break;
+    } catch (const controller::TooFar&) {
+      if (attempt == most_attempts) throw;
+      settings.force_n /= less_force;
+      fprintf(stderr, "less force\n");
+    }
   }
   found.lines = lines;
   found.n_window = n_window;
@@ -327,11 +351,14 @@ void fit_recording(Commissioned& found, const Progress& progress) {
       .missing = recording.missing,
       .lines = found.lines};
   found.question.sampling.sample_time = record.sample_time;
-  found.read_back = ReadBack(record, recording.driven, found.question).gains();
+  std::vector<bool> driven;
+  for (const Index leg : recording.driven) driven.push_back(leg >= 0);
+  found.read_back = ReadBack(record, driven, found.question).gains();
   record.command *= found.read_back.asDiagonal();
-  found.disturbance_db = over_rest_db(record, recording.driven);
-  found.fit = fitting::fit_rig(found.question, record, recording.driven,
+  found.disturbance_db = over_rest_db(record, driven);
+  found.fit = fitting::fit_rig(found.question, record, driven,
                                [&](double done) { progress("fitting", done); });
+  put_tares(recording, found.n_window, found.rig.channels.sigma);
   put_gains(found, found.rig.channels);
 }
 
@@ -349,6 +376,24 @@ double known_before(const Commissioned& found, std::size_t i) {
 
 bool is_told(const Commissioned& found, std::size_t i) {
   return found.fit.deviation(static_cast<Index>(i)) < told;
+}
+
+bool anything_told(const Commissioned& found) {
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    if (is_told(found, i)) return true;
+  }
+  return false;
+}
+
+VectorXd frame_peak(const Commissioned& found) {
+  const Recording& recording = found.recording;
+  VectorXd peak = VectorXd::Zero(recording.frame.cols());
+  if (recording.windows.empty()) return peak;
+  // The windows at rest come first.
+  const auto rest = recording.frame.middleRows(recording.windows.front(), found.n_window);
+  const Eigen::RowVectorXd mean = rest.colwise().mean();
+  peak = (recording.frame.rowwise() - mean).cwiseAbs().colwise().maxCoeff().transpose();
+  return peak;
 }
 
 std::vector<std::size_t> alike(const Commissioned& found, std::size_t i) {
@@ -422,4 +467,4 @@ std::string uncertainty_left(const Commissioned& found) {
   return text;
 }
 
-}  // namespace stillframe::tools
+}  // namespace stillframe::judge

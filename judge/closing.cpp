@@ -1,0 +1,204 @@
+#include "judge/closing.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "controller/excitation.hpp"
+#include "controller/start_check.hpp"
+#include "core/control/close_loop.hpp"
+#include "core/control/fitting/rig_model.hpp"
+#include "core/numerics/decibels.hpp"
+#include "core/numerics/two_pi.hpp"
+
+namespace stillframe::judge {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double less = 0.8, of_limit = 0.5;
+constexpr Index n_axis = 400;
+
+/// The plant with these outputs of the scene, or with the force sensors, a sample late.
+SampledPlant with_outputs(SampledPlant plant, const std::vector<Index>& frame) {
+  if (frame.empty()) {
+    plant.C_y = plant.C_sigma;
+    plant.D_0 = plant.D_sigma;
+    plant.D_yu = MatrixXd::Zero(plant.D_sigma.rows(), plant.D_sigma.cols());
+    plant.D_yw = MatrixXd::Zero(plant.C_sigma.rows(), plant.Gamma_w.cols());
+    return plant;
+  }
+  for (MatrixXd* rows : {&plant.C_y, &plant.D_0, &plant.D_yu, &plant.D_yw}) {
+    const MatrixXd all = *rows;
+    rows->resize(static_cast<Index>(frame.size()), all.cols());
+    for (std::size_t i = 0; i < frame.size(); ++i) {
+      rows->row(static_cast<Index>(i)) = all.row(frame[i]);
+    }
+  }
+  return plant;
+}
+
+double largest(const MatrixXcd& T) { return Eigen::JacobiSVD<MatrixXcd>(T).singularValues()(0); }
+
+/// Of the forces that are added, at each line.
+VectorXd predicted(const SampledPlant& plant, const DiscreteLaw& law, const VectorXd& omega) {
+  const SampledLoop loop = close_loop_with_added_force(plant, law);
+  VectorXd sizes(omega.size());
+  for (Index l = 0; l < omega.size(); ++l) {
+    sizes(l) = largest(transfer(loop, omega(l)).rightCols(plant.Gamma_u.cols()));
+  }
+  return sizes;
+}
+
+/// The transfer matrices at all lines, and the variances of their entries' means.
+struct Measured {
+  std::vector<MatrixXcd> mean;   ///< of each line, n_out x m
+  std::vector<double> variance;  ///< of each line, sum over entries
+};
+
+Measured measured(const controller::ClosedRecording& run, const MatrixXd& outputs) {
+  const controller::Recording& recording = run.recording;
+  const std::vector<int>& lines = run.lines;
+  const Index n_window = run.n_window;
+  const fitting::LineKernel kernel({.n_window = n_window, .lines = lines}, 0);
+  const auto n_lines = static_cast<Index>(lines.size());
+  const Index m = recording.command.cols(), n_out = outputs.cols();
+  Measured found{.mean = std::vector<MatrixXcd>(lines.size(), MatrixXcd::Zero(n_out, m)),
+                 .variance = std::vector<double>(lines.size(), 0)};
+  for (Index leg = 0; leg < m; ++leg) {
+    std::vector<MatrixXcd> each;  // of each window, n_out x lines
+    for (std::size_t w = 0; w < recording.windows.size(); ++w) {
+      if (recording.driven[w] != leg) continue;
+      const Index from = recording.windows[w];
+      const Eigen::RowVectorXcd drive =
+          recording.command.col(leg).segment(from, n_window).transpose() * kernel.powers;
+      MatrixXcd of_window = outputs.middleRows(from + 1, n_window).transpose() * kernel.powers;
+      of_window.array().rowwise() /= drive.array();
+      each.push_back(std::move(of_window));
+    }
+    const auto n = static_cast<double>(each.size());
+    for (Index l = 0; l < n_lines; ++l) {
+      const auto k = static_cast<std::size_t>(l);
+      for (const MatrixXcd& of_window : each) found.mean[k].col(leg) += of_window.col(l) / n;
+      for (const MatrixXcd& of_window : each) {
+        found.variance[k] +=
+            (of_window.col(l) - found.mean[k].col(leg)).squaredNorm() / (n * (n - 1));
+      }
+    }
+  }
+  return found;
+}
+
+/// N, the largest command of a leg once a loop has settled that is excited by a multisine of peak
+/// 1 N at these lines of a window of n samples, one leg after the other.
+double largest_command(const LoopDesign& design, const std::vector<int>& lines, Index n_window) {
+  SampledPlant plant = design.sampled;
+  plant.C_y = plant.C_report;
+  plant.D_0 = plant.D_report;
+  plant.D_yu = MatrixXd::Zero(plant.D_report.rows(), plant.D_report.cols());
+  plant.D_yw = MatrixXd::Zero(plant.C_report.rows(), plant.Gamma_w.cols());
+  const SampledLoop loop = close_loop_with_added_force(plant, whole_law_of(design.settings));
+  const Index m = plant.Gamma_u.cols();
+  const auto n_lines = static_cast<Index>(lines.size());
+  const fitting::LineKernel kernel({.n_window = n_window, .lines = lines}, 0);
+  const Eigen::RowVectorXcd wave =
+      controller::multisine(lines, n_window).transpose() * kernel.powers;
+  std::vector<MatrixXcd> answers;
+  for (Index l = 0; l < n_lines; ++l) {
+    const double omega =
+        two_pi * lines[static_cast<std::size_t>(l)] / static_cast<double>(n_window);
+    answers.push_back(wave(l) * transfer(loop, omega / design.sampled.sample_time).rightCols(m));
+  }
+  double largest = 0;
+  for (Index leg = 0; leg < m; ++leg) {
+    MatrixXcd of_lines(m, n_lines);
+    for (Index l = 0; l < n_lines; ++l) {
+      of_lines.col(l) = answers[static_cast<std::size_t>(l)].col(leg);
+    }
+    // powers has 2 / n e^-i..., and a cosine's sum is its amplitude.
+    const MatrixXd over_time =
+        (of_lines * kernel.powers.adjoint()).real() * (static_cast<double>(n_window) / 2);
+    largest = std::max(largest, over_time.cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
+}  // namespace
+
+double added_force(double force_n, const LoopDesign& design, controller::Policy policy) {
+  const double limit = controller::force_limit(design.gains, policy);
+  policy.excitation.force_n = 0.5 * limit;
+  const controller::Excitation plan(design.gains, policy);
+  return std::min(less * force_n,
+                  of_limit * limit / largest_command(design, plan.lines(), plan.n_window()));
+}
+
+double ClosedResponse::off_db(Index line) const {
+  return decibels(measured(line)) - decibels(predicted(line));
+}
+
+double ClosedResponse::doubt_db(Index line) const {
+  return decibels(1 + 2 * noise(line) / measured(line));
+}
+
+Index ClosedResponse::worst() const {
+  Index at = -1;
+  for (Index l = 0; l < measured.size(); ++l) {
+    if (is_told(l) && (at < 0 || std::abs(off_db(l)) > std::abs(off_db(at)))) at = l;
+  }
+  return at;
+}
+
+Index ClosedResponse::n_told() const {
+  Index n = 0;
+  for (Index l = 0; l < measured.size(); ++l) n += is_told(l);
+  return n;
+}
+
+bool ClosedResponse::is_as_predicted() const {
+  for (Index l = 0; l < measured.size(); ++l) {
+    if (is_told(l) && std::abs(off_db(l)) > most_db + doubt_db(l)) return false;
+  }
+  return n_told() > 0;
+}
+
+ClosedResponse closed_response(const controller::ClosedRecording& run, const LoopDesign& design,
+                               const std::vector<Index>& frame) {
+  ClosedResponse response;
+  response.of_frame = !frame.empty();
+  const auto n_lines = static_cast<Index>(run.lines.size());
+  response.frequencies_hz.resize(n_lines);
+  for (Index l = 0; l < n_lines; ++l) {
+    response.frequencies_hz(l) = run.lines[static_cast<std::size_t>(l)] *
+                                 design.gains.sample_rate_hz / static_cast<double>(run.n_window);
+  }
+  response.axis_hz = Eigen::ArrayXd::LinSpaced(n_axis, std::log(response.frequencies_hz(0)),
+                                               std::log(response.frequencies_hz(n_lines - 1)))
+                         .exp();
+  const VectorXd omega = two_pi * response.frequencies_hz, axis = two_pi * response.axis_hz;
+  const SampledPlant plant = with_outputs(design.sampled, frame);
+  DiscreteLaw law = whole_law_of(design.settings);
+  response.predicted = predicted(plant, law, omega);
+  response.predicted_axis = predicted(plant, law, axis);
+  law.C.setZero();
+  law.D.setZero();
+  response.passive = predicted(plant, law, omega);
+  response.passive_axis = predicted(plant, law, axis);
+  const Measured found =
+      measured(run, response.of_frame ? run.recording.frame : run.recording.sigma);
+  response.measured = response.noise = VectorXd::Zero(n_lines);
+  for (Index l = 0; l < n_lines; ++l) {
+    const auto k = static_cast<std::size_t>(l);
+    response.measured(l) = largest(found.mean[k]);
+    response.noise(l) = std::sqrt(found.variance[k]);
+  }
+  return response;
+}
+
+}  // namespace stillframe::judge

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "controller/rig/closing.hpp"
+#include "judge/loop_design.hpp"
+
+namespace stillframe::judge {
+
+/// What a loop makes of a force that is added to its commands, measured on a rig in operation and
+/// predicted: the largest singular value of the transfer matrix from the legs to the accelerometers
+/// of the frame or, where there are none, to the force sensors.
+struct ClosedResponse {
+  bool of_frame = true;                          ///< m/s^2 per N; false: N per N
+  Eigen::VectorXd frequencies_hz;                ///< n_f
+  Eigen::VectorXd measured, predicted, passive;  ///< n_f; passive: without the law, predicted
+  /// n_f, one standard deviation of what the scatter of the windows makes of measured, or more.
+  Eigen::VectorXd noise;
+  /// The predictions between the lines, to be drawn; n_g.
+  Eigen::VectorXd axis_hz, predicted_axis, passive_axis;
+
+  /// measured over predicted.
+  double off_db(Eigen::Index line) const;
+  /// Two standard deviations of it.
+  double doubt_db(Eigen::Index line) const;
+  /// Lines that noise leaves within told_db.
+  bool is_told(Eigen::Index line) const { return doubt_db(line) < told_db; }
+  /// The told line that is furthest off; -1: none is told.
+  Eigen::Index worst() const;
+  Eigen::Index n_told() const;
+  /// Something is told, and nothing told is off by more than most_db and what noise may do.
+  bool is_as_predicted() const;
+
+  /// Noise of a tenth of a decibel more than the limit would hide it. A loop that is a decibel off
+  /// in its size, a tenth, is well within its margins; a model that was fitted is a tenth of that.
+  static constexpr double told_db = 0.5, most_db = 1;
+};
+
+/// N, peak of what is added to the commands of a loop whose rig was driven by force_n before: a
+/// fifth less, as the law answers it, and so little that it does so by half of the force limit at
+/// most. policy: with the excitation, whatever its force. Errors: as Excitation and force_limit.
+double added_force(double force_n, const LoopDesign& design, controller::Policy policy);
+
+/// Of what close_on_rig recorded, by the design whose gains ran. frame: of each accelerometer of
+/// the recording, the output of the scene.
+ClosedResponse closed_response(const controller::ClosedRecording& run, const LoopDesign& design,
+                               const std::vector<Eigen::Index>& frame);
+
+}  // namespace stillframe::judge

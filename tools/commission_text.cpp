@@ -1,0 +1,321 @@
+#include "tools/commission_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "report/table.hpp"
+
+namespace stillframe::tools {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using judge::alike;
+using judge::Commissioned;
+using judge::found_deviation;
+using judge::found_doubt;
+using judge::is_told;
+using judge::known_before;
+using report::cell;
+
+namespace {
+
+Json parameters_json(const Commissioned& found) {
+  Json parameters = Json::array();
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    const auto& parameter = found.question.parameters[i];
+    Json with = Json::array();
+    for (const std::size_t other : alike(found, i)) {
+      with.push_back(name_of(found.question.parameters[other]));
+    }
+    parameters.push_back({{"name", name_of(parameter)},
+                          {"deviation", found_deviation(found, i)},
+                          {"standard_deviation", found_doubt(found, i)},
+                          {"known_before", known_before(found, i)},
+                          {"told", is_told(found, i)},
+                          {"alike", with}});
+  }
+  return parameters;
+}
+
+Json outputs_json(const Commissioning& all) {
+  Json outputs = Json::array();
+  const auto m = static_cast<Index>(all.legs.size());
+  const auto& fit = all.found->fit;
+  for (Index i = 0; i < fit.left.size(); ++i) {
+    const std::string name =
+        i < 2 * m ? (i < m ? "sigma " : "applied ") + all.legs[static_cast<std::size_t>(i % m)]
+                  : all.rig.frame[static_cast<std::size_t>(i - 2 * m)];
+    outputs.push_back({{"name", name}, {"left_before", fit.left_before(i)}, {"left", fit.left(i)}});
+  }
+  return outputs;
+}
+
+Json closed_json(const ClosedOnRig& closed) {
+  const judge::ClosedResponse& response = closed.response;
+  const Index worst = response.worst();
+  return {{"of", response.of_frame ? "frame" : "sigma"},
+          {"frequencies_hz", to_json(response.frequencies_hz)},
+          {"measured", to_json(response.measured)},
+          {"standard_deviation", to_json(response.noise)},
+          {"predicted", to_json(response.predicted)},
+          {"passive", to_json(response.passive)},
+          {"n_told", response.n_told()},
+          {"worst_db", worst < 0 ? Json() : Json(response.off_db(worst))},
+          {"worst_hz", worst < 0 ? Json() : Json(response.frequencies_hz(worst))},
+          {"frame_peak", to_json(closed.run.frame_peak)},
+          {"force_peak", closed.run.force_peak},
+          {"n_faults", closed.run.n_faults},
+          {"as_predicted", response.is_as_predicted()}};
+}
+
+std::string with_unit(const robustness::Parameter& parameter, double deviation) {
+  return deviation_text(parameter, deviation / parameter.size);
+}
+
+/// Rows of name, note, found, doubt and known before.
+std::vector<std::vector<std::string>> parameter_rows(const Commissioned& found) {
+  const auto& parameters = found.question.parameters;
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto others = alike(found, i);
+    std::string note;
+    if (others.size() == 1) note = "or " + name_of(parameters[others[0]]);
+    if (others.size() > 1) note = cell("or with %zu others", others.size());
+    if (!is_told(found, i)) note = "not told" + (note.empty() ? "" : ", " + note);
+    const auto without_sign = [&](double deviation) {
+      return with_unit(parameters[i], deviation).substr(1);
+    };
+    rows.push_back(
+        {name_of(parameters[i]), note, with_unit(parameters[i], found_deviation(found, i)),
+         without_sign(1.96 * found_doubt(found, i)), without_sign(known_before(found, i))});
+  }
+  return rows;
+}
+
+std::vector<std::string> parameter_columns() {
+  return {"what", "", "found", "+- (95 %)", "known before"};
+}
+
+std::string recorded_line(const Commissioned& found) {
+  return cell(
+      "%lld samples, %lld lost, clock %+.1f ppm; driven, the least output reads %.0f dB more than "
+      "at rest",
+      report::count(found.recording.n_samples), report::count(found.recording.n_lost),
+      -1e6 * found.recording.drift, found.disturbance_db);
+}
+
+/// What to think of the fit, a sentence each.
+std::vector<std::string> fit_lines(const Commissioning& all) {
+  const Commissioned& found = *all.found;
+  std::vector<std::string> lines;
+  lines.push_back(
+      cell("What is left is %.2f times the power of the noise at rest.", found.fit.over_noise));
+  if (!found.fit.is_noise()) {
+    lines.push_back(
+        "The rig does something that no value of these parameters does: do not trust the bands.");
+  }
+  bool told = false;
+  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
+    told = told || is_told(found, i);
+  }
+  if (!told) lines.push_back("The rig tells nothing of what was asked.");
+  if (!found.fit.converged) lines.push_back("The fit has not settled.");
+  lines.push_back(cell(
+      "Spectral radius on what was found: %.6f with the gains of before, %.6f with those of the "
+      "updated scene.",
+      all.loops->before, all.loops->after));
+  return lines;
+}
+
+std::vector<std::string> closed_lines(const Commissioning& all) {
+  const ClosedOnRig& closed = *all.closed;
+  const judge::ClosedResponse& response = closed.response;
+  std::vector<std::string> lines;
+  const Index worst = response.worst();
+  const std::string what =
+      response.of_frame ? "accelerations of the frame" : "readings of the force sensors";
+  if (worst < 0) {
+    lines.push_back("The loop ran, but noise hides what the added forces make of the " + what +
+                    ": take a larger --force, or more --windows.");
+  } else {
+    lines.push_back(
+        cell("The loop, closed: from added forces to %s it is within %.2f dB of its "
+             "prediction (worst at %.3g Hz), at %lld of %lld frequencies; noise hides "
+             "the others.",
+             what.c_str(), std::abs(response.off_db(worst)), response.frequencies_hz(worst),
+             report::count(response.n_told()), report::count(response.frequencies_hz.size())));
+  }
+  if (!response.is_as_predicted() && worst >= 0) {
+    lines.push_back(cell("That is more than %g dB: the rig is not as the updated scene says.",
+                         judge::ClosedResponse::most_db));
+  }
+  std::string peaks = cell("Largest command %.3g N", closed.run.force_peak);
+  if (closed.run.frame_peak.size() > 0) {
+    peaks +=
+        cell("; largest acceleration of the frame %.3g m/s^2", closed.run.frame_peak.maxCoeff());
+    if (all.found) {
+      peaks += cell(", %.3g m/s^2 while it was driven without the loop",
+                    judge::frame_peak(*all.found).maxCoeff());
+    }
+  }
+  lines.push_back(peaks + ".");
+  if (closed.run.n_faults > 0) {
+    lines.push_back(cell("Faults that passed: %lld.", report::count(closed.run.n_faults)));
+  }
+  return lines;
+}
+
+std::string text_of_file(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::vector<double> list(const VectorXd& values) { return {values.begin(), values.end()}; }
+
+page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
+  page::SingularValueFigure figure;
+  figure.quantity = response.of_frame ? "added forces to frame accelerations (m/s\u00b2 per N)"
+                                      : "added forces to force sensors (N per N)";
+  figure.of_floor = false;
+  figure.frequencies_hz = list(response.axis_hz);
+  figure.open = response.passive_axis;
+  figure.closed = response.predicted_axis;
+  page::MeasuredValues& measured = figure.closed_measured;
+  std::vector<Index> told;
+  for (Index l = 0; l < response.measured.size(); ++l) {
+    if (response.is_told(l)) told.push_back(l);
+  }
+  const auto n = static_cast<Index>(told.size());
+  measured.values.resize(n, 1);
+  measured.lower = measured.upper = measured.difference_db = measured.values;
+  for (Index i = 0; i < n; ++i) {
+    const Index l = told[static_cast<std::size_t>(i)];
+    measured.frequencies_hz.push_back(response.frequencies_hz(l));
+    measured.values(i, 0) = response.measured(l);
+    measured.lower(i, 0) = response.measured(l) - 2 * response.noise(l);
+    measured.upper(i, 0) = response.measured(l) + 2 * response.noise(l);
+    measured.difference_db(i, 0) = response.off_db(l);
+  }
+  figure.allowed_db = judge::ClosedResponse::most_db;
+  return figure;
+}
+
+void print_lines(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) std::cout << line << "\n";
+}
+
+}  // namespace
+
+Json to_json(const Commissioning& all) {
+  Json wrong = Json::array();
+  if (all.found) {
+    for (const auto& leg : all.found->wiring.legs) {
+      for (const std::string& what : leg.wrong) wrong.push_back({{"leg", leg.leg}, {"what", what}});
+    }
+  }
+  const bool fitted = all.is_fitted();
+  const auto path = [](const std::optional<std::filesystem::path>& file) {
+    return file ? Json(file->string()) : Json();
+  };
+  return {{"scene", all.title},
+          {"wrong", wrong},
+          {"connected", all.found ? Json(all.found->wiring.connected) : Json()},
+          {"clock_ppm", fitted ? Json(-1e6 * all.found->recording.drift) : Json()},
+          {"n_samples", all.found ? all.found->recording.n_samples : 0},
+          {"n_lost", all.found ? all.found->recording.n_lost : 0},
+          {"parameters", fitted ? parameters_json(*all.found) : Json::array()},
+          {"outputs", fitted ? outputs_json(all) : Json::array()},
+          {"over_noise", fitted ? Json(all.found->fit.over_noise) : Json()},
+          {"converged", fitted ? Json(all.found->fit.converged) : Json()},
+          {"spectral_radius_before", fitted ? Json(all.loops->before) : Json()},
+          {"spectral_radius", fitted ? Json(all.loops->after) : Json()},
+          {"scene_file", path(all.files.scene)},
+          {"rig_file", path(all.files.rig)},
+          {"uncertainty_file", path(all.files.uncertainty)},
+          {"closed", all.closed ? closed_json(*all.closed) : Json()},
+          {"passed", all.passed}};
+}
+
+void print_wiring(const Commissioning& all) {
+  const controller::Wiring& wiring = all.found->wiring;
+  for (const auto& leg : wiring.legs) {
+    for (const std::string& what : leg.wrong) std::cout << leg.leg << ": " << what << "\n";
+  }
+  if (wiring.sound) std::cout << "Every leg answers as the rig file and the scene say.\n";
+  if (!wiring.connected) {
+    std::cout << "No rig file can put all of it right: nothing else was done.\n";
+  } else if (!wiring.sound) {
+    std::cout
+        << "Cables and signs are put right for what follows, and gains that are off by more than "
+           "half; the rest is for the fit.\n";
+  }
+}
+
+void print_parameters(const Commissioning& all) {
+  const Commissioned& found = *all.found;
+  std::cout << "\n" << recorded_line(found) << "\n\n";
+  report::Table table(parameter_columns(), 2);
+  bool trade = false;
+  const auto rows = parameter_rows(found);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    trade = trade || !alike(found, i).empty();
+    table.add(rows[i]);
+  }
+  std::cout << table.print();
+  if (trade) {
+    std::cout
+        << "or ...: this rig tells both together rather than each (--json has all names). All "
+           "forces, masses\nand stiffnesses times one number are the same to force sensors "
+           "and accelerometers.\n";
+  }
+  std::cout << "\n";
+  print_lines(fit_lines(all));
+  std::cout << "Written: " << all.files.scene->string() << ", " << all.files.uncertainty->string();
+  if (all.files.rig) std::cout << ", " << all.files.rig->string();
+  std::cout << "\n";
+}
+
+void print_closed(const Commissioning& all) {
+  std::cout << "\n";
+  print_lines(closed_lines(all));
+}
+
+page::PageData page_of(const Commissioning& all) {
+  page::PageData data;
+  data.head.title = all.title + ", commissioned";
+  data.head.program_version = STILLFRAME_VERSION;
+  data.head.scene_name = all.title;
+  data.head.outcome = all.passed ? report::Outcome::passed : report::Outcome::failed;
+  if (all.is_fitted()) {
+    data.head.headlines = fit_lines(all);
+    data.head.headlines.insert(data.head.headlines.begin(), recorded_line(*all.found) + ".");
+  }
+  if (all.closed) {
+    const auto lines = closed_lines(all);
+    data.head.headlines.insert(data.head.headlines.end(), lines.begin(), lines.end());
+    data.singular_values = figure_of(all.closed->response);
+  }
+  if (all.found) {
+    page::Table wiring{.caption = "Wiring, as it was", .columns = {"leg", "what"}, .rows = {}};
+    for (const auto& leg : all.found->wiring.legs) {
+      for (const std::string& what : leg.wrong) wiring.rows.push_back({leg.leg, what});
+      if (leg.wrong.empty()) wiring.rows.push_back({leg.leg, "as the rig file and the scene say"});
+    }
+    data.checks.push_back(wiring);
+  }
+  if (all.is_fitted()) {
+    data.checks.push_back({.caption = "Parameters, by how much they are off the scene",
+                           .columns = parameter_columns(),
+                           .rows = parameter_rows(*all.found)});
+    data.texts.push_back({"Corrections", judge::corrections_block(*all.found)});
+    data.texts.push_back({"What is left to doubt", judge::uncertainty_left(*all.found)});
+    if (all.files.rig) data.texts.push_back({"Rig file", text_of_file(*all.files.rig)});
+  }
+  return data;
+}
+
+}  // namespace stillframe::tools

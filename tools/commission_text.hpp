@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "judge/closing.hpp"
+#include "judge/commissioning.hpp"
+#include "report/page/page_data.hpp"
+#include "tools/json.hpp"
+
+namespace stillframe::tools {
+
+/// The loops that the gains of before and those of the updated scene make on what was found.
+struct CommissionedLoops {
+  double before = 0, after = 0;  ///< spectral radii
+};
+
+struct CommissionedFiles {
+  std::optional<std::filesystem::path> scene, uncertainty, rig;
+};
+
+/// The loop as it ran.
+struct ClosedOnRig {
+  controller::ClosedRecording run;
+  judge::ClosedResponse response;
+};
+
+/// How far a commissioning came, and what it found.
+struct Commissioning {
+  std::string title;        ///< of the scene
+  controller::RigFile rig;  ///< whose channels the loop ran on
+  std::vector<std::string> legs;
+  std::optional<judge::Commissioned> found;  ///< none: the scene was corrected before
+  CommissionedFiles files;                   ///< that were written
+  std::optional<CommissionedLoops> loops;
+  std::optional<ClosedOnRig> closed;
+  bool passed = false;
+
+  bool is_fitted() const { return found && loops; }
+};
+
+Json to_json(const Commissioning& all);
+void print_wiring(const Commissioning& all);
+void print_parameters(const Commissioning& all);
+void print_closed(const Commissioning& all);
+/// All of it as a page. Set-up.
+page::PageData page_of(const Commissioning& all);
+
+}  // namespace stillframe::tools
