@@ -18,51 +18,9 @@ bool NominalMotion::moving() const {
          !q_d_ddot.isZero(0);
 }
 
-bool is_motion(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::force:
-    case Quantity::torque:
-    case Quantity::stress:
-    case Quantity::reaction:
-    case Quantity::reaction_moment:
-      return false;
-    default:
-      return true;
-  }
-}
-
-std::string unit_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::position:
-    case Quantity::deformation:
-      return "m";
-    case Quantity::velocity:
-    case Quantity::deformation_rate:
-      return "m/s";
-    case Quantity::acceleration:
-    case Quantity::deformation_acceleration:
-      return "m/s^2";
-    case Quantity::rotation:
-      return "rad";
-    case Quantity::angular_velocity:
-      return "rad/s";
-    case Quantity::angular_acceleration:
-      return "rad/s^2";
-    case Quantity::force:
-    case Quantity::stress:
-    case Quantity::reaction:
-      return "N";
-    case Quantity::torque:
-    case Quantity::reaction_moment:
-      return "N m";
-  }
-  return "";
-}
-
 std::string unit_of(const Model& model, const SceneSignal& signal) {
-  if (signal.element.empty()) return stillframe::unit_of(signal.quantity);
-  std::string unit = stillframe::unit_of(signal.quantity);
-  if (!is_angle(model, signal)) return unit;
+  std::string unit = traits_of(signal.quantity).unit;
+  if (signal.element.empty() || !is_angle(model, signal)) return unit;
   return unit == "N" ? "N m" : unit.replace(0, 1, "rad");
 }
 
@@ -146,15 +104,10 @@ void Lineariser::Work::set_state(const NominalMotion& nominal) {
   result.u_0 = VectorXd::Zero(static_cast<Index>(inputs.size()));
   for (size_t j = 0; j < motion_input.size(); ++j) {
     const Quantity quantity = inputs[static_cast<size_t>(motion_input[j])].quantity;
-    const bool position = quantity == Quantity::position || quantity == Quantity::rotation ||
-                          quantity == Quantity::deformation;
-    const bool velocity = quantity == Quantity::velocity ||
-                          quantity == Quantity::angular_velocity ||
-                          quantity == Quantity::deformation_rate;
-    const VectorXd& q_r = position   ? nominal.state.q_r
-                          : velocity ? nominal.state.q_r_dot
-                                     : nominal.state.q_r_ddot;
-    result.u_0(motion_input[j]) = columns.patterns.col(static_cast<Index>(j)).dot(q_r);
+    const VectorXd* const q_r[] = {&nominal.state.q_r, &nominal.state.q_r_dot,
+                                   &nominal.state.q_r_ddot};
+    result.u_0(motion_input[j]) =
+        columns.patterns.col(static_cast<Index>(j)).dot(*q_r[traits_of(quantity).derivative]);
   }
 }
 
