@@ -6,6 +6,7 @@
 #include "core/mechanics/linearisation/mass_rounding.hpp"
 #include "core/mechanics/linearisation/projection.hpp"
 #include "core/mechanics/linearisation/signal_rows.hpp"
+#include "core/mechanics/model/local_terms.hpp"
 #include "core/mechanics/model/prescribed.hpp"
 
 namespace stillframe {
@@ -136,25 +137,19 @@ void Lineariser::Work::project_element(size_t k) {
 
 void Lineariser::Work::project_inertia(const ModelInertia& item) {
   if (!blocks.mass && !moving) return;
-  const Index n = item.inertia->n_local();
-  LocalVector u, v, a;
-  LocalHessian L(n, n), in_v(n, n), in_u(n, n);
-  const auto turn = [&](LocalHessian& matrix) {
-    columns_to_node_axes(item.parts, matrix);
-    rows_to_node_axes(item.parts, matrix);
-  };
-  gather(item.parts, data.x, u);
+  const LocalHessian L = local_mass(item, data.x);
   local.gather(item.parts, columns.T, &columns.X, moving ? &columns.X_1 : nullptr,
                moving ? &columns.X_2 : nullptr);
-  item.inertia->mass(u, L);
-  turn(L);
   if (blocks.mass) local.add(L, 0, 1.0, M);
   if (!moving) return;
+  LocalVector u, v, a;
+  gather(item.parts, data.x, u);
   gather(item.parts, data.x_dot, v);
   gather(item.parts, data.x_ddot, a);
+  LocalHessian in_v(u.size(), u.size()), in_u(u.size(), u.size());
   item.inertia->tangents(u, v, a, Eigen::Vector3d::Zero(), in_v, in_u);
-  turn(in_v);
-  turn(in_u);
+  to_node_axes(item.parts, in_v);
+  to_node_axes(item.parts, in_u);
   if (blocks.damping) {
     local.add(in_v, 0, 1.0, C);
     local.add(L, 1, 2.0, C);
