@@ -6,6 +6,7 @@
 
 #include "core/control/design/compliance.hpp"
 #include "core/control/design/gain_design.hpp"
+#include "core/control/design/price_of_sampling.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "tools/design_remedies.hpp"
@@ -133,22 +134,6 @@ bool goes_unwarned(const LoopSettings& settings, double target_hz, bool age_is_s
 LoopSettings tuned(const LoopSettings& settings, double target_hz, double roll_off_targets) {
   if (roll_off_targets == 0) return settings;
   return with_roll_off(settings, two_pi * roll_off_targets * target_hz);
-}
-
-double price_of_sampling(const ControlLoop& loop, double target, const LoopSettings& settings) {
-  ControlLoop ideal = loop;
-  ideal.gains.roll_off = 0;
-  const SampledLoop sampled = close_loop(settings);
-  const double to = std::min(4 * target, 0.49 / sampled.sample_time);
-  double price = -std::numeric_limits<double>::infinity();
-  for (const double hz : logarithmic_frequencies(target / 4, to, 15)) {
-    const double without = singular_values(ideal.closed({0, two_pi * hz}))(0);
-    const double real = singular_values(transfer(sampled, two_pi * hz))(0);
-    const double excess = 20 * std::log10(real / without);
-    if (!(excess <= price)) price = excess;
-    if (std::isnan(price)) break;
-  }
-  return price;
 }
 
 std::optional<Recommendation> recommend(const judge::LoopDesign& design) {
