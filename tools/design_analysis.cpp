@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/control/design/compliance.hpp"
 #include "core/control/design/gain_design.hpp"
 #include "core/control/design/price_of_sampling.hpp"
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "tools/design_remedies.hpp"
 #include "tools/design_warnings.hpp"
@@ -72,7 +72,6 @@ PoleSpread effect_of(const judge::LoopDesign& design, GainOrder order) {
   const auto targets = mode_targets(*design.scene.controller, model.legs.M.rows());
   const Eigen::VectorXcd poles = closed_loop_poles(
       model.legs, extended_gains(model.legs, targets, order), targets.front().omega_d);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   PoleSpread effect{.lowest = infinity, .highest = 0, .largest_real = -infinity};
   for (const Complex pole : poles) {
     if (pole == Complex(0)) continue;  // of the pure integrators
