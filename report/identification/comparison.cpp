@@ -4,11 +4,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "core/numerics/decibels.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::report {
 
@@ -55,7 +55,7 @@ MatrixXd predicted_singular_values(const SampledLoop& loop,
   std::vector<Eigen::MatrixXcd> T;
   T.reserve(frequencies_hz.size());
   for (const double frequency : frequencies_hz) {
-    T.push_back(transfer(loop, 2 * std::numbers::pi * frequency));
+    T.push_back(transfer(loop, two_pi * frequency));
   }
   return singular_values(T);
 }
