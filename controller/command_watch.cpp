@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "controller/slow_loops.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::controller {
 
@@ -35,7 +35,7 @@ CommandWatch::CommandWatch(Index m, double sample_time, double force_limit, doub
   // Of Hann, whose sum over whole samples is one; no shorter than two swings of two samples.
   const auto n = std::max<Index>(5, std::llround(steady_s / sample_time));
   weights_ = VectorXd::NullaryExpr(n, [n](Index j) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(j + 1);
+    const double angle = two_pi * static_cast<double>(j + 1);
     return (1 - std::cos(angle / static_cast<double>(n + 1))) / static_cast<double>(n + 1);
   });
   commands_ = MatrixXd::Zero(m, n);

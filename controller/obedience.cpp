@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "controller/law.hpp"
 #include "controller/slow_loops.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::controller {
 
@@ -33,8 +33,7 @@ Obedience::Obedience(const Gains& gains, double part)
   const Index m = gains.n_legs();
   const bool lags = gains.instruments.actuator_lag_hz > 0 &&
                     gains.instruments.report == Instruments::Report::measured;
-  lag_ =
-      lags ? std::exp(-2 * std::numbers::pi * gains.instruments.actuator_lag_hz * sample_time_) : 0;
+  lag_ = lags ? std::exp(-two_pi * gains.instruments.actuator_lag_hz * sample_time_) : 0;
   age_ = static_cast<Index>(std::ceil(gains.delay_samples)) + gains.instruments.report_age_samples;
   commands_ = MatrixXd::Zero(m, age_ + 1 + amplifiers_hold);
   least_ = most_ = now_least_ = now_most_ = size_ = zero_ = sure_zero_ = VectorXd::Zero(m);

@@ -3,13 +3,13 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <memory>
-#include <numbers>
 #include <variant>
 
 #include "controller/law.hpp"
 #include "core/control/design/control_loop.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "judge/directions.hpp"
 #include "judge/response_prediction.hpp"
 #include "plant_sim/force_courses.hpp"
@@ -121,7 +121,7 @@ FollowedFloor followed_floor(const LoopDesign& design, const std::vector<std::st
     const SampledLoop loop = loop_around(wide, design, active, Heard::floor);
     Eigen::VectorXd by_measured = Eigen::VectorXd::Zero(n_y), by_others = by_measured;
     for (const double f : frequencies_hz) {
-      const MatrixXd T = transfer(loop, 2 * std::numbers::pi * f).cwiseAbs();
+      const MatrixXd T = transfer(loop, two_pi * f).cwiseAbs();
       by_measured = by_measured.cwiseMax(T.leftCols(n_w).rowwise().maxCoeff());
       by_others = by_others.cwiseMax(T.rightCols(n_u).rowwise().maxCoeff());
     }

@@ -2,7 +2,8 @@
 
 #include <Eigen/LU>
 #include <cmath>
-#include <numbers>
+
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::judge {
 
@@ -31,8 +32,7 @@ std::optional<LoopTarget> target_of(const LoopDesign& design) {
     return std::nullopt;
   }
   const double omega = std::sqrt(omega_squared);
-  return LoopTarget{.frequency_hz = omega / (2 * std::numbers::pi),
-                    .damping_ratio = damping / (2 * omega)};
+  return LoopTarget{.frequency_hz = omega / two_pi, .damping_ratio = damping / (2 * omega)};
 }
 
 FrequencyRange axis_of(const LoopDesign& design) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "judge/loop_comparison.hpp"
 #include "judge/loop_peaks.hpp"
 #include "judge/loop_target.hpp"
@@ -109,7 +109,7 @@ std::optional<page::SingularValueFigure> singular_value_figure(const RunAnalyses
     figure.closed = report::predicted_singular_values(design->closed, figure.frequencies_hz);
     std::vector<Eigen::MatrixXcd> continuous;
     for (const double f : figure.frequencies_hz) {
-      continuous.push_back(design->loop.closed({0, 2 * std::numbers::pi * f}));
+      continuous.push_back(design->loop.closed({0, two_pi * f}));
     }
     figure.closed_continuous = report::singular_values(continuous);
     if (const auto target = target_of(*design)) {

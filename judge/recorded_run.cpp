@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/yaml/load.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_target.hpp"
@@ -69,7 +69,7 @@ void add_model(report::AnalysisPlan& plan, const RecordedRun& run,
                                   .matrix = {},
                                   .axes = {}};
     for (const double f : plan.frequencies_hz) {
-      predicted.push_back(transfer(plan.model->loop, 2 * std::numbers::pi * f));
+      predicted.push_back(transfer(plan.model->loop, two_pi * f));
       plan.model->matrix.emplace_back(predicted.back().topRows(plan.n_outputs));
     }
     plan.model->rigid = std::move(followed.rigid);

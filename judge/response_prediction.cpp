@@ -2,13 +2,13 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <numbers>
 #include <set>
 #include <utility>
 
 #include "controller/law.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::judge {
 
@@ -180,7 +180,7 @@ PredictedResponse ResponsePrediction::at(const std::vector<double>& frequencies_
                                          bool active) const {
   PredictedResponse response{frequencies_hz, {}, {}};
   for (const double frequency : frequencies_hz) {
-    const double omega = 2 * std::numbers::pi * frequency;
+    const double omega = two_pi * frequency;
     const std::complex<double> s(0, omega);
     response.sampled.push_back(transfer(active ? closed_ : open_, omega) * E_);
     response.continuous.push_back((active ? loop_.closed(s) : loop_.open(s)) * E_);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "judge/loop_between.hpp"
 #include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
@@ -34,7 +34,7 @@ bool has_rested(const ChannelCourse& course) { return course.rest.n > 0; }
 Eigen::MatrixXd largest_gain(const SampledLoop& loop, const VectorXd& frequencies_hz) {
   Eigen::MatrixXd largest = Eigen::MatrixXd::Zero(loop.C.rows(), loop.B.cols());
   for (const double f : frequencies_hz) {
-    largest = largest.cwiseMax(transfer(loop, 2 * std::numbers::pi * f).cwiseAbs());
+    largest = largest.cwiseMax(transfer(loop, two_pi * f).cwiseAbs());
   }
   return largest;
 }

@@ -7,6 +7,7 @@
 
 #include "core/mechanics/model/model.hpp"
 #include "core/mechanics/operating_point.hpp"
+#include "core/numerics/decibels.hpp"
 #include "core/numerics/singular_values.hpp"
 #include "judge/directions.hpp"
 #include "judge/response_prediction.hpp"
@@ -72,7 +73,7 @@ Shifts shifts_of(const std::vector<double>& sizes, const PredictionErrors& error
     for (Index k = 0; k < values.cols(); ++k) {
       if (std::isnan(errors.sampled.difference_db(l, k))) continue;
       const double size = sizes[static_cast<std::size_t>(l)] / values(l, k);
-      shifts.push_back(20 * std::log10(1 + size));
+      shifts.push_back(decibels(1 + size));
     }
   }
   if (shifts.empty()) return {};

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -17,7 +18,7 @@ constexpr double never = std::numeric_limits<double>::infinity();
 Actuators::Actuators(Index n_legs, double force_limit, const Instruments& instruments)
     : limit_(force_limit),
       gain_(instruments.actuator_gain),
-      rate_(2 * std::numbers::pi * instruments.actuator_lag_hz),
+      rate_(two_pi * instruments.actuator_lag_hz),
       rate_limit_(instruments.force_rate_limit),
       hysteresis_(instruments.hysteresis.has_value()),
       kind_(instruments.report),

@@ -3,8 +3,9 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
-#include <numbers>
 #include <string_view>
+
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -33,7 +34,7 @@ class CounterNoise {
   Pair polar(std::int64_t k) const noexcept {
     const std::uint64_t at = key_ + 2 * static_cast<std::uint64_t>(k) * stride;
     return {std::sqrt(-2 * std::log(uniform(mix(at + stride)))),
-            2 * std::numbers::pi * uniform(mix(at + 2 * stride))};
+            two_pi * uniform(mix(at + 2 * stride))};
   }
 
   /// The seed of a source of noise by its name, so that sources with the same number under `seed`

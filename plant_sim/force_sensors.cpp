@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -53,7 +54,7 @@ double integral(const F& f, double a, double b, double rate) {
 }  // namespace
 
 ForceSensors::ForceSensors(Index n_legs, double corner_hz)
-    : rate_(2 * std::numbers::pi * corner_hz), s_a_(Eigen::VectorXd::Zero(n_legs)) {}
+    : rate_(two_pi * corner_hz), s_a_(Eigen::VectorXd::Zero(n_legs)) {}
 
 double ForceSensors::unsettled(Index leg, double duration,
                                const Actuators& actuators) const noexcept {

@@ -5,6 +5,7 @@
 
 #include "core/control/continuous_loop.hpp"
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/decibels.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
 #include "report/table.hpp"
@@ -30,7 +31,7 @@ struct Range {
 
 /// How much is left where it counts, for a note.
 std::string at_most_db(double largest) {
-  return cell(", but no more than %.1f dB of its floor", 20 * std::log10(largest));
+  return cell(", but no more than %.1f dB of its floor", decibels(largest));
 }
 
 /// Takes frequencies in rising order, with the factor where it counts and 0 where it does not.
@@ -56,7 +57,7 @@ class Ranges {
     std::string text = cell(
         "between %.3g and %.3g Hz the controlled frame moves up to %.1f dB more than the "
         "passive one",
-        from, to, 20 * std::log10(factor));
+        from, to, decibels(factor));
     if (found_.size() > 1) text += cell(" (and less so in %zu other range(s))", found_.size() - 1);
     return text;
   }

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/control/design/compliance.hpp"
 #include "core/control/design/gain_design.hpp"
+#include "core/control/design/price_of_sampling.hpp"
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "tools/design_remedies.hpp"
 #include "tools/design_warnings.hpp"
@@ -71,7 +72,6 @@ PoleSpread effect_of(const judge::LoopDesign& design, GainOrder order) {
   const auto targets = mode_targets(*design.scene.controller, model.legs.M.rows());
   const Eigen::VectorXcd poles = closed_loop_poles(
       model.legs, extended_gains(model.legs, targets, order), targets.front().omega_d);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   PoleSpread effect{.lowest = infinity, .highest = 0, .largest_real = -infinity};
   for (const Complex pole : poles) {
     if (pole == Complex(0)) continue;  // of the pure integrators
@@ -133,22 +133,6 @@ bool goes_unwarned(const LoopSettings& settings, double target_hz, bool age_is_s
 LoopSettings tuned(const LoopSettings& settings, double target_hz, double roll_off_targets) {
   if (roll_off_targets == 0) return settings;
   return with_roll_off(settings, two_pi * roll_off_targets * target_hz);
-}
-
-double price_of_sampling(const ControlLoop& loop, double target, const LoopSettings& settings) {
-  ControlLoop ideal = loop;
-  ideal.gains.roll_off = 0;
-  const SampledLoop sampled = close_loop(settings);
-  const double to = std::min(4 * target, 0.49 / sampled.sample_time);
-  double price = -std::numeric_limits<double>::infinity();
-  for (const double hz : logarithmic_frequencies(target / 4, to, 15)) {
-    const double without = singular_values(ideal.closed({0, two_pi * hz}))(0);
-    const double real = singular_values(transfer(sampled, two_pi * hz))(0);
-    const double excess = 20 * std::log10(real / without);
-    if (!(excess <= price)) price = excess;
-    if (std::isnan(price)) break;
-  }
-  return price;
 }
 
 std::optional<Recommendation> recommend(const judge::LoopDesign& design) {

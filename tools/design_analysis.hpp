@@ -87,10 +87,6 @@ inline constexpr double tried_roll_offs[] = {0, 80, 40, 20};
 /// A loop with one of those roll-offs, and the lead that is matched to it.
 LoopSettings tuned(const LoopSettings& settings, double target_hz, double roll_off_targets);
 
-/// Largest excess of the sampled T over the continuous one without roll-off, dB, up to four times
-/// the target: the price of sampling.
-double price_of_sampling(const ControlLoop& loop, double target_hz, const LoopSettings& settings);
-
 /// The lowest of the rates 1, 2, 5, 10, ... (Hz) up to 100 kHz at which the price of sampling is at
 /// most 3 dB, the all-leg disk margin at least 0.5 (factors 0.6 to 1.67, 28 degrees), and of which
 /// settings_warnings has nothing to say: with the scene's lead and roll-off if that does, or with a

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/control/design/price_of_sampling.hpp"
 #include "report/table.hpp"
 #include "tools/design_trade.hpp"
 

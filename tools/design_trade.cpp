@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/control/design/price_of_sampling.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "tools/design_analysis.hpp"

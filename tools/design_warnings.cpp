@@ -11,6 +11,7 @@
 
 #include "controller/start_check.hpp"
 #include "core/control/continuous_loop.hpp"
+#include "core/numerics/decibels.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/singular_values.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -315,7 +316,7 @@ void warn_of_aim(const judge::LoopDesign& design, const DesignAnalysis& analysis
     for (int i = 0; i <= points; ++i) {
       const double hz = from * std::pow(until / from, i / points);
       const double over =
-          20 * std::log10(singular_values(transfer(design.closed, two_pi * hz))(0) / allowed(hz));
+          decibels(singular_values(transfer(design.closed, two_pi * hz))(0) / allowed(hz));
       found = std::max(found, {over, hz});
     }
     return found;

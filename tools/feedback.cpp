@@ -5,6 +5,7 @@
 
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
+#include "core/numerics/decibels.hpp"
 #include "core/yaml/reader.hpp"
 #include "report/plots/plot_margins.hpp"
 #include "report/table.hpp"
@@ -27,8 +28,8 @@ struct FeedbackOptions {
   bool json = false;
 };
 
-std::string decibels(double ratio) {
-  const double db = 20 * std::log10(ratio);
+std::string db_cell(double ratio) {
+  const double db = decibels(ratio);
   // No minus before nothing.
   return cell("%.1f", std::abs(db) < 0.05 ? 0.0 : db);
 }
@@ -44,7 +45,7 @@ std::string page(const judge::LoopDesign& design, const FeedbackStudy& study) {
   for (const double hz : study.frequencies_hz) header.push_back(cell("%g Hz", hz));
   report::Table table(header, 1);
   const auto add = [&](std::vector<std::string> row, const Eigen::VectorXd& values) {
-    for (const double value : values) row.push_back(decibels(value));
+    for (const double value : values) row.push_back(db_cell(value));
     row.resize(header.size(), "-");
     table.add(row);
   };
@@ -58,7 +59,7 @@ std::string page(const judge::LoopDesign& design, const FeedbackStudy& study) {
       continue;
     }
     add({row.method, lead, cell("%td", row.n_states), cell("%.3f", row.disk),
-         row.radius_off < largest_stable_radius ? "yes" : "no", decibels(row.peak),
+         row.radius_off < largest_stable_radius ? "yes" : "no", db_cell(row.peak),
          cell("%.3g", row.peak_hz)},
         row.largest);
   }

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include "core/mechanics/partition/free_model.hpp"
@@ -15,6 +14,7 @@
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 #include "tools/largest_parts.hpp"
 #include "tools/node_parts.hpp"
@@ -80,7 +80,7 @@ void print_eigenvalues(const Modes& result) {
     const double ratio = result.damping_ratios(i / 2);
     table.add({i % 2 == 0 ? report::cell("%td", i / 2 + 1) : "",
                report::cell("%.6g", shown(value.real())), report::cell("%.6g", shown(value.imag())),
-               report::cell("%.6g", shown(value.imag()) / (2 * std::numbers::pi)),
+               report::cell("%.6g", shown(value.imag()) / two_pi),
                report::cell("%.4g", shown(ratio * std::abs(value)) == 0 ? 0.0 : ratio)});
   }
   std::cout << "Eigenvalues\n" << table.print();
@@ -109,7 +109,7 @@ void print_doubt(const Modes& modes) {
   std::cout << report::cell(
       "Rounding leaves less than three digits of %td pair(s) of eigenvalues: what is below %.2g Hz "
       "is shown as 0\n",
-      n, modes.known_to.maxCoeff() / (2 * std::numbers::pi));
+      n, modes.known_to.maxCoeff() / two_pi);
 }
 
 void print_page(const Scene& scene, const Found& found) {

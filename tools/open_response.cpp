@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/operating_point.hpp"
@@ -11,6 +10,7 @@
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "tools/reduction_text.hpp"
 #include "tools/stability_note.hpp"
@@ -72,7 +72,7 @@ FrequencyRange OpenResponse::range() const {
 
 MatrixXd OpenResponse::singular_values(const VectorXd& frequencies_hz) {
   patience_.now("singular values");
-  const VectorXd omega = 2 * std::numbers::pi * frequencies_hz;
+  const VectorXd omega = two_pi * frequencies_hz;
   if (!large_) return singular_values_over(state_space(linear_), omega).transpose();
   MatrixXd rows;
   for (Index i = 0; i < omega.size(); ++i) {

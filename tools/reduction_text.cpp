@@ -1,11 +1,11 @@
 #include "tools/reduction_text.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -21,7 +21,7 @@ struct Bounds {
         at_most(bounds_of(reduced, frequencies_hz)),
         largest(frequencies_hz.size()) {
     for (Index i = 0; i < frequencies_hz.size(); ++i) {
-      const double omega = 2 * std::numbers::pi * frequencies_hz(i);
+      const double omega = two_pi * frequencies_hz(i);
       const Eigen::MatrixXcd G = transfer_function(reduced.linear, {0, omega});
       largest(i) =
           singular_values(Eigen::MatrixXcd(G.topLeftCorner(reduced.n_out, reduced.n_in)))(0);
@@ -71,8 +71,7 @@ std::string reduction_text(const ReducedModel& reduced) {
 }
 
 Eigen::VectorXd bounds_of(const ReducedModel& reduced, const Eigen::VectorXd& frequencies_hz) {
-  return frequencies_hz.unaryExpr(
-      [&](double hz) { return reduced.bound(2 * std::numbers::pi * hz); });
+  return frequencies_hz.unaryExpr([&](double hz) { return reduced.bound(two_pi * hz); });
 }
 
 }  // namespace stillframe::tools

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <sstream>
 
 #include "core/numerics/decibels.hpp"
+#include "core/numerics/infinity.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -71,7 +71,6 @@ void add_spread(Table& table, const std::string& name, double nominal, const H& 
 Extremes decay_extremes(const Record& record) {
   const auto& radius = record.tally.radius;
   const auto decay = [&](double r) { return std::log10(-std::log(r) / record.sample_time); };
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   return {.least = radius.most < 1 ? decay(radius.most) : -infinity, .most = decay(radius.least)};
 }
 

@@ -3,12 +3,12 @@
 #include <iostream>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "judge/loop_design.hpp"
 #include "judge/loop_peaks.hpp"
 #include "report/plots/plots.hpp"
@@ -48,8 +48,7 @@ Eigen::MatrixXd rows_of(const Eigen::VectorXd& frequencies_hz,
                         const std::function<Eigen::MatrixXcd(double omega)>& response) {
   Eigen::MatrixXd rows;
   for (Index i = 0; i < frequencies_hz.size(); ++i) {
-    const Eigen::VectorXd values =
-        singular_values(response(2 * std::numbers::pi * frequencies_hz(i)));
+    const Eigen::VectorXd values = singular_values(response(two_pi * frequencies_hz(i)));
     if (i == 0) rows.resize(frequencies_hz.size(), values.size());
     rows.row(i) = values.transpose();
   }

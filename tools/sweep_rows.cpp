@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/control/design/control_loop.hpp"
+#include "core/control/design/price_of_sampling.hpp"
 #include "core/control/margins.hpp"
 #include "judge/loop_design.hpp"
 #include "judge/loop_peaks.hpp"

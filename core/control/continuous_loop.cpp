@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/errors/input_error.hpp"
+#include "core/numerics/decibels.hpp"
 #include "core/numerics/eigenvalues.hpp"
 
 namespace stillframe {
@@ -52,7 +53,7 @@ Decoupling decoupling(const MatrixXcd& T) {
                                 std::to_string(T.rows()) + " x " + std::to_string(T.cols()));
   }
   const Eigen::VectorXd values = Eigen::JacobiSVD<MatrixXcd>(T).singularValues();
-  Decoupling out{.spread_db = 20 * std::log10(values(0) / values(values.size() - 1)),
+  Decoupling out{.spread_db = decibels(values(0) / values(values.size() - 1)),
                  .crosstalk_db = -std::numeric_limits<double>::infinity()};
   for (Index j = 0; j < T.cols(); ++j) {
     const double own = std::norm(T(j, j)), others = T.col(j).squaredNorm() - own;

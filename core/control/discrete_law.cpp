@@ -1,7 +1,8 @@
 #include "core/control/discrete_law.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -27,7 +28,7 @@ DiscreteLaw sample_law(ForceFeedback feedback, const LawSampling& sampling) {
   if (sampling.lead_samples > 0) {
     law = in_series(lead(sampling.lead_samples, feedback.K_P.rows()), law);
   }
-  const double corner = 2 * std::numbers::pi * sampling.sensor_filter_hz;
+  const double corner = two_pi * sampling.sensor_filter_hz;
   return {.A = law.A,
           .B = law.B,
           .C = law.C,

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
+
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -41,7 +42,7 @@ DiscreteLaw whole_law_of(const LoopSettings& settings) {
 }
 
 double lateness(const Sampling& sampling) {
-  const double lag = 2 * std::numbers::pi * sampling.instruments.actuator_lag_hz;
+  const double lag = two_pi * sampling.instruments.actuator_lag_hz;
   return sampling.delay_samples + 0.5 + (lag > 0 ? 1 / (lag * sampling.sample_time) : 0.0);
 }
 

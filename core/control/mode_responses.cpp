@@ -7,6 +7,7 @@
 
 #include "core/control/disk_margin.hpp"
 #include "core/control/open_plant.hpp"
+#include "core/numerics/decibels.hpp"
 #include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
@@ -195,7 +196,7 @@ double level_of(const ModeGoal& goal, const VectorXd& hz, const VectorXcd& T) {
     if (hz(k) < band_from_hz(goal) || hz(k) > goal.to_hz) continue;
     worst = std::max(worst, std::abs(T(k)) / target(k));
   }
-  return 20 * std::log10(worst);
+  return decibels(worst);
 }
 
 }  // namespace stillframe

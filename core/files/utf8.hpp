@@ -10,6 +10,11 @@ namespace stillframe {
 /// Source: RFC 3629, section 4.
 std::size_t utf8_length(std::string_view text);
 
+/// Whether a byte goes on with a character rather than begins one.
+constexpr bool continues_character(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xC0) == 0x80;
+}
+
 /// The text with U+FFFD for each byte that is no UTF-8.
 std::string as_utf8(std::string_view text);
 

@@ -2,57 +2,12 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/mechanics/model/local_terms.hpp"
 #include "core/mechanics/turning_load.hpp"
 
 namespace stillframe {
 
 namespace {
-
-/// f(column) += sign * local, for columns below the size of f.
-void add_to(Eigen::VectorXd& f, const std::vector<PartMap>& parts, const LocalVector& local,
-            double sign) noexcept {
-  for_each_column(parts, f.size(), [&](Index i, Index column) { f(column) += sign * local(i); });
-}
-
-/// f -= F of every inertia at the rates x_dot and accelerations x_ddot, in a gravity g.
-void subtract_inertia_forces(const Model& model, const Data& data, const Eigen::VectorXd& x_dot,
-                             const Eigen::VectorXd& x_ddot, const Eigen::Vector3d& g,
-                             Eigen::VectorXd& f) noexcept {
-  LocalVector u, v, a, F;
-  for (const ModelInertia& item : model.inertias) {
-    gather(item.parts, data.x, u);
-    gather(item.parts, x_dot, v);
-    gather(item.parts, x_ddot, a);
-    F.resize(item.inertia->n_local());
-    item.inertia->force(u, v, a, g, F);
-    rows_to_node_axes(item.parts, F);
-    add_to(f, item.parts, F, -1.0);
-  }
-}
-
-void add_part(Eigen::VectorXd& f, const PartMap& map, const double* values) noexcept {
-  for (Index i = 0; i < map.size; ++i) {
-    const Index column = map.column[static_cast<size_t>(i)];
-    if (column >= 0 && column < f.size()) f(column) += values[i];
-  }
-}
-
-void add_turning_loads(const Model& model, const Data& data, Eigen::VectorXd& f) noexcept {
-  for (const ModelLoad& load : model.turning_loads) {
-    const ModelNode& node = model.nodes[static_cast<size_t>(load.node)];
-    LocalVector rotation(node.rotation.size);
-    for (Index i = 0; i < rotation.size(); ++i) {
-      const Index column = node.rotation.column[static_cast<size_t>(i)];
-      rotation(i) = column < model.n_x ? data.x(column) : 0.0;
-    }
-    const TurnedLoad turned(load, rotation, model.planar);
-    const Eigen::Vector3d force =
-        data.load_factor * (node.translation.basis.transpose() * turned.force);
-    const Eigen::Vector4d moment = data.load_factor * turned.moment;
-    add_part(f, node.translation, force.data());
-    add_part(f, node.rotation, moment.data());
-  }
-}
 
 void stress_resultants(const Model& model, Data& data, const MotionState& state,
                        const Eigen::VectorXd& sigma_a) noexcept {
@@ -65,6 +20,13 @@ void stress_resultants(const Model& model, Data& data, const MotionState& state,
     data.e(model.prescribed_rows[i]) = state.q_r(model.n_rx + static_cast<Index>(i));
   }
   data.sigma = data.load_factor * model.preload + sigma_a;
+  add_element_stresses(model, data.e, data.e_dot, data.sigma);
+}
+
+}  // namespace
+
+void add_element_stresses(const Model& model, const Eigen::VectorXd& e,
+                          const Eigen::VectorXd& e_dot, Eigen::VectorXd& sigma) noexcept {
   for (const ModelElement& item : model.elements) {
     if (item.S.size() == 0) continue;
     const Index n_e = item.S.rows();
@@ -73,27 +35,19 @@ void stress_resultants(const Model& model, Data& data, const MotionState& state,
       for (Index j = 0; j < n_e; ++j) {
         if (item.zero[static_cast<size_t>(j)]) continue;
         const Index row = item.row[static_cast<size_t>(j)];
-        sum += item.S(i, j) * data.e(row);
-        if (item.damped) sum += item.S_d(i, j) * data.e_dot(row);
+        sum += item.S(i, j) * e(row);
+        if (item.damped) sum += item.S_d(i, j) * e_dot(row);
       }
-      data.sigma(item.row[static_cast<size_t>(i)]) += sum;
+      sigma(item.row[static_cast<size_t>(i)]) += sum;
     }
   }
 }
 
-}  // namespace
-
 void mass_matrix(const Model& model, Data& data) noexcept {
   data.M_dd.setZero();
-  LocalVector u;
-  LocalHessian M;
   for (const ModelInertia& item : model.inertias) {
-    const Index n = item.inertia->n_local();
-    gather(item.parts, data.x, u);
-    M.resize(n, n);
-    item.inertia->mass(u, M);
-    columns_to_node_axes(item.parts, M);
-    rows_to_node_axes(item.parts, M);
+    const LocalHessian M = local_mass(item, data.x);
+    const Index n = M.rows();
     auto product = data.local_rows.topRows(n);
     product.setZero();
     for_each_column(item.parts, model.n_x, [&](Index j, Index column) {
@@ -115,9 +69,9 @@ bool generalised_forces(const Model& model, Data& data, const MotionState& state
   stress_resultants(model, data, state, sigma_a);
   data.f = data.load_factor * model.load;
   if (data.external != nullptr) data.f += *data.external;
-  add_turning_loads(model, data, data.f);
-  subtract_inertia_forces(model, data, data.x_dot, data.x_ddot_0, data.load_factor * model.gravity,
-                          data.f);
+  add_turning_loads(model, data.x, data.load_factor, model.n_x, data.f);
+  subtract_inertia_forces(model, data.x, data.x_dot, data.x_ddot_0,
+                          data.load_factor * model.gravity, data.f);
   data.f_dd.noalias() = data.DF.transpose() * data.f;
   for (Index i = 0; i < model.n_d; ++i) {
     const Model::Dof& dof = model.dofs[static_cast<size_t>(i)];
@@ -170,7 +124,7 @@ void subtract_stresses(const Model& model, const Data& data, bool redundant_only
 
 Eigen::VectorXd inertia_forces(const Model& model, const Data& data) {
   Eigen::VectorXd f = Eigen::VectorXd::Zero(model.n_x + model.n_0);
-  subtract_inertia_forces(model, data, data.x_dot, data.x_ddot, Eigen::Vector3d::Zero(), f);
+  subtract_inertia_forces(model, data.x, data.x_dot, data.x_ddot, Eigen::Vector3d::Zero(), f);
   return -f;
 }
 
@@ -179,10 +133,10 @@ Eigen::VectorXd applied_forces(const Model& model, const Data& data) {
   f << model.load, model.fixed_load;
   f *= data.load_factor;
   if (data.external != nullptr) f.head(model.n_x) += *data.external;
-  add_turning_loads(model, data, f);
+  add_turning_loads(model, data.x, data.load_factor, f.size(), f);
   if (model.gravity.isZero(0)) return f;
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(model.n_x);
-  subtract_inertia_forces(model, data, rest, rest, data.load_factor * model.gravity, f);
+  subtract_inertia_forces(model, data.x, rest, rest, data.load_factor * model.gravity, f);
   return f;
 }
 

@@ -23,6 +23,10 @@ DynamicsStatus accelerations(const Model& model, Data& data, const MotionState& 
 bool generalised_forces(const Model& model, Data& data, const MotionState& state,
                         const Eigen::VectorXd& sigma_a) noexcept;
 
+/// sigma += S e + S_d e' of all elements; all n_e. hot.
+void add_element_stresses(const Model& model, const Eigen::VectorXd& e,
+                          const Eigen::VectorXd& e_dot, Eigen::VectorXd& sigma) noexcept;
+
 /// Writes x_ddot for given q''^d, after generalised_forces. hot.
 void complete_accelerations(Data& data, const Eigen::VectorXd& q_d_ddot) noexcept;
 

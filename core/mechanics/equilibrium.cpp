@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/errors/input_error.hpp"
+#include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/load_path.hpp"
 #include "core/mechanics/stationarity.hpp"
@@ -15,21 +16,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-/// S e (n_e) of deformations (n_e).
-VectorXd stresses_of(const Model& model, const VectorXd& e) {
-  VectorXd sigma = VectorXd::Zero(model.n_e);
-  for (const ModelElement& item : model.elements) {
-    for (Index i = 0; i < item.S.rows(); ++i) {
-      for (Index j = 0; j < item.S.cols(); ++j) {
-        if (item.zero[static_cast<size_t>(j)]) continue;
-        sigma(item.row[static_cast<size_t>(i)]) +=
-            item.S(i, j) * e(item.row[static_cast<size_t>(j)]);
-      }
-    }
-  }
-  return sigma;
-}
 
 /// What is out of balance and its Jacobian for one load factor, as load_path.hpp asks for it. Goes
 /// from one position to the next by travel(). G is that of the stresses which the last step was to
@@ -89,12 +75,12 @@ class ForceBalance {
   static const VectorXd& position(const State& state) { return state.motion.x; }
   double way(const VectorXd& x) const { return largest_move(model_, x); }
   bool take() {
-    VectorXd strains = VectorXd::Zero(model_.n_e);
+    VectorXd strains = VectorXd::Zero(model_.n_e), expected = data_.sigma;
     strains.tail(model_.n_redundant) = data_.DF_e * step_;
-    const VectorXd expected = (data_.sigma + stresses_of(model_, strains)).tail(model_.n_redundant);
+    add_element_stresses(model_, strains, VectorXd::Zero(model_.n_e), expected);
     at_.q += step_;
     if (!forces()) return false;
-    ahead_.tail(model_.n_redundant) = expected - data_.sigma.tail(model_.n_redundant);
+    ahead_.tail(model_.n_redundant) = (expected - data_.sigma).tail(model_.n_redundant);
     return true;
   }
   bool holds() {

@@ -12,10 +12,10 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 
 Complex position_of(Quantity quantity, Complex s) {
-  switch (input_kind(quantity)) {
-    case InputColumns::Kind::velocity:
+  switch (traits_of(quantity).derivative) {
+    case 1:
       return 1.0 / s;
-    case InputColumns::Kind::acceleration:
+    case 2:
       return 1.0 / (s * s);
     default:
       return 1.0;

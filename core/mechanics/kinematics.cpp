@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/mechanics/node_moves.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -175,7 +176,6 @@ bool solve_positions(const Model& model, Data& data, const MotionState& state) n
     return true;
   }
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr double close =
       1e-8;  // of the displacements: factors from there contract as new ones do
   double last_step = infinity;

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <complex>
 #include <cstdio>
-#include <numbers>
 
 #include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/mechanics/unstable.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -146,8 +146,7 @@ Modes modes(const LinearModel& model) {
             "numbers of the model overflow: a natural frequency is not finite; look for a length, "
             "stiffness or mass with a wrong power of ten");
       }
-      result.natural_frequencies_hz =
-          (omega.array() > known.array()).select(omega, 0) / (2 * std::numbers::pi);
+      result.natural_frequencies_hz = (omega.array() > known.array()).select(omega, 0) / two_pi;
       result.shapes = shapes.V;
       undamped = !result.moving && model.D.isZero(0);
       if (undamped) {

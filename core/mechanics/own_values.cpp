@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <complex>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "core/numerics/balance.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/extended/decompositions.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -228,7 +228,7 @@ VectorXd own_frequencies_hz(const LinearModel& model) {
     const OwnValues own = own_values(model, Asked::zeros);
     for (Index i = 0; i < own.values.size(); ++i) {
       if (own.values(i).imag() < 0 || own.is_zero(i)) continue;
-      found.push_back(std::abs(own.values(i)) / (2 * std::numbers::pi));
+      found.push_back(std::abs(own.values(i)) / two_pi);
     }
   } catch (const Refusal&) {
     return {};

@@ -82,22 +82,9 @@ MatrixXd state_matrix(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
 MatrixXd state_matrix(const LinearModel& model) { return state_matrix(model, mass_factors(model)); }
 
 InputColumns::Kind input_kind(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::position:
-    case Quantity::rotation:
-    case Quantity::deformation:
-      return InputColumns::Kind::position;
-    case Quantity::velocity:
-    case Quantity::angular_velocity:
-    case Quantity::deformation_rate:
-      return InputColumns::Kind::velocity;
-    case Quantity::acceleration:
-    case Quantity::angular_acceleration:
-    case Quantity::deformation_acceleration:
-      return InputColumns::Kind::acceleration;
-    default:
-      return InputColumns::Kind::direct;
-  }
+  using Kind = InputColumns::Kind;
+  constexpr Kind of_motion[] = {Kind::position, Kind::velocity, Kind::acceleration};
+  return is_motion(quantity) ? of_motion[traits_of(quantity).derivative] : Kind::direct;
 }
 
 namespace {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/model/prescribed.hpp"
 #include "core/mechanics/node_moves.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/numerics/worst.hpp"
 
 namespace stillframe {
@@ -76,8 +76,7 @@ std::vector<Instant> instants(const Model& model, const NominalMotion& nominal) 
   VectorXd period(model.n_r);
   const std::vector<SceneSignal> signals = prescribed_signals(model);
   for (Index i = 0; i < model.n_r; ++i) {
-    const double whole =
-        is_angle(model, signals[static_cast<size_t>(i)]) ? 2 * std::numbers::pi : size;
+    const double whole = is_angle(model, signals[static_cast<size_t>(i)]) ? two_pi : size;
     period(i) =
         time_for(whole, std::abs(nominal.state.q_r_dot(i)), std::abs(nominal.state.q_r_ddot(i)));
   }

@@ -37,6 +37,34 @@ struct TurnedLoad {
   }
 };
 
+/// The displacement of a node's rotation part, 0 where x does not hold it. hot.
+inline LocalVector rotation_displacement(const ModelNode& node, const Eigen::VectorXd& x) noexcept {
+  LocalVector rotation = LocalVector::Zero(node.rotation.size);
+  for (Index i = 0; i < rotation.size(); ++i) {
+    const Index column = node.rotation.column[static_cast<size_t>(i)];
+    if (column >= 0 && column < x.size()) rotation(i) = x(column);
+  }
+  return rotation;
+}
+
+/// f += factor times the loads that turn, at the positions x; of rows below n. hot.
+inline void add_turning_loads(const Model& model, const Eigen::VectorXd& x, double factor, Index n,
+                              Eigen::VectorXd& f) noexcept {
+  const auto add = [&](const PartMap& map, const double* values) {
+    for (Index i = 0; i < map.size; ++i) {
+      const Index column = map.column[static_cast<size_t>(i)];
+      if (column >= 0 && column < n) f(column) += factor * values[i];
+    }
+  };
+  for (const ModelLoad& load : model.turning_loads) {
+    const ModelNode& node = model.nodes[static_cast<size_t>(load.node)];
+    const TurnedLoad turned(load, rotation_displacement(node, x), model.planar);
+    const Eigen::Vector3d force = node.translation.basis.transpose() * turned.force;
+    add(node.translation, force.data());
+    add(node.rotation, turned.moment.data());
+  }
+}
+
 /// The parts a turning load acts on: translation, then rotation.
 inline std::vector<PartMap> parts_of(const Model& model, const ModelLoad& load) {
   const ModelNode& node = model.nodes[static_cast<size_t>(load.node)];

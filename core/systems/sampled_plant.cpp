@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
 
 #include "core/numerics/balance.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -71,7 +71,7 @@ Instrumented with_instruments(const LoopPlant& plant, const Sampling& sampling) 
   out.B_w = MatrixXd::Zero(total, p);
   out.B_c = MatrixXd::Zero(total, m);
   if (lag) {
-    const double corner = 2 * std::numbers::pi * has.actuator_lag_hz;
+    const double corner = two_pi * has.actuator_lag_hz;
     F_x.leftCols(m) = G;
     F_c.setZero();
     out.A.topLeftCorner(m, m) = -corner * I;
@@ -90,7 +90,7 @@ Instrumented with_instruments(const LoopPlant& plant, const Sampling& sampling) 
   out.C_sigma.rightCols(n) += plant.C_sigma;
   out.D_sigma = F_c;
   if (filter) {
-    const double corner = 2 * std::numbers::pi * has.sensor_filter_hz;
+    const double corner = two_pi * has.sensor_filter_hz;
     out.A.middleRows(i_filter, m) = corner * out.C_sigma;
     out.A.block(i_filter, i_filter, m, m) -= corner * I;
     out.B_c.middleRows(i_filter, m) = corner * F_c;

@@ -39,7 +39,8 @@ std::string shape_of(const YAML::Node& node) {
   return "'" + printable(node.Scalar(), longest_shown) + "'";
 }
 
-std::string join(std::initializer_list<std::string_view> words) {
+template <class Words>
+std::string join(const Words& words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + std::string(word);
   return text;
@@ -107,7 +108,7 @@ YamlReader YamlReader::require(const std::string& key) const {
   return *value;
 }
 
-void YamlReader::allow_only(std::initializer_list<std::string_view> keys) const {
+void YamlReader::allow_only(const std::vector<std::string_view>& keys) const {
   if (!node_->IsMap()) fail_found("a map with the keys " + join(keys));
   for (const auto& entry : *node_) {
     const std::string& key = entry.first.Scalar();

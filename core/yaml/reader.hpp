@@ -46,7 +46,7 @@ class YamlReader {
   YamlReader require(const std::string& key) const;
   std::optional<YamlReader> find(const std::string& key) const;
   /// Fails on the first key of this map that is not in the list, naming the nearest one that is.
-  void allow_only(std::initializer_list<std::string_view> keys) const;
+  void allow_only(const std::vector<std::string_view>& keys) const;
 
   bool is_map() const;
   bool is_sequence() const;

@@ -1,10 +1,9 @@
 #include "plant_sim/motion/make_motion.hpp"
 
-#include <numbers>
-
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "plant_sim/motion/adaptive_motion.hpp"
 #include "plant_sim/motion/exponential_motion.hpp"
 #include "plant_sim/motion/linear_motion.hpp"
@@ -77,7 +76,7 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
                      ": method: linear is small motion about rest, but the operating point of this "
                      "scene moves; take another, or 'auto'");
   }
-  const double filter_rate = 2 * std::numbers::pi * scene.instruments.sensor_filter_hz;
+  const double filter_rate = two_pi * scene.instruments.sensor_filter_hz;
   std::vector<SceneSignal> signals = scene.outputs;
   signals.insert(signals.end(), scene.monitors.begin(), scene.monitors.end());
   const FramePoints points(model, merged.carried, signals);

@@ -182,37 +182,6 @@ void Equations::add_mass(const Mass& mass, const NodalState& state, Eigen::Vecto
   add_local(mass.unknown, F, r);
 }
 
-namespace {
-
-/// The displacement of a node's rotation; 0 where it is fixed.
-void rotation_of_node(const ModelNode& node, const Eigen::VectorXd& x, LocalVector& rotation) {
-  rotation.setZero(node.rotation.size);
-  for (Index i = 0; i < rotation.size(); ++i) {
-    const Index column = node.rotation.column[static_cast<size_t>(i)];
-    if (column >= 0 && column < x.size()) rotation(i) = x(column);
-  }
-}
-
-}  // namespace
-
-void Equations::add_turning_loads(const NodalState& state, Eigen::VectorXd& r) noexcept {
-  LocalVector rotation;
-  for (const ModelLoad& load : model_.turning_loads) {
-    const ModelNode& node = model_.nodes[static_cast<size_t>(load.node)];
-    rotation_of_node(node, state.x, rotation);
-    const TurnedLoad turned(load, rotation, model_.planar);
-    const Eigen::Vector3d force = node.translation.basis.transpose() * turned.force;
-    const auto subtract = [&](const PartMap& map, const double* values) {
-      for (Index i = 0; i < map.size; ++i) {
-        const Index column = map.column[static_cast<size_t>(i)];
-        if (column >= 0 && column < n_free_) r(column) -= values[i];
-      }
-    };
-    subtract(node.translation, force.data());
-    subtract(node.rotation, turned.moment.data());
-  }
-}
-
 void Equations::residual(const NodalState& state, Eigen::VectorXd& r) noexcept {
   r.setZero();
   r.head(n_free_) -= model_.load.head(n_free_);
@@ -223,7 +192,7 @@ void Equations::residual(const NodalState& state, Eigen::VectorXd& r) noexcept {
   }
   for (const Place& place : places_) add_element(place, state, r);
   for (const Mass& mass : masses_) add_mass(mass, state, r);
-  add_turning_loads(state, r);
+  add_turning_loads(model_, state.x, -1, n_free_, r);
 }
 
 void Equations::position_errors(const NodalState& state, Eigen::VectorXd& r) noexcept {

@@ -118,7 +118,6 @@ class Equations {
                 const LocalJacobian& D, const NodalState& state, LocalDeformation& s) noexcept;
   void add_element(const Place& place, const NodalState& state, Eigen::VectorXd& r) noexcept;
   void add_mass(const Mass& mass, const NodalState& state, Eigen::VectorXd& r) noexcept;
-  void add_turning_loads(const NodalState& state, Eigen::VectorXd& r) noexcept;
   void differentiate_element(const Place& place, const NodalState& state, bool all) noexcept;
   void differentiate_mass(const Mass& mass, const NodalState& state, bool all) noexcept;
   void differentiate_turning_loads(const NodalState& state) noexcept;

@@ -1,5 +1,5 @@
 // The derivatives of the equations in nodal coordinates.
-#include "core/mechanics/model/local.hpp"
+#include "core/mechanics/model/local_terms.hpp"
 #include "core/mechanics/turning_load.hpp"
 #include "plant_sim/nodal/equations.hpp"
 
@@ -53,13 +53,11 @@ void Equations::differentiate_element(const Place& place, const NodalState& stat
         const LocalJacobian damped = S_d * D, damped_rate = S_d * rate;
         LocalHessian C = D.transpose() * damped;
         K.noalias() += D.transpose() * damped_rate;
-        columns_to_node_axes(item.parts, C);
-        rows_to_node_axes(item.parts, C);
+        to_node_axes(item.parts, C);
         add_square(place.unknown, C, damping_);
       }
     }
-    columns_to_node_axes(item.parts, K);
-    rows_to_node_axes(item.parts, K);
+    to_node_axes(item.parts, K);
     add_square(place.unknown, K, stiffness_);
     columns_to_node_axes(item.parts, rate);
     columns_to_node_axes(item.parts, second_rate);
@@ -84,24 +82,17 @@ void Equations::differentiate_element(const Place& place, const NodalState& stat
 }
 
 void Equations::differentiate_mass(const Mass& mass, const NodalState& state, bool all) noexcept {
-  const Inertia& inertia = *mass.item->inertia;
-  const Index n = inertia.n_local();
-  LocalVector u, v, a;
-  gather(mass.item->parts, state.x, u);
-  LocalHessian M(n, n);
-  inertia.mass(u, M);
-  columns_to_node_axes(mass.item->parts, M);
-  rows_to_node_axes(mass.item->parts, M);
+  const LocalHessian M = local_mass(*mass.item, state.x);
   add_square(mass.unknown, M, mass_);
   if (!all) return;
+  LocalVector u, v, a;
+  gather(mass.item->parts, state.x, u);
   gather(mass.item->parts, state.x_dot, v);
   gather(mass.item->parts, state.x_ddot, a);
-  LocalHessian C(n, n), K(n, n);
-  inertia.tangents(u, v, a, model_.gravity, C, K);
-  columns_to_node_axes(mass.item->parts, C);
-  rows_to_node_axes(mass.item->parts, C);
-  columns_to_node_axes(mass.item->parts, K);
-  rows_to_node_axes(mass.item->parts, K);
+  LocalHessian C(M.rows(), M.rows()), K(M.rows(), M.rows());
+  mass.item->inertia->tangents(u, v, a, model_.gravity, C, K);
+  to_node_axes(mass.item->parts, C);
+  to_node_axes(mass.item->parts, K);
   add_square(mass.unknown, C, damping_);
   add_square(mass.unknown, K, stiffness_);
 }
@@ -109,12 +100,7 @@ void Equations::differentiate_mass(const Mass& mass, const NodalState& state, bo
 void Equations::differentiate_turning_loads(const NodalState& state) noexcept {
   for (const ModelLoad& load : model_.turning_loads) {
     const ModelNode& node = model_.nodes[static_cast<size_t>(load.node)];
-    LocalVector rotation = LocalVector::Zero(node.rotation.size);
-    for (Index i = 0; i < rotation.size(); ++i) {
-      const Index column = node.rotation.column[static_cast<size_t>(i)];
-      if (column >= 0 && column < model_.n_x) rotation(i) = state.x(column);
-    }
-    const TurnedLoad turned(load, rotation, model_.planar);
+    const TurnedLoad turned(load, rotation_displacement(node, state.x), model_.planar);
     const Eigen::Matrix<double, 3, 4> d_force = node.translation.basis.transpose() * turned.d_force;
     const auto number = [&](const PartMap& map, Index i) {
       const Index column = map.column[static_cast<size_t>(i)];

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/numerics/two_pi.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/verdict/motion_level.hpp"
 
@@ -145,9 +145,9 @@ MotionSpectra motion_spectra(const SignalAnalysis& signal) {
   spectra.narrowest_hz = narrowest_band_hz(signal.power);
   for (const OctaveBand& band : third_octave_bands()) {
     spectra.jumps.push_back(jumps_in_band(signal.power, band.lower_hz, band.upper_hz) /
-                            (2 * std::numbers::pi * band.lower_hz));
+                            (two_pi * band.lower_hz));
     spectra.leak.push_back(leak_in_band(signal.power, band.lower_hz, band.upper_hz) /
-                           (2 * std::numbers::pi * band.lower_hz));
+                           (two_pi * band.lower_hz));
     spectra.cumulative_rms.push_back(band.upper_hz <= 0.5 * signal.power.sample_rate_hz
                                          ? band_rms(signal.power, 0, band.upper_hz)
                                          : std::nan(""));

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/errors/input_error.hpp"
+#include "core/files/utf8.hpp"
 
 namespace stillframe::report {
 
@@ -63,7 +64,7 @@ std::string variable(const std::string& name, Class kind, Index n_rows, Index n_
 
 /// UTF-8, whose size in a file is a number of letters, not of bytes.
 std::string variable(const std::string& name, const std::string& text) {
-  const auto begins_letter = [](char byte) { return (byte & 0xC0) != 0x80; };
+  const auto begins_letter = [](char byte) { return !continues_character(byte); };
   return variable(name, Class::text, 1, std::count_if(text.begin(), text.end(), begins_letter),
                   element(Type::utf8, text));
 }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/errors/input_error.hpp"
+#include "core/files/utf8.hpp"
 
 namespace stillframe::report {
 
@@ -142,7 +143,7 @@ std::vector<std::string> letters(const Parts::Part& part) {
   std::vector<std::string> out;
   if (part.type == 16 || part.type <= 2) {  // UTF-8, or bytes that are
     for (const char byte : part.data) {
-      if ((byte & 0xC0) == 0x80 && !out.empty()) {
+      if (continues_character(byte) && !out.empty()) {
         out.back() += byte;
       } else {
         out.emplace_back(1, byte);

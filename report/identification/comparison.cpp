@@ -4,9 +4,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 #include <string>
+
+#include "core/numerics/decibels.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe::report {
 
@@ -48,14 +50,12 @@ void check_size(const MatrixXd& predicted, Index rows, Index cols, const char* c
 
 }  // namespace
 
-MatrixXd decibels(const MatrixXd& values) { return 20 * values.array().log10(); }
-
 MatrixXd predicted_singular_values(const SampledLoop& loop,
                                    const std::vector<double>& frequencies_hz) {
   std::vector<Eigen::MatrixXcd> T;
   T.reserve(frequencies_hz.size());
   for (const double frequency : frequencies_hz) {
-    T.push_back(transfer(loop, 2 * std::numbers::pi * frequency));
+    T.push_back(transfer(loop, two_pi * frequency));
   }
   return singular_values(T);
 }
@@ -87,7 +87,7 @@ PredictionError compare(const FrequencyResponse& measured, const Bands& bands,
     for (Index i = 0; i < values.cols(); ++i) {
       if (!is_compared(l, i)) continue;
       const double value = values(l, i), wider = joint_width(result.n_compared, measured.dof(l));
-      const double difference = 20 * std::log10(value / predicted(l, i));
+      const double difference = decibels(value / predicted(l, i));
       result.difference_db(l, i) = difference;
       raise(std::abs(difference), frequency, result.largest_db, result.at_frequency_hz);
       // Chance is shared among all values; what noise of the inputs takes off is in each alike.

@@ -26,9 +26,6 @@ struct ComparisonRule {
   double least_rank = 1e-8;
 };
 
-/// 20 log10 of each value.
-Eigen::MatrixXd decibels(const Eigen::MatrixXd& values);
-
 /// sigma_i(T(e^{j 2 pi f T_s})) of a sampled loop, n_f x min(n_y, n_w), largest first; frequencies
 /// in Hz.
 Eigen::MatrixXd predicted_singular_values(const SampledLoop& loop,

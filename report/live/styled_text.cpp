@@ -8,12 +8,10 @@ namespace stillframe::live {
 
 namespace {
 
-bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
-
 std::string first_characters(std::string_view text, int n) {
   std::size_t at = 0;
   for (; at < text.size(); ++at) {
-    if (!is_continuation(text[at]) && n-- == 0) break;
+    if (!continues_character(text[at]) && n-- == 0) break;
   }
   return std::string(text.substr(0, at));
 }
@@ -40,7 +38,7 @@ const char* code_of(Style style) {
 
 int width_of(std::string_view text) {
   return static_cast<int>(
-      std::count_if(text.begin(), text.end(), [](char c) { return !is_continuation(c); }));
+      std::count_if(text.begin(), text.end(), [](char c) { return !continues_character(c); }));
 }
 
 std::string padded(std::string_view text, int width, bool left) {

@@ -92,13 +92,6 @@ Envelope EnvelopeBuilder::finish() const {
   return last.envelope_;
 }
 
-Envelope envelope_of(const Eigen::VectorXd& x, double sample_rate_hz, double first_time_s,
-                     std::size_t most_parts) {
-  EnvelopeBuilder builder(1 / sample_rate_hz, first_time_s, most_parts);
-  builder.add(x);
-  return builder.finish();
-}
-
 Envelope halved(const Envelope& envelope) {
   Envelope half = envelope;
   if (!half.empty()) join_neighbours(half);

@@ -51,10 +51,6 @@ class EnvelopeBuilder {
   double lower_, upper_;  // of the open part
 };
 
-/// The envelope of a whole signal, from x (n) at first_time_s, first_time_s + 1 / rate, ...
-Envelope envelope_of(const Eigen::VectorXd& x, double sample_rate_hz, double first_time_s = 0,
-                     std::size_t most_parts = EnvelopeBuilder::default_parts);
-
 /// The same envelope with neighbouring parts joined once: half as many.
 Envelope halved(const Envelope& envelope);
 

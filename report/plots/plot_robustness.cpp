@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numerics/decibels.hpp"
 #include "core/systems/frequency_range.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_style.hpp"
@@ -29,7 +30,7 @@ MatrixXd columns_of(const RobustnessPlot& plot, const std::vector<const VectorXd
   for (size_t c = 0; c < curves.size(); ++c) {
     require(curves[c]->size() == n, "a curve of " + std::to_string(curves[c]->size()) +
                                         " values for " + std::to_string(n) + " frequencies");
-    table.col(static_cast<Index>(c) + 1) = 20 * curves[c]->array().log10();
+    table.col(static_cast<Index>(c) + 1) = decibels(*curves[c]);
   }
   return table;
 }

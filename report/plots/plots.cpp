@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numerics/decibels.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_style.hpp"
 
@@ -33,8 +34,6 @@ MatrixXd with_abscissa(const std::vector<double>& x, const MatrixXd& columns, co
   return table;
 }
 
-MatrixXd in_decibels(const MatrixXd& values) { return 20 * values.array().log10(); }
-
 /// Draws columns 2 ... of a datablock alike, one entry in the legend for all.
 std::string curves(const std::string& block, Index n_columns, const std::string& style,
                    const std::string& title) {
@@ -54,7 +53,7 @@ MatrixXd target_curve(const SingularValuePlot& plot) {
     const double r = plot.frequencies_hz[static_cast<std::size_t>(k)] / plot.target_frequency_hz;
     curve(k) = 1 / std::hypot(1 - r * r, 2 * plot.target_damping * r);
   }
-  return in_decibels(curve);
+  return decibels(curve);
 }
 
 /// The smallest and largest of the frequencies that a plot shows. Errors: std::invalid_argument for
@@ -90,18 +89,18 @@ void plot_singular_values(const SingularValuePlot& plot, const std::filesystem::
     parts.push_back(curves(name, values_db.cols(), style, title));
   };
   const std::string line = "with lines linewidth 3 linecolor rgb ";
-  add("open", plot.frequencies_hz, in_decibels(plot.open_predicted), line + passive_colour,
+  add("open", plot.frequencies_hz, decibels(plot.open_predicted), line + passive_colour,
       "open loop, predicted");
-  add("closed", plot.frequencies_hz, in_decibels(plot.closed_predicted),
+  add("closed", plot.frequencies_hz, decibels(plot.closed_predicted),
       line + active_colour + " dashtype (12,6)", "closed loop, predicted");
-  add("continuous", plot.frequencies_hz, in_decibels(plot.closed_continuous),
+  add("continuous", plot.frequencies_hz, decibels(plot.closed_continuous),
       "with lines linewidth 1.2 linecolor rgb " + std::string(active_colour),
       "closed loop, continuous law");
   add("open_measured", plot.open_measured.frequencies_hz,
-      in_decibels(plot.open_measured.singular_values), points(passive_colour, 6),
+      decibels(plot.open_measured.singular_values), points(passive_colour, 6),
       "open loop, measured");
   add("closed_measured", plot.closed_measured.frequencies_hz,
-      in_decibels(plot.closed_measured.singular_values), points(active_colour, 8),
+      decibels(plot.closed_measured.singular_values), points(active_colour, 8),
       "closed loop, measured");
   if (plot.target_frequency_hz > 0) {
     add("target", plot.frequencies_hz, target_curve(plot),

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/numerics/two_pi.hpp"
 #include "report/spectra/fourier.hpp"
 #include "report/spectra/windows.hpp"
 
@@ -139,7 +140,7 @@ Psd velocity_from_acceleration(const Psd& acceleration) {
   Psd velocity = acceleration;
   velocity.density(0) = 0;
   for (Index k = 1; k < velocity.density.size(); ++k) {
-    const double omega = 2 * std::numbers::pi * velocity.frequency_hz(k);
+    const double omega = two_pi * velocity.frequency_hz(k);
     velocity.density(k) /= omega * omega;
   }
   return velocity;
@@ -176,7 +177,7 @@ double jumps_in_band(const Psd& psd, double lower_hz, double upper_hz) {
   if (!(psd.jumps > 0)) return psd.jumps;
   const double lowest = std::max(lower_hz, psd.resolution_hz);
   if (!(lowest < upper_hz)) return 0;
-  return std::sqrt(psd.jumps / (2 * std::numbers::pi * std::numbers::pi * psd.duration_s) *
+  return std::sqrt(psd.jumps / (two_pi * std::numbers::pi * psd.duration_s) *
                    (1 / lowest - 1 / upper_hz));
 }
 

@@ -5,13 +5,15 @@
 #include <numbers>
 #include <vector>
 
+#include "core/numerics/two_pi.hpp"
+
 namespace stillframe::report {
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
 VectorXd hann(Index n) {
-  const double step = 2 * std::numbers::pi / static_cast<double>(n);
+  const double step = two_pi / static_cast<double>(n);
   return VectorXd::NullaryExpr(
       n, [step](Index k) { return 0.5 - 0.5 * std::cos(step * static_cast<double>(k)); });
 }
@@ -59,7 +61,7 @@ double beyond_lobe(double bins) {
 }
 
 VectorXd blackman_harris(Index n) {
-  const double step = 2 * std::numbers::pi / static_cast<double>(n);
+  const double step = two_pi / static_cast<double>(n);
   return VectorXd::NullaryExpr(n, [step](Index k) {
     const double phase = step * static_cast<double>(k);
     return 0.35875 - 0.48829 * std::cos(phase) + 0.14128 * std::cos(2 * phase) -

@@ -3,9 +3,9 @@
 #include <random>
 
 #include "core/numerics/singular_values.hpp"
-#include "core/systems/augment.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/augment.hpp"
 #include "tests/support/frame_state_space.hpp"
 #include "tests/support/quadruple.hpp"
 
@@ -17,6 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Kind = InputColumns::Kind;
+using test::augmented;
 using test::FrameOutputs;
 
 MatrixXcd transfer(const StateSpace& system, Complex s) {

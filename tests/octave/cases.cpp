@@ -12,7 +12,7 @@
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/numerics/two_pi.hpp"
-#include "core/systems/augment.hpp"
+#include "tests/support/augment.hpp"
 
 namespace stillframe::octave {
 
@@ -64,7 +64,7 @@ OpenCase make_open_case(const fs::path& file) {
   const StateSpace system = state_space(linear);
   OpenCase c;
   c.name = file.stem();
-  c.system = augmented(system);
+  c.system = test::augmented(system);
   c.A_q = system.A;
   c.poles = modes(linear).eigenvalues;
   const double fastest = c.poles.cwiseAbs().maxCoeff();

@@ -9,6 +9,7 @@
 #include "report/page/html.hpp"
 #include "report/spectra/spectra.hpp"
 #include "report/spectra/vibration_criteria.hpp"
+#include "tests/page/envelope_of.hpp"
 
 namespace stillframe::test {
 

@@ -5,6 +5,7 @@
 
 #include "report/page/envelope.hpp"
 #include "report/page/thin_spectrum.hpp"
+#include "tests/page/envelope_of.hpp"
 
 namespace stillframe::page {
 namespace {

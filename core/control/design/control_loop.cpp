@@ -6,7 +6,7 @@
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/operating_point.hpp"
-#include "core/mechanics/scene/signals.hpp"
+#include "core/mechanics/scene/quantity.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/numerics/two_pi.hpp"
 
@@ -18,7 +18,7 @@ void require_accelerations(const std::vector<SceneSignal>& signals, const std::s
   for (const SceneSignal& signal : signals) {
     if (signal.quantity != Quantity::acceleration) {
       throw InputError(signal.place + ": " + what + " '" + signal.name + "': found '" +
-                       word_of(signal.quantity) +
+                       traits_of(signal.quantity).word +
                        "', a control loop needs 'acceleration' (of a node along a direction)");
     }
   }

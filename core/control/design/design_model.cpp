@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <stdexcept>
 
 #include "core/errors/input_error.hpp"
 #include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/positive_definite.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -111,7 +111,7 @@ DesignModel redundant(const Frame& frame) {
 std::string mode_name(Index mode, double square) {
   char text[64];
   std::snprintf(text, sizeof text, "%td (%.6g Hz)", mode + 1,
-                std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi));
+                std::sqrt(std::max(square, 0.0)) / two_pi);
   return text;
 }
 

@@ -1,13 +1,13 @@
 #include "core/control/design/gain_design.hpp"
 
 #include <cstdio>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "core/errors/input_error.hpp"
 #include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/positive_definite.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -41,7 +41,7 @@ void require_determined_modes(const VirtualModes& modes, const std::vector<ModeT
     std::snprintf(text, sizeof text,
                   "virtual modes %td and %td are of one frequency, %.6g Hz, so that their shapes "
                   "are not determined: give them the same target",
-                  i + 1, i + 2, omega(i) / (2 * std::numbers::pi));
+                  i + 1, i + 2, omega(i) / two_pi);
     throw Refusal(text);
   }
 }

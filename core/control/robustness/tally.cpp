@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/numerics/decibels.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe::robustness {
 
@@ -75,7 +76,6 @@ void Extremes::merge(const Extremes& other) {
 }
 
 double badness(const Outcome& outcome, Measure measure) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   if (outcome.verdict == Outcome::Verdict::failed) return -infinity;
   if (measure == Measure::radius) return outcome.radius;
   if (outcome.verdict == Outcome::Verdict::unstable) return infinity;

@@ -3,13 +3,13 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/elements/element.hpp"
 #include "core/mechanics/elements/rotation.hpp"
 #include "core/numerics/lanczos.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -134,7 +134,7 @@ MatrixXd orthogonal(const Sparse& K, MatrixXd columns) {
   return columns.leftCols(n);
 }
 
-double hz(double square) { return std::sqrt(square) / (2 * std::numbers::pi); }
+double hz(double square) { return std::sqrt(square) / two_pi; }
 
 }  // namespace
 

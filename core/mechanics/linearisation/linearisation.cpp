@@ -6,6 +6,7 @@
 #include "core/mechanics/linearisation/mass_rounding.hpp"
 #include "core/mechanics/linearisation/projection.hpp"
 #include "core/mechanics/linearisation/signal_rows.hpp"
+#include "core/mechanics/model/local_terms.hpp"
 #include "core/mechanics/model/prescribed.hpp"
 
 namespace stillframe {
@@ -18,51 +19,9 @@ bool NominalMotion::moving() const {
          !q_d_ddot.isZero(0);
 }
 
-bool is_motion(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::force:
-    case Quantity::torque:
-    case Quantity::stress:
-    case Quantity::reaction:
-    case Quantity::reaction_moment:
-      return false;
-    default:
-      return true;
-  }
-}
-
-std::string unit_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::position:
-    case Quantity::deformation:
-      return "m";
-    case Quantity::velocity:
-    case Quantity::deformation_rate:
-      return "m/s";
-    case Quantity::acceleration:
-    case Quantity::deformation_acceleration:
-      return "m/s^2";
-    case Quantity::rotation:
-      return "rad";
-    case Quantity::angular_velocity:
-      return "rad/s";
-    case Quantity::angular_acceleration:
-      return "rad/s^2";
-    case Quantity::force:
-    case Quantity::stress:
-    case Quantity::reaction:
-      return "N";
-    case Quantity::torque:
-    case Quantity::reaction_moment:
-      return "N m";
-  }
-  return "";
-}
-
 std::string unit_of(const Model& model, const SceneSignal& signal) {
-  if (signal.element.empty()) return stillframe::unit_of(signal.quantity);
-  std::string unit = stillframe::unit_of(signal.quantity);
-  if (!is_angle(model, signal)) return unit;
+  std::string unit = traits_of(signal.quantity).unit;
+  if (signal.element.empty() || !is_angle(model, signal)) return unit;
   return unit == "N" ? "N m" : unit.replace(0, 1, "rad");
 }
 
@@ -146,15 +105,10 @@ void Lineariser::Work::set_state(const NominalMotion& nominal) {
   result.u_0 = VectorXd::Zero(static_cast<Index>(inputs.size()));
   for (size_t j = 0; j < motion_input.size(); ++j) {
     const Quantity quantity = inputs[static_cast<size_t>(motion_input[j])].quantity;
-    const bool position = quantity == Quantity::position || quantity == Quantity::rotation ||
-                          quantity == Quantity::deformation;
-    const bool velocity = quantity == Quantity::velocity ||
-                          quantity == Quantity::angular_velocity ||
-                          quantity == Quantity::deformation_rate;
-    const VectorXd& q_r = position   ? nominal.state.q_r
-                          : velocity ? nominal.state.q_r_dot
-                                     : nominal.state.q_r_ddot;
-    result.u_0(motion_input[j]) = columns.patterns.col(static_cast<Index>(j)).dot(q_r);
+    const VectorXd* const q_r[] = {&nominal.state.q_r, &nominal.state.q_r_dot,
+                                   &nominal.state.q_r_ddot};
+    result.u_0(motion_input[j]) =
+        columns.patterns.col(static_cast<Index>(j)).dot(*q_r[traits_of(quantity).derivative]);
   }
 }
 
@@ -183,25 +137,19 @@ void Lineariser::Work::project_element(size_t k) {
 
 void Lineariser::Work::project_inertia(const ModelInertia& item) {
   if (!blocks.mass && !moving) return;
-  const Index n = item.inertia->n_local();
-  LocalVector u, v, a;
-  LocalHessian L(n, n), in_v(n, n), in_u(n, n);
-  const auto turn = [&](LocalHessian& matrix) {
-    columns_to_node_axes(item.parts, matrix);
-    rows_to_node_axes(item.parts, matrix);
-  };
-  gather(item.parts, data.x, u);
+  const LocalHessian L = local_mass(item, data.x);
   local.gather(item.parts, columns.T, &columns.X, moving ? &columns.X_1 : nullptr,
                moving ? &columns.X_2 : nullptr);
-  item.inertia->mass(u, L);
-  turn(L);
   if (blocks.mass) local.add(L, 0, 1.0, M);
   if (!moving) return;
+  LocalVector u, v, a;
+  gather(item.parts, data.x, u);
   gather(item.parts, data.x_dot, v);
   gather(item.parts, data.x_ddot, a);
+  LocalHessian in_v(u.size(), u.size()), in_u(u.size(), u.size());
   item.inertia->tangents(u, v, a, Eigen::Vector3d::Zero(), in_v, in_u);
-  turn(in_v);
-  turn(in_u);
+  to_node_axes(item.parts, in_v);
+  to_node_axes(item.parts, in_u);
   if (blocks.damping) {
     local.add(in_v, 0, 1.0, C);
     local.add(L, 1, 2.0, C);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mechanics/kinematics.hpp"
-#include "core/mechanics/scene/scene.hpp"
+#include "core/mechanics/scene/quantity.hpp"
 
 namespace stillframe {
 
@@ -104,9 +104,7 @@ LinearModel linearise(const Model& model, const NominalMotion& nominal,
                       const std::vector<SceneSignal>& inputs,
                       const std::vector<SceneSignal>& outputs, Blocks blocks = {});
 
-bool is_motion(Quantity quantity);
-std::string unit_of(Quantity quantity);
-/// The same, of a hinge's signals with angles and torques.
+/// The unit of a signal: its quantity's, or of a hinge's deformation that of angles and torques.
 std::string unit_of(const Model& model, const SceneSignal& signal);
 
 }  // namespace stillframe

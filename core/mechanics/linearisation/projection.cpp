@@ -1,5 +1,6 @@
 #include "core/mechanics/linearisation/projection.hpp"
 
+#include "core/mechanics/model/local_terms.hpp"
 #include "core/mechanics/turning_load.hpp"
 
 namespace stillframe {
@@ -82,28 +83,15 @@ void add_stress_term(const Model& model, const Data& data, const Columns& column
   for (Index i = 0; i < sigma.size(); ++i)
     sigma(i) = data.sigma_balanced(item.row[static_cast<size_t>(i)]);
   if (sigma.isZero(0)) return;
-  LocalVector u;
-  gather(item.parts, data.x, u);
-  LocalHessian H(u.size(), u.size());
-  item.element->hessian(u, sigma, H);
-  columns_to_node_axes(item.parts, H);
-  rows_to_node_axes(item.parts, H);
   local.gather(item.parts, columns.T, &columns.X, nullptr, nullptr);
-  local.add(H, 0, 1.0, G);
+  local.add(stress_stiffness(item, data.x, sigma), 0, 1.0, G);
 }
 
 void add_weight_term(const Model& model, const Data& data, const Columns& columns,
                      const ModelInertia& item, LocalColumns& local, Eigen::MatrixXd& G) {
   if (model.gravity.isZero(0)) return;
-  const Index n = item.inertia->n_local();
-  const LocalVector rest = LocalVector::Zero(n);
-  LocalVector u;
-  LocalHessian in_v(n, n), in_u(n, n);
-  gather(item.parts, data.x, u);
-  item.inertia->tangents(u, rest, rest, data.load_factor * model.gravity, in_v, in_u);
+  const LocalHessian in_u = weight_stiffness(item, data.x, data.load_factor * model.gravity);
   if (in_u.isZero(0)) return;
-  columns_to_node_axes(item.parts, in_u);
-  rows_to_node_axes(item.parts, in_u);
   local.gather(item.parts, columns.T, &columns.X, nullptr, nullptr);
   local.add(in_u, 0, 1.0, G);
 }

@@ -8,10 +8,13 @@ namespace stillframe {
 
 namespace {
 
-bool is_rotational(Quantity quantity) {
-  return quantity == Quantity::rotation || quantity == Quantity::angular_velocity ||
-         quantity == Quantity::angular_acceleration || quantity == Quantity::torque ||
-         quantity == Quantity::reaction_moment;
+bool is_rotational(Quantity quantity) { return traits_of(quantity).of == SignalOf::rotation; }
+
+/// Of the values of a motion and of its two derivatives, that which a quantity measures.
+template <class Value>
+Value& of_order(Quantity quantity, Value& value, Value& rate, Value& acceleration) {
+  Value* const values[] = {&value, &rate, &acceleration};
+  return *values[traits_of(quantity).derivative];
 }
 
 ResolvedSignal resolve(const Model& model, const SceneSignal& signal) {
@@ -110,18 +113,10 @@ Eigen::VectorXd virtual_motion(const Model& model, const Eigen::VectorXd& x,
 KinematicRows kinematic_rows(const Model& model, const Data& data, const ResolvedSignal& output) {
   const Eigen::RowVectorXd zero = Eigen::RowVectorXd::Zero(model.n_x);
   KinematicRows rows{zero, zero, zero};
-  switch (output.quantity) {
-    case Quantity::position:
-      rows.p = model.translation_row(output.node, output.direction);
-      return rows;
-    case Quantity::velocity:
-      rows.v = model.translation_row(output.node, output.direction);
-      return rows;
-    case Quantity::acceleration:
-      rows.a = model.translation_row(output.node, output.direction);
-      return rows;
-    default:
-      break;
+  Eigen::RowVectorXd& own = of_order(output.quantity, rows.p, rows.v, rows.a);
+  if (!is_rotational(output.quantity)) {
+    own = model.translation_row(output.node, output.direction);
+    return rows;
   }
   const ModelNode& node = model.nodes[static_cast<size_t>(output.node)];
   const auto place = [&](const Vector4& lambda, double sign, Eigen::RowVectorXd& row) {
@@ -130,14 +125,9 @@ KinematicRows kinematic_rows(const Model& model, const Data& data, const Resolve
   const Vector4 lambda = model.planar ? Vector4::Zero() : lambda_of(node, data.x);
   // Lambda_s(a) b = -Lambda_s(b) a, so omega and omega' change with lambda by -2 Lambda_s(lambda')
   // and -2 Lambda_s(lambda'').
-  if (output.quantity == Quantity::rotation) {
-    place(lambda, 1.0, rows.p);
-  } else if (output.quantity == Quantity::angular_velocity) {
-    place(lambda, 1.0, rows.v);
-    if (!model.planar) place(rate_of(node, data.x_dot), -1.0, rows.p);
-  } else {
-    place(lambda, 1.0, rows.a);
-    if (!model.planar) place(rate_of(node, data.x_ddot), -1.0, rows.p);
+  place(lambda, 1.0, own);
+  if (output.quantity != Quantity::rotation && !model.planar) {
+    place(rate_of(node, of_order(output.quantity, data.x, data.x_dot, data.x_ddot)), -1.0, rows.p);
   }
   return rows;
 }
@@ -147,9 +137,7 @@ namespace {
 double rotational_output(const Model& model, const Data& data, const ResolvedSignal& output,
                          const Eigen::VectorXd& x_reference) {
   const ModelNode& node = model.nodes[static_cast<size_t>(output.node)];
-  const Eigen::VectorXd& x = output.quantity == Quantity::rotation           ? data.x
-                             : output.quantity == Quantity::angular_velocity ? data.x_dot
-                                                                             : data.x_ddot;
+  const Eigen::VectorXd& x = of_order(output.quantity, data.x, data.x_dot, data.x_ddot);
   LocalVector part;
   gather({node.rotation}, x, part);
   if (model.planar) return part(0);
@@ -183,13 +171,10 @@ Eigen::VectorXd nonlinear_outputs(const Model& model, const Data& data,
     double& value = y(static_cast<Index>(i));
     switch (output.quantity) {
       case Quantity::position:
-        value = model.translation_row(output.node, output.direction).dot(data.x);
-        break;
       case Quantity::velocity:
-        value = model.translation_row(output.node, output.direction).dot(data.x_dot);
-        break;
       case Quantity::acceleration:
-        value = model.translation_row(output.node, output.direction).dot(data.x_ddot);
+        value = model.translation_row(output.node, output.direction)
+                    .dot(of_order(output.quantity, data.x, data.x_dot, data.x_ddot));
         break;
       case Quantity::stress:
         value = data.sigma(output.row);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/mechanics/kinematics.hpp"
-#include "core/mechanics/scene/scene.hpp"
+#include "core/mechanics/scene/quantity.hpp"
 
 namespace stillframe {
 

@@ -75,5 +75,11 @@ void rows_to_node_axes(const std::vector<PartMap>& parts, Matrix& local) noexcep
     at += map.size;
   }
 }
+/// Both, of a local matrix that is square.
+template <class Matrix>
+void to_node_axes(const std::vector<PartMap>& parts, Matrix& local) noexcept {
+  columns_to_node_axes(parts, local);
+  rows_to_node_axes(parts, local);
+}
 
 }  // namespace stillframe

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/mechanics/scene/quantity.hpp"
 #include "core/yaml/reader.hpp"
 
 namespace stillframe {
@@ -94,10 +95,9 @@ Eigen::VectorXd Model::prescribed_pattern(const SceneSignal& input) const {
     return pattern;
   }
   const Index node = node_index(input.node);
-  const bool angle = input.quantity == Quantity::rotation ||
-                     input.quantity == Quantity::angular_velocity ||
-                     input.quantity == Quantity::angular_acceleration;
-  if (!angle) return prescribed_pattern(node, input.direction, input.place);
+  if (traits_of(input.quantity).of != SignalOf::rotation) {
+    return prescribed_pattern(node, input.direction, input.place);
+  }
   const Index column = nodes[static_cast<size_t>(node)].rotation.column[0] - (n_x - n_rx);
   if (!planar || column < 0 || column >= n_rx) {
     throw InputError(

@@ -4,8 +4,8 @@
 #include <charconv>
 #include <sstream>
 
+#include "core/mechanics/scene/quantity.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "core/mechanics/scene/signals.hpp"
 #include "core/yaml/quoted.hpp"
 #include "core/yaml/reader.hpp"
 
@@ -90,7 +90,7 @@ std::string signal_of(const std::string& name, Quantity quantity, const std::str
                       const SceneComponent& component) {
   return Entry()
       .add("name", written_name(name))
-      .add(word_of(quantity).c_str(), written_name(of))
+      .add(traits_of(quantity).word, written_name(of))
       .add("along", component.along())
       .add("mode", component.mode())
       .item();

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <set>
+#include <string_view>
+#include <vector>
 
+#include "core/mechanics/scene/quantity.hpp"
 #include "core/mechanics/scene/references.hpp"
 
 namespace stillframe {
@@ -11,52 +14,25 @@ namespace {
 
 enum class Side { input, output };
 
-/// What a signal belongs to, and so which keys go with it.
-enum class Of { translation, rotation, deformation };
-
-struct SignalKey {
-  const char* word;
-  Quantity quantity;
-  Of of;
-  bool as_input, as_output;
-};
-
-constexpr SignalKey signal_keys[] = {
-    {"position", Quantity::position, Of::translation, true, true},
-    {"velocity", Quantity::velocity, Of::translation, true, true},
-    {"acceleration", Quantity::acceleration, Of::translation, true, true},
-    {"force", Quantity::force, Of::translation, true, false},
-    {"reaction", Quantity::reaction, Of::translation, false, true},
-    {"rotation", Quantity::rotation, Of::rotation, true, true},
-    {"angular_velocity", Quantity::angular_velocity, Of::rotation, true, true},
-    {"angular_acceleration", Quantity::angular_acceleration, Of::rotation, true, true},
-    {"torque", Quantity::torque, Of::rotation, true, false},
-    {"reaction_moment", Quantity::reaction_moment, Of::rotation, false, true},
-    {"stress", Quantity::stress, Of::deformation, true, true},
-    {"deformation", Quantity::deformation, Of::deformation, true, true},
-    {"deformation_rate", Quantity::deformation_rate, Of::deformation, true, true},
-    {"deformation_acceleration", Quantity::deformation_acceleration, Of::deformation, true, true},
-};
+bool goes_to(Side side, const QuantityTraits& key) {
+  return side == Side::input ? key.as_input : key.as_output;
+}
 
 void allow_signal_keys(const YamlReader& value, Side side) {
-  if (side == Side::input) {
-    value.allow_only({"name", "along", "mode", "position", "velocity", "acceleration", "force",
-                      "rotation", "angular_velocity", "angular_acceleration", "torque", "stress",
-                      "deformation", "deformation_rate", "deformation_acceleration"});
-  } else {
-    value.allow_only({"name", "along", "mode", "position", "velocity", "acceleration", "reaction",
-                      "rotation", "angular_velocity", "angular_acceleration", "reaction_moment",
-                      "stress", "deformation", "deformation_rate", "deformation_acceleration"});
+  std::vector<std::string_view> keys{"name", "along", "mode"};
+  for (const QuantityTraits& key : known_quantities) {
+    if (goes_to(side, key)) keys.emplace_back(key.word);
   }
+  value.allow_only(keys);
 }
 
 /// The one quantity of a signal.
-const SignalKey& find_signal_key(const YamlReader& value, Side side) {
-  const SignalKey* found = nullptr;
+const QuantityTraits& find_signal_key(const YamlReader& value, Side side) {
+  const QuantityTraits* found = nullptr;
   int n_found = 0;
   std::string words;
-  for (const SignalKey& key : signal_keys) {
-    if (!(side == Side::input ? key.as_input : key.as_output)) continue;
+  for (const QuantityTraits& key : known_quantities) {
+    if (!goes_to(side, key)) continue;
     words += (words.empty() ? "" : ", ") + std::string(key.word);
     if (!value.find(key.word)) continue;
     found = &key;
@@ -69,9 +45,9 @@ const SignalKey& find_signal_key(const YamlReader& value, Side side) {
 }
 
 /// All rotations of a planar scene are about z, those of a spatial one about a given direction.
-Eigen::Vector3d read_along(const YamlReader& value, const SignalKey& key, const Scene& scene) {
+Eigen::Vector3d read_along(const YamlReader& value, const QuantityTraits& key, const Scene& scene) {
   const auto along = value.find("along");
-  if (scene.planar && key.of == Of::rotation) {
+  if (scene.planar && key.of == SignalOf::rotation) {
     if (along) along->fail("a planar scene turns about z and needs none");
     return Eigen::Vector3d::UnitZ();
   }
@@ -85,10 +61,10 @@ SceneSignal read_signal(const YamlReader& value, Side side, const Scene& scene) 
   SceneSignal signal;
   signal.place = value.place();
   signal.name = value.require("name").text();
-  const SignalKey& key = find_signal_key(value, side);
+  const QuantityTraits& key = find_signal_key(value, side);
   signal.quantity = key.quantity;
   const YamlReader where = value.require(key.word);
-  if (key.of == Of::deformation) {
+  if (key.of == SignalOf::deformation) {
     const SceneElement& element = read_element_name(where, scene);
     signal.element = element.name;
     signal.mode = read_mode(value, element, 1);
@@ -97,7 +73,7 @@ SceneSignal read_signal(const YamlReader& value, Side side, const Scene& scene) 
   }
   signal.node = read_node_name(where, scene).name;
   if (const auto mode = value.find("mode")) mode->fail("the signal of a node has none");
-  if (!scene.planar && side == Side::input && key.of == Of::rotation &&
+  if (!scene.planar && side == Side::input && key.of == SignalOf::rotation &&
       key.quantity != Quantity::torque) {
     where.fail(
         "only in a planar scene can the rotation of a node be an input; prescribe a deformation of "
@@ -155,13 +131,6 @@ bool is_prescribed(const std::string& name, const Scene& scene) {
 }
 
 }  // namespace
-
-std::string word_of(Quantity quantity) {
-  const auto found =
-      std::find_if(std::begin(signal_keys), std::end(signal_keys),
-                   [quantity](const SignalKey& key) { return key.quantity == quantity; });
-  return found->word;
-}
 
 void read_signals(const YamlReader& root, Scene& scene) {
   std::set<std::string> input_names, output_names;

@@ -9,7 +9,4 @@ namespace stillframe {
 /// Errors: InputError.
 void read_signals(const YamlReader& root, Scene& scene);
 
-/// The key of a quantity: "acceleration".
-std::string word_of(Quantity quantity);
-
 }  // namespace stillframe

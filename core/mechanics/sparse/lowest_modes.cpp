@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 #include "core/mechanics/sparse/unresisted.hpp"
 #include "core/mechanics/unstable.hpp"
 #include "core/numerics/lanczos.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -239,7 +239,7 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
     }
     throw Unstable(why, result.shapes.col(0));
   }
-  result.natural_frequencies_hz = result.squares.cwiseSqrt() / (2 * std::numbers::pi);
+  result.natural_frequencies_hz = result.squares.cwiseSqrt() / two_pi;
   return result;
 }
 

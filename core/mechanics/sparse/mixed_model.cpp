@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/mechanics/model/local_terms.hpp"
+
 namespace stillframe {
 
 using Eigen::Index;
@@ -17,11 +19,10 @@ using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// Adds local entries whose coordinates are both free.
 template <class Local>
-void scatter(const std::vector<PartMap>& parts, Index n, const Local& local, double factor,
-             Triplets& entries) {
+void scatter(const std::vector<PartMap>& parts, Index n, const Local& local, Triplets& entries) {
   for_each_column(parts, n, [&](Index i, Index row) {
     for_each_column(parts, n, [&](Index j, Index column) {
-      if (local(i, j) != 0.0) entries.emplace_back(row, column, factor * local(i, j));
+      if (local(i, j) != 0.0) entries.emplace_back(row, column, local(i, j));
     });
   });
 }
@@ -36,12 +37,6 @@ SparseMatrix square(Index n, const Triplets& entries) {
 double damping_time_of(const MatrixXd& S, const MatrixXd& S_d) {
   const double time = S.isZero(0) ? 0 : S.cwiseProduct(S_d).sum() / S.squaredNorm();
   return (S_d - time * S).norm() <= 1e-14 * S_d.norm() ? time : -1;
-}
-
-template <class Local>
-void to_node_axes(const std::vector<PartMap>& parts, Local& local) {
-  columns_to_node_axes(parts, local);
-  rows_to_node_axes(parts, local);
 }
 
 }  // namespace
@@ -161,13 +156,8 @@ SparseMatrix MixedModel::strain_rows(const VectorXd& x, Of of) const {
 SparseMatrix MixedModel::mass(const VectorXd& x, Of of) const {
   const Index n = size(of);
   Triplets entries;
-  LocalVector u;
   for (const ModelInertia& item : model_.inertias) {
-    gather(item.parts, x, u);
-    LocalHessian M(u.size(), u.size());
-    item.inertia->mass(u, M);
-    to_node_axes(item.parts, M);
-    scatter(item.parts, n, M, 1, entries);
+    scatter(item.parts, n, local_mass(item, x), entries);
   }
   return square(n, entries);
 }
@@ -180,7 +170,7 @@ SparseMatrix MixedModel::damping(const VectorXd& x, Of of) const {
     if (!rows_[k].in_D) continue;
     const LocalJacobian D = local_jacobian(k, x);
     const LocalHessian damping = D.transpose() * rows_[k].S_d * D;
-    scatter(item.parts, n, damping, 1, entries);
+    scatter(item.parts, n, damping, entries);
   }
   return square(n, entries);
 }
@@ -189,26 +179,16 @@ SparseMatrix MixedModel::geometric_stiffness(const MixedState& state, Of of) con
   const VectorXd& x = state.x;
   const Index n = size(of);
   Triplets entries;
-  LocalVector u;
   for (size_t k = 0; k < rows_.size(); ++k) {
     const ModelElement& item = model_.elements[k];
     const LocalDeformation sigma = stresses(k, state);
     if (sigma.isZero(0)) continue;
-    gather(item.parts, x, u);
-    LocalHessian H(u.size(), u.size());
-    item.element->hessian(u, sigma, H);
-    to_node_axes(item.parts, H);
-    scatter(item.parts, n, H, 1, entries);
+    scatter(item.parts, n, stress_stiffness(item, x, sigma), entries);
   }
   if (!model_.gravity.isZero(0)) {
     for (const ModelInertia& item : model_.inertias) {
-      gather(item.parts, x, u);
-      const LocalVector rest = LocalVector::Zero(u.size());
-      LocalHessian in_v(u.size(), u.size()), in_u(u.size(), u.size());
-      item.inertia->tangents(u, rest, rest, state.load_factor * model_.gravity, in_v, in_u);
-      if (in_u.isZero(0)) continue;
-      to_node_axes(item.parts, in_u);
-      scatter(item.parts, n, in_u, 1, entries);
+      scatter(item.parts, n, weight_stiffness(item, x, state.load_factor * model_.gravity),
+              entries);
     }
   }
   return square(n, entries);
@@ -219,16 +199,9 @@ VectorXd MixedModel::forces(const VectorXd& x, double load_factor, Of of) const 
   VectorXd f(model_.n_x + model_.n_0);
   f << load_factor * model_.load, load_factor * model_.fixed_load;
   f.conservativeResize(n);
-  LocalVector u;
   if (!model_.gravity.isZero(0)) {
-    for (const ModelInertia& item : model_.inertias) {
-      gather(item.parts, x, u);
-      const LocalVector rest = LocalVector::Zero(u.size());
-      LocalVector F(u.size());
-      item.inertia->force(u, rest, rest, load_factor * model_.gravity, F);
-      rows_to_node_axes(item.parts, F);
-      for_each_column(item.parts, n, [&](Index i, Index column) { f(column) -= F(i); });
-    }
+    const VectorXd rest = VectorXd::Zero(model_.n_x);
+    subtract_inertia_forces(model_, x, rest, rest, load_factor * model_.gravity, f);
   }
   for (size_t k = 0; k < rows_.size(); ++k) {
     const LocalDeformation sigma = load_factor * rows_[k].given;

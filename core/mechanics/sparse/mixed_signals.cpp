@@ -13,18 +13,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// 0, 1 or 2: how often a motion is differentiated.
-int derivative(Quantity quantity) {
-  switch (input_kind(quantity)) {
-    case InputColumns::Kind::velocity:
-      return 1;
-    case InputColumns::Kind::acceleration:
-      return 2;
-    default:
-      return 0;
-  }
-}
-
 /// What supports and drives exert on all coordinates (n_x + n_0) at rest.
 VectorXd forces_borne(const MixedModel& mixed, const MixedState& state, const SparseMatrix& E) {
   return E.transpose() * state.s - mixed.forces(state.x, state.load_factor, MixedModel::Of::all);
@@ -90,7 +78,7 @@ class Resolver {
     D_w_.col(j) = D_ * X_w_.col(j) + driven.D;
     K_w_.col(j) = G_ * X_w_.col(j) + driven.K;
     const VectorXd* values[] = {&model_.q_r_0, &model_.q_r_dot_0, &model_.q_r_ddot_0};
-    found_.u_0(j) = pattern.dot(*values[derivative(signal.quantity)]);
+    found_.u_0(j) = pattern.dot(*values[traits_of(signal.quantity).derivative]);
   }
 
   void add_output(const SceneSignal& signal, Index i) {
@@ -103,7 +91,7 @@ class Resolver {
     } else if (output.row >= 0) {
       const auto [k, mode] = model_.owner_of_row(output.row);
       add_motion_row(mixed_.deformation_row(k, mode, state_.x), signal.quantity, i);
-      if (derivative(signal.quantity) == 0) {
+      if (traits_of(signal.quantity).derivative == 0) {
         found_.y_0(i) = mixed_.deformations(k, state_.x)(mode);
       }
     } else {
@@ -119,7 +107,7 @@ class Resolver {
   void add_motion_row(const VectorXd& row, Quantity quantity, Index i) {
     MatrixXd* Y[] = {&found_.Y_p, &found_.Y_v, &found_.Y_a};
     MatrixXd* R[] = {&found_.R_p, &found_.R_v, &found_.R_a};
-    const int order = derivative(quantity);
+    const int order = traits_of(quantity).derivative;
     Y[order]->row(i) += row.head(model_.n_c).transpose();
     R[order]->row(i) += row.transpose() * X_w_;
   }

@@ -13,6 +13,7 @@
 #include "core/mechanics/sparse/mixed_signals.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/numerics/lanczos.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -61,7 +62,7 @@ class Reducer {
     model.n_modes = n_m_;
     model.n_corrections = Z_.cols();
     model.to_hz = to_hz_;
-    model.first_left_out_hz = first_left_out_ / (2 * std::numbers::pi);
+    model.first_left_out_hz = first_left_out_ / two_pi;
     const LinearModel V = projected();
     model.linear = with_unit_masses(V);
     model.left_out = bound(V);
@@ -129,8 +130,7 @@ class Reducer {
 /// out.
 void Reducer::find_modes(const SceneReduction& asked) {
   const bool counted = asked.n_modes > 0;
-  const double top =
-      2 * std::numbers::pi * (asked.modes_to_hz > 0 ? asked.modes_to_hz : 2 * asked.to_hz);
+  const double top = two_pi * (asked.modes_to_hz > 0 ? asked.modes_to_hz : 2 * asked.to_hz);
   Index n = std::min<Index>(counted ? asked.n_modes + 1 : 20, M_.rows());
   LowestModes found;
   const auto enough = [&](Index n_found) {
@@ -333,7 +333,7 @@ LinearModel Reducer::with_unit_masses(const LinearModel& V) const {
                                                       : 0;
   const double least = 1 / (fastest * fastest * known * known + shift_);
   if (Z_.cols() > 0 && !std::isfinite(least)) throw Refusal("nothing that resists has mass");
-  const double omega = 2 * std::numbers::pi * to_hz_;
+  const double omega = two_pi * to_hz_;
   std::vector<Index> moves, follows;
   VectorXd masses = V.M.diagonal();
   for (Index i = 0; i < masses.size(); ++i) {

@@ -2,7 +2,7 @@
 
 #include "core/systems/state_space_model.hpp"
 
-namespace stillframe {
+namespace stillframe::test {
 
 /// The same system with direct inputs only: velocity and position of every prescribed motion that
 /// enters by its acceleration, and the position of one that enters by its velocity, join the state
@@ -13,4 +13,4 @@ namespace stillframe {
 /// would be needed (a motion given by its position whose velocity or acceleration acts).
 StateSpace augmented(const StateSpace& system);
 
-}  // namespace stillframe
+}  // namespace stillframe::test

@@ -1,8 +1,8 @@
-#include "core/systems/augment.hpp"
+#include "tests/support/augment.hpp"
 
 #include <stdexcept>
 
-namespace stillframe {
+namespace stillframe::test {
 
 namespace {
 
@@ -90,4 +90,4 @@ StateSpace augmented(const StateSpace& system) {
   return out;
 }
 
-}  // namespace stillframe
+}  // namespace stillframe::test
