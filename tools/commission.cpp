@@ -389,7 +389,7 @@ void add_commission(cli::Command& app, int& exit_code) {
       "passive\n"
       "               (largest singular values from added forces, m/s^2 or N per N), n_told, "
       "worst_db, worst_hz,\n"
-      "               frame_peak (m/s^2), force_peak (N), n_faults, as_predicted}, passed\n"
+      "               frame_peak_m_s2, force_peak_n, n_faults, as_predicted}, passed\n"
       "Example: stillframe commission frame.yaml rig.yaml --uncertainty piezo_frame.yaml\n"
       "To try it without a rig: stillframe commission frame.yaml --simulate other_frame.yaml "
       "--until loop");

@@ -65,8 +65,8 @@ Json closed_json(const ClosedOnRig& closed) {
           {"n_told", response.n_told()},
           {"worst_db", worst < 0 ? Json() : Json(response.off_db(worst))},
           {"worst_hz", worst < 0 ? Json() : Json(response.frequencies_hz(worst))},
-          {"frame_peak", to_json(closed.run.frame_peak)},
-          {"force_peak", closed.run.force_peak},
+          {"frame_peak_m_s2", to_json(closed.run.frame_peak)},
+          {"force_peak_n", closed.run.force_peak},
           {"n_faults", closed.run.n_faults},
           {"as_predicted", response.is_as_predicted()}};
 }

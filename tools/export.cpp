@@ -128,7 +128,7 @@ void add_export(cli::Command& app, int& exit_code) {
       .default_text("the first");
   verb.option("--to", options->settings.to_s, "Last second of plant time").default_text("the last");
   verb.option("--channels", options->settings.channels,
-              "Only these: floor, sigma, applied, frame, command, or single ones as in "
+              "Only these: floor, sigma, applied, frame, command, excitation, or single ones as in "
               "frame:lens_x")
       .delimiter(',');
   verb.flag("--json", options->json, "Print JSON (keys below)");

@@ -101,6 +101,7 @@ class Closing {
   void period() {
     time_.sleep_until_ns(loop_.next_ns());
     loop_.period(time_.now_ns());
+    left_ns_ = time_.now_ns();
     while (const LoopRecord* record = loop_.records().oldest()) {
       take(*record);
       loop_.records().pop();
@@ -128,6 +129,12 @@ class Closing {
     if (row >= n_rows_) return;
     Recording& out = closed_.recording;
     const auto i = static_cast<Index>(row);
+    // A command that left when the next sample was there already acts with that one's.
+    if (i > 1 && row == sent_row_ + 1 && now.received_ns < sent_ns_) {
+      out.command.row(i - 1) = out.command.row(i - 2);
+    }
+    sent_row_ = row;
+    sent_ns_ = left_ns_;
     out.command.row(i) = record.excitation.transpose();
     out.sigma.row(i) = now.sigma.transpose();
     out.applied.row(i) = now.applied.transpose();
@@ -162,7 +169,7 @@ class Closing {
   Index n_rows_ = 0;
   std::vector<bool> there_;
   VectorXd mean_;  ///< of the accelerometers
-  std::int64_t row_ = 0, n_mean_ = 0;
+  std::int64_t row_ = 0, n_mean_ = 0, sent_row_ = -1, sent_ns_ = 0, left_ns_ = 0;
 };
 
 }  // namespace

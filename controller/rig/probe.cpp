@@ -149,6 +149,10 @@ class Prober {
         if (first < 0) first = measurement_.seq;
         const auto row = static_cast<Index>(measurement_.seq - first);
         if (row >= total) return;
+        // A command that left when the next sample was there already acts with that one's.
+        if (k > 0 && row == k + 1 && measurement_.received_ns < sent_ns_) {
+          out.command.row(k) = out.command.row(k - 1);
+        }
         out.sigma.row(row) = measurement_.sigma.transpose();
         out.applied.row(row) = measurement_.applied.transpose();
         out.frame.row(row) = measurement_.frame.transpose();
@@ -293,6 +297,7 @@ class Prober {
     command_.seq = last_;
     command_.time_ns = measurement_.time_ns;
     io_.send(command_);
+    sent_ns_ = time_.now_ns();
   }
 
   /// Whatever went wrong, the force goes to nothing in a fifth of a second.
@@ -328,7 +333,7 @@ class Prober {
   Index leg_ = -1;
   double gain_ = 0, most_ = 0;
   bool enabled_ = false;
-  std::int64_t last_ = -1, next_ = -1, heard_ns_ = 0, n_samples_ = 0, n_lost_ = 0;
+  std::int64_t last_ = -1, next_ = -1, heard_ns_ = 0, sent_ns_ = 0, n_samples_ = 0, n_lost_ = 0;
 };
 
 }  // namespace

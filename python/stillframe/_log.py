@@ -23,12 +23,13 @@ class Log(Document):
 
 
 _groups = {"floor": "floor_acceleration", "sigma": "sigma", "applied": "applied_force", "frame": "frame_acceleration",
-           "command": "command_force"}
+           "command": "command_force", "excitation": "excitation"}
 
 
 def read_log(path, run_id=None, from_s=None, to_s=None, channels=None):
-    """The signals of an LCM log as a Log. channels: a list of "floor", "sigma", "applied", "frame", "command", or single
-    ones as in "frame:lens_x". Raises InputError."""
+    """The signals of an LCM log as a Log. channels: a list of "floor", "sigma", "applied", "frame", "command",
+    "excitation" (what was added to the commands to measure the loop, N; only where it is named), or single ones
+    as in "frame:lens_x". Raises InputError."""
     with tempfile.TemporaryDirectory() as folder:
         csv = pathlib.Path(folder) / "log.csv"
         options = {"csv": csv, "run_id": run_id, "from": from_s, "to": to_s, "channels": ",".join(channels) if channels else None}

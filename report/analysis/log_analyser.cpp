@@ -255,7 +255,8 @@ class Analyser : public LogVisitor {
             .sigma = of(block.sigma),
             .applied_force = of(block.applied_force),
             .frame_acceleration = of(block.frame_acceleration),
-            .command_force = of(block.command_force)};
+            .command_force = of(block.command_force),
+            .excitation = of(block.excitation)};
   }
 
   /// Samples before or behind those that are judged.

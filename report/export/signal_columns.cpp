@@ -7,8 +7,8 @@ namespace stillframe::report {
 
 using stillframe_msgs::run_info_t;
 
-const std::array<SignalGroup, 5>& signal_groups() {
-  static const std::array<SignalGroup, 5> groups{{
+const std::array<SignalGroup, 6>& signal_groups() {
+  static const std::array<SignalGroup, 6> groups{{
       {"floor", "floor_acceleration", "m/s^2", &SampleBlock::floor_acceleration,
        &run_info_t::floor_names},
       {"sigma", "sigma", "N", &SampleBlock::sigma, &run_info_t::leg_names},
@@ -16,6 +16,7 @@ const std::array<SignalGroup, 5>& signal_groups() {
       {"frame", "frame_acceleration", "m/s^2", &SampleBlock::frame_acceleration,
        &run_info_t::frame_names},
       {"command", "command_force", "N", &SampleBlock::command_force, &run_info_t::leg_names},
+      {"excitation", "excitation", "N", &SampleBlock::excitation, &run_info_t::leg_names, false},
   }};
   return groups;
 }
@@ -49,8 +50,11 @@ std::vector<SignalColumn> all_columns(const run_info_t& info) {
 
 std::vector<SignalColumn> choose_columns(const run_info_t& info,
                                          const std::vector<std::string>& asked_for) {
-  const std::vector<SignalColumn> columns = all_columns(info);
-  if (asked_for.empty()) return columns;
+  std::vector<SignalColumn> columns = all_columns(info);
+  if (asked_for.empty()) {
+    std::erase_if(columns, [](const SignalColumn& column) { return !column.group->unasked; });
+    return columns;
+  }
   std::vector<bool> chosen(columns.size(), false);
   for (const std::string& word : asked_for) {
     bool found = false;

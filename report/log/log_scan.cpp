@@ -237,7 +237,9 @@ class Scanner {
     } else if (event.channel == channels::checkpoint) {
       with<loop_checkpoint_t>(event, [](loop_checkpoint_t&&) {});
     } else if (event.channel == channels::excitation) {
-      with<excitation_t>(event, [](excitation_t&&) {});
+      with<excitation_t>(event, [&](excitation_t&& m) {
+        if (is_ours(m.run_id) && plant_.is_now()) window_.put(m);
+      });
     } else if (event.channel != channels::logger_check) {
       take_foreign(std::string(event.channel));
     }

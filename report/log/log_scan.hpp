@@ -28,6 +28,7 @@ struct SampleBlock {
   Eigen::MatrixXd applied_force;       ///< n x n_legs, N
   Eigen::MatrixXd frame_acceleration;  ///< n x n_frame, m/s^2
   Eigen::MatrixXd command_force;  ///< n x n_legs, N, the answer to the row's measurement; NaN: none
+  Eigen::MatrixXd excitation;     ///< n x n_legs, N, what that has beside the law's force
 
   Eigen::Index n_samples() const { return time_s.size(); }
 };

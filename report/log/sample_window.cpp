@@ -62,13 +62,14 @@ SampleWindow::SampleWindow(const stillframe_msgs::run_info_t& info, const ScanSe
   require_positive(block_samples_, "block_samples");
   require_positive(capacity_, "reorder_samples");
   slots_.resize(static_cast<std::size_t>(capacity_));
-  values_.resize(static_cast<Index>(capacity_), n_floor_ + 3 * n_legs_ + n_frame_);
+  values_.resize(static_cast<Index>(capacity_), n_floor_ + 4 * n_legs_ + n_frame_);
   block_.time_s.resize(block_samples_);
   block_.floor_acceleration.resize(block_samples_, n_floor_);
   block_.sigma.resize(block_samples_, n_legs_);
   block_.applied_force.resize(block_samples_, n_legs_);
   block_.frame_acceleration.resize(block_samples_, n_frame_);
   block_.command_force.resize(block_samples_, n_legs_);
+  block_.excitation.resize(block_samples_, n_legs_);
   measurements_.expect(0);
 }
 
@@ -119,6 +120,11 @@ void SampleWindow::append(std::int64_t seq, const Slot& slot, Index row) {
   } else {
     block_.command_force.row(filled_).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
+  if (slot.has_excitation) {
+    block_.excitation.row(filled_) = values.tail(2 * n_legs_).head(n_legs_);
+  } else {
+    block_.excitation.row(filled_).setZero();
+  }
   if (++filled_ == block_samples_) emit();
 }
 
@@ -132,7 +138,8 @@ void SampleWindow::emit() {
                       .sigma = block_.sigma.topRows(filled_),
                       .applied_force = block_.applied_force.topRows(filled_),
                       .frame_acceleration = block_.frame_acceleration.topRows(filled_),
-                      .command_force = block_.command_force.topRows(filled_)});
+                      .command_force = block_.command_force.topRows(filled_),
+                      .excitation = block_.excitation.topRows(filled_)});
   }
   filled_ = 0;
 }
@@ -187,6 +194,14 @@ SampleWindow::Place SampleWindow::put(const command_t& message) {
   std::copy(message.force.begin(), message.force.end(),
             values_.row(row).data() + values_.cols() - n_legs_);
   return Place::taken;
+}
+
+void SampleWindow::put(const stillframe_msgs::excitation_t& message) {
+  if (!holds(message.seq) || static_cast<Index>(message.force.size()) != n_legs_) return;
+  const Index row = row_of(message.seq);
+  slots_[static_cast<std::size_t>(row)].has_excitation = true;
+  std::copy(message.force.begin(), message.force.end(),
+            values_.row(row).data() + values_.cols() - 2 * n_legs_);
 }
 
 template <>

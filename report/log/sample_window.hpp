@@ -8,6 +8,7 @@
 #include "report/log/log_scan.hpp"
 #include "report/log/sample_check.hpp"
 #include "stillframe_msgs/command_t.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 
 namespace stillframe::report {
@@ -52,6 +53,8 @@ class SampleWindow {
   };
   Place put(const stillframe_msgs::measurement_t& message);
   Place put(const stillframe_msgs::command_t& message);
+  /// Of a sample that is there, and one of another size is passed over.
+  void put(const stillframe_msgs::excitation_t& message);
   /// Whether another message with this seq is there.
   template <typename Message>
   bool contradicts(const Message& message) const;
@@ -67,7 +70,7 @@ class SampleWindow {
  private:
   /// A place for one measurement and the command that answers it.
   struct Slot {
-    bool has_measurement = false, has_command = false, saturated = false;
+    bool has_measurement = false, has_command = false, has_excitation = false, saturated = false;
     std::int64_t time_ns = 0, command_time_ns = 0;
   };
 
@@ -91,7 +94,7 @@ class SampleWindow {
   CommandSink command_sink_;
   std::int64_t base_ = -1, end_ = -1;  ///< the seq that are held: base .. end - 1
   std::vector<Slot> slots_;            ///< of seq modulo capacity
-  Rows values_;                        ///< a row a slot: floor, sigma, applied, frame, command
+  Rows values_;  ///< a row a slot: floor, sigma, applied, frame, excitation, command
   SampleBlock block_;
   Eigen::Index filled_ = 0;
   SeqTally measurements_, commands_;

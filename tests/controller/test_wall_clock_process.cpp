@@ -14,6 +14,7 @@
 #include "core/numerics/worst.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
 #include "tests/controller/controller_process.hpp"
@@ -35,7 +36,11 @@ class Listener {
         .subscribe(channels::checkpoint, &Listener::on_checkpoint, this)
         ->setQueueCapacity(0);
     plant.lcm().subscribe(channels::status, &Listener::on_status, this)->setQueueCapacity(0);
+    plant.lcm()
+        .subscribe(channels::excitation, &Listener::on_excitation, this)
+        ->setQueueCapacity(0);
   }
+  std::vector<stillframe_msgs::excitation_t> excitations;
   std::vector<LoopRecord> records;
   std::vector<LoopCheckpoint> checkpoints;
   stillframe_msgs::controller_status_t status{};
@@ -49,6 +54,10 @@ class Listener {
                      const stillframe_msgs::loop_checkpoint_t* message) {
     checkpoints.push_back({.period = message->period, .memory = message->memory});
   }
+  void on_excitation(const lcm::ReceiveBuffer*, const std::string&,
+                     const stillframe_msgs::excitation_t* message) {
+    excitations.push_back(*message);
+  }
   void on_status(const lcm::ReceiveBuffer*, const std::string&,
                  const stillframe_msgs::controller_status_t* message) {
     status = *message;
@@ -58,9 +67,12 @@ class Listener {
 TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
   constexpr std::int64_t n_samples = 2500;
   const Gains gains = toy::gains(5, 1000, 1);
+  const std::string policy_text =
+      "excitation: {kind: multisine, force_n: 0.01, window_s: 0.1, windows: 1, lines: 5}\n";
+  std::ofstream(folder / "policy.yaml") << policy_text;
   toy::FakePlant plant(toy::run_info(gains, 9, "wall_clock", n_samples));
   Listener listener(plant);
-  ChildProcess controller(command_line(gains));
+  ChildProcess controller(command_line(gains, {"--policy", folder / "policy.yaml"}));
   ASSERT_EQ(plant.announce(), run_state_t::READY);
   const std::int64_t start = monotonic_ns() + 20'000'000;
   plant.publish_state(run_state_t::RUNNING, start);
@@ -82,12 +94,12 @@ TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
 
   // The supervisor here, given the records one by one, comes to the same commands; and those are
   // what was sent.
-  Supervisor supervisor(gains, {}, true);
+  Supervisor supervisor(gains, parse_policy(policy_text, "", 1000), true);
   ASSERT_EQ(listener.checkpoints.front().period, listener.records.front().period);
   supervisor.restore(listener.checkpoints.front().memory);
   Command command;
   command.force = Eigen::VectorXd::Zero(4);
-  size_t sent = 0;
+  size_t sent = 0, excited = 0;
   std::int64_t answered = 0;
   for (const LoopRecord& record : listener.records) {
     const bool have = record.defect == Defect::none;
@@ -105,7 +117,15 @@ TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
     ASSERT_EQ(plant.commands[sent].force,
               std::vector<double>(command.force.begin(), command.force.end()));
     ++sent;
+    if (supervisor.excited().isZero(0)) continue;
+    ASSERT_LT(excited, listener.excitations.size());
+    const auto& said = listener.excitations[excited++];
+    EXPECT_EQ(said.seq, command.seq);
+    EXPECT_EQ(said.force,
+              std::vector<double>(supervisor.excited().begin(), supervisor.excited().end()));
   }
+  EXPECT_EQ(excited, listener.excitations.size());
+  if (listener.status.n_faults == 0) EXPECT_GT(excited, 100u);
   EXPECT_EQ(sent, plant.commands.size());
   EXPECT_GT(sent, 0u);
   EXPECT_EQ(plant.timing->n_lost, n_samples - answered);

@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "stillframe_msgs/control_request_t.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "tests/live/sample_messages.hpp"
 
@@ -44,4 +45,9 @@ int main(int argc, char** argv) {
   checkpoint.n = 3;
   checkpoint.memory = {0.1, -2e-300, 3};
   write(folder, checkpoint);
+  stillframe_msgs::excitation_t excitation{};
+  excitation.run_id = run_id;
+  excitation.n_legs = 2;
+  excitation.force = {0.5, -1e-300};
+  write(folder, excitation);
 }

@@ -6,8 +6,10 @@
 #include <sstream>
 
 #include "core/errors/input_error.hpp"
+#include "msgs/channels.hpp"
 #include "report/export/log_export.hpp"
 #include "report/export/mat_file.hpp"
+#include "stillframe_msgs/excitation_t.hpp"
 #include "tests/report/expect_error.hpp"
 #include "tests/report/log/log_bytes.hpp"
 #include "tests/report/log/run_fixture.hpp"
@@ -91,6 +93,45 @@ TEST_F(LogExport, TextHoldsEveryNumber) {
   EXPECT_EQ(summary.n_bytes,
             static_cast<std::int64_t>(std::filesystem::file_size(folder_ / "run.csv")));
   EXPECT_EQ(summary.last_s, 0.499);
+}
+
+/// What a controller added to its commands stands with the sample that it answered, and zero where
+/// nothing was added or what came was of another size, or of a sample that is not there.
+TEST_F(LogExport, ExcitationWhereItIsAskedFor) {
+  {
+    std::mt19937_64 random(11);
+    LogWriter writer(log_);
+    write_full_run(writer, 42, n_samples, random);
+    stillframe_msgs::excitation_t added{};
+    added.run_id = 42;
+    for (const std::int64_t seq : {480, 490, 499, 1'000'000'000}) {
+      added.seq = seq;
+      added.force = {0.25, -1.5, static_cast<double>(seq)};
+      added.n_legs = 3;
+      writer.write(channels::excitation, added);
+    }
+    added.seq = 481;
+    added.force = {7};
+    added.n_legs = 1;
+    writer.write(channels::excitation, added);
+  }
+  ExportSettings settings;
+  settings.channels = {"excitation"};
+  export_csv(log_, settings, folder_ / "run.csv");
+  const Texts lines = split(bytes_of(folder_ / "run.csv"), "\r\n");
+  ASSERT_EQ(lines.size(), n_samples + 2u);
+  EXPECT_EQ(lines[0], "seq,time_s,excitation:leg_1 [N],excitation:leg_2 [N],excitation:leg_3 [N]");
+  int n = 0;
+  for (int seq = 0; seq < n_samples; ++seq) {
+    const Texts words = split(lines[static_cast<std::size_t>(seq + 1)], ",");
+    const bool driven = seq == 480 || seq == 490 || seq == 499;
+    n += driven;
+    ASSERT_EQ(words.size(), 5u);
+    EXPECT_EQ(std::stod(words[2]), driven ? 0.25 : 0) << seq;
+    EXPECT_EQ(std::stod(words[3]), driven ? -1.5 : 0);
+    EXPECT_EQ(std::stod(words[4]), driven ? seq : 0);
+  }
+  EXPECT_EQ(n, 3);
 }
 
 /// A variable of a .mat file by matio: its numbers, bit for bit, or its texts.
@@ -246,7 +287,7 @@ TEST_F(LogExport, WhatCannotBeDoneLeavesTheOldFile) {
   settings.channels = {"floor", "tilt"};
   refuses(settings,
           "--channels: found 'tilt', this log holds floor, sigma, applied, frame, "
-          "command, floor:x, floor:y, sigma:leg_1");
+          "command, excitation, floor:x, floor:y, sigma:leg_1");
   settings = {};
   settings.from_s = 7;
   refuses(settings, "no sample between --from and --to; the run goes from 0 to 0.499 s");
