@@ -9,6 +9,7 @@
 #include "controller/rig/scaled_io.hpp"
 #include "core/control/fitting/rig_model.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
 #include "core/yaml/loop_numbers.hpp"
 #include "core/yaml/quoted.hpp"
@@ -180,18 +181,17 @@ void put_gains(const Commissioned& found, Channels& channels) {
 
 /// What the force sensors read while nothing is driven is taken out of them: of a frame that rings
 /// on for minutes, arming cannot tell it in half a second, and a law makes hundreds of times as
-/// much of it.
+/// much of it. Through a window of Hann, of which ringing is no part.
 void put_tares(const Recording& recording, Index n_window,
                std::vector<controller::Channel>& sigma) {
-  VectorXd sum = VectorXd::Zero(recording.sigma.cols());
-  double n = 0;
-  for (std::size_t w = 0; w < recording.windows.size(); ++w) {
-    if (recording.driven[w] >= 0) continue;
-    sum += recording.sigma.middleRows(recording.windows[w], n_window).colwise().sum().transpose();
-    n += static_cast<double>(n_window);
-  }
+  const auto n_rest = std::ranges::count(recording.driven, -1);
+  const Index from = recording.windows.front(),
+              n = recording.windows[static_cast<std::size_t>(n_rest - 1)] + n_window - from;
+  const Eigen::ArrayXd turns = Eigen::ArrayXd::LinSpaced(n, 0, two_pi);
+  const VectorXd weights = (1 - turns.cos()).matrix() / (1 - turns.cos()).sum();
+  const VectorXd mean = recording.sigma.middleRows(from, n).transpose() * weights;
   for (std::size_t i = 0; i < sigma.size(); ++i) {
-    sigma[i].tare += sum(static_cast<Index>(i)) / n / sigma[i].gain;
+    sigma[i].tare += mean(static_cast<Index>(i)) / sigma[i].gain;
   }
 }
 
@@ -253,8 +253,8 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
     });
   };
   std::vector<int> lines = controller::logarithmic_lines(
-      lowest_line, controller::driven_up_to * static_cast<double>(n_window), most_lines);
-  std::erase_if(lines, [&](int line) { return near_resonance(line * df); });
+      lowest_line, controller::driven_up_to * static_cast<double>(n_window), most_lines,
+      [&](int line) { return near_resonance(line * df); });
   if (lines.size() < fewest_lines) {
     throw InputError("--window: of " + std::to_string(n_window) + " samples has " +
                      std::to_string(lines.size()) +
@@ -326,7 +326,6 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
     } catch (const controller::TooFar&) {
       if (attempt == most_attempts) throw;
       settings.force_n /= less_force;
-      fprintf(stderr, "less force\n");
     }
   }
   found.lines = lines;

@@ -219,7 +219,7 @@ class Prober {
     const std::int64_t first = next_ < 0 ? -1 : next_;
     std::int64_t from = first;
     Index n_there = 0;
-    bool sound = true;
+    std::int64_t before = -1;
     while (from < 0 || last_ < from + n - 1) {
       const bool came = take([&] {
         if (from < 0) from = measurement_.seq;
@@ -230,11 +230,14 @@ class Prober {
         if (!there[static_cast<std::size_t>(k)]) ++n_there;
         there[static_cast<std::size_t>(k)] = true;
       });
-      if (!came) {
-        sound = false;
-        continue;
-      }
+      if (!came) continue;
       const std::int64_t k = last_ - from;
+      // What was sent last acts until something else is.
+      for (std::int64_t held = std::max<std::int64_t>(0, before + 1); held < std::min<std::int64_t>(k, n);
+           ++held) {
+        sent_(held) = leg_ < 0 ? 0.0 : command_.force(leg_);
+      }
+      before = k;
       const double p = (static_cast<double>(k) + 1) / static_cast<double>(n);
       gain_ =
           part == drive ? 1 : smooth_step(part == rise ? std::min(1.0, p) : std::max(0.0, 1 - p));
@@ -244,10 +247,10 @@ class Prober {
     next_ = from + n;
     n_samples_ += n_there;
     n_lost_ += n - n_there;
-    return sound && n_there == n;
+    return n_there == n;
   }
 
-  /// Sleeps until the next deadline and takes what came; false if that is not one new sample.
+  /// Sleeps until the next deadline and takes what came; false if nothing did.
   template <class Each>
   bool take(Each each) {
     if (stop_ && stop_()) throw std::runtime_error("interrupted");
@@ -284,7 +287,7 @@ class Prober {
                      std::to_string(most_) + " N");
       }
     }
-    return n == 1;
+    return n > 0;
   }
 
   /// The multisine at sample k of a window.
