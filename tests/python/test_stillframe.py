@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 import warnings
 
 try:
@@ -215,27 +216,34 @@ class Pictures(unittest.TestCase):
         found = sf.Scene({k: v for k, v in LEG.items() if k != "controller"}).sigma(points=9)
         self.assertEqual([line.get_label() for line in found.plot().lines], ["open"])
 
-    def test_the_notebook_runs_as_it_stands(self):
+    def run_notebook(self, name):
+        """The outputs of a notebook, run in a folder of its own."""
         try:
             import ipykernel  # noqa: F401
             import nbformat
             from nbconvert.preprocessors import ExecutePreprocessor
         except ImportError:
             self.skipTest("nbconvert and ipykernel are not installed")
-        notebook = nbformat.read(SOURCE / "examples/notebooks/frame.ipynb", as_version=4)
+        notebook = nbformat.read(SOURCE / "examples/notebooks" / name, as_version=4)
         self.assertEqual([cell.outputs for cell in notebook.cells if cell.cell_type == "code" and cell.outputs], [])
-        before = os.environ.get("PYTHONPATH")
-        os.environ["PYTHONPATH"] = str(SOURCE / "python")
-        try:
-            with tempfile.TemporaryDirectory() as folder:
-                ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(notebook, {"metadata": {"path": folder}})
-        finally:
-            if before is None:
-                del os.environ["PYTHONPATH"]
-            else:
-                os.environ["PYTHONPATH"] = before
-        kinds = [kind for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs for kind in out.get("data", {})]
+        own = {"PYTHONPATH": str(SOURCE / "python"), "STILLFRAME_SOURCE": str(SOURCE)}
+        with unittest.mock.patch.dict(os.environ, own), tempfile.TemporaryDirectory() as folder:
+            ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(notebook, {"metadata": {"path": folder}})
+        return [out for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs]
+
+    def test_the_notebook_runs_as_it_stands(self):
+        kinds = [kind for out in self.run_notebook("frame.ipynb") for kind in out.get("data", {})]
         self.assertEqual(kinds.count("image/png"), 2)
+
+    def test_an_h_infinity_law_against_the_pi(self):
+        if subprocess.run(["octave-cli", "-qf", "--eval", "pkg load control"], capture_output=True, check=False).returncode != 0:
+            self.skipTest("Octave has no control package")
+        outputs = self.run_notebook("h_infinity.ipynb")
+        self.assertEqual([kind for out in outputs for kind in out.get("data", {})].count("image/png"), 1)
+        said = "".join(out.get("text", "") for out in outputs)
+        print(said[said.index("H-infinity against"):])
+        self.assertEqual(said.count("better:"), 2)
+        self.assertEqual(said.count("worse:"), 2)
 
 
 class Errors(unittest.TestCase):
