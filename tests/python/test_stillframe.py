@@ -2,12 +2,15 @@
 """The Python module against the JSON of the programs. Arguments: the program stillframe, the source folder. Skipped
 (exit code 77) without numpy."""
 
+import importlib.util
+import inspect
 import json
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
+import typing
 import unittest
 import unittest.mock
 import warnings
@@ -196,6 +199,70 @@ class Package(unittest.TestCase):
         done = subprocess.run(command, env=path, capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("\npassed\n", done.stdout)
+
+
+def public():
+    """(name, function) of all that `stillframe` shows, methods and properties of its classes among it."""
+    for name in sf.__all__:
+        thing = getattr(sf, name)
+        if not inspect.isclass(thing):
+            yield name, thing
+            continue
+        for member, value in vars(thing).items():
+            value = value.fget if isinstance(value, property) else value
+            if inspect.isfunction(value) and (member == "__init__" or not member.startswith("_")):
+                yield f"{name}.{member}", value
+
+
+class Annotations(unittest.TestCase):
+    def test_are_complete_and_can_be_looked_up(self):
+        self.assertGreater(len(list(public())), 30)
+        for name, function in public():
+            with self.subTest(name):
+                hints = typing.get_type_hints(function)
+                self.assertEqual({*inspect.signature(function).parameters} - {"self"}, {*hints} - {"return"})
+                self.assertIn("return", hints)
+        for name in sf.__all__:
+            if inspect.isclass(getattr(sf, name)):
+                typing.get_type_hints(getattr(sf, name))
+
+    def test_docstrings_of_numbers_name_units_or_shapes(self):
+        n = 0
+        for name, function in public():
+            if name.endswith("__init__"):
+                continue
+            with self.subTest(name):
+                self.assertTrue(function.__doc__)
+                kinds = typing.get_args(typing.get_type_hints(function)["return"]) or (typing.get_type_hints(function)["return"],)
+                if any(kind is np.ndarray or (inspect.isclass(kind) and issubclass(kind, (sf.Document, np.generic))) for kind in kinds):
+                    n += 1
+                    self.assertRegex(function.__doc__, r"\b(m/s\^2|rad/s|Hz|1/s|dB|N|m|s|1)\b|\w x \w")
+        self.assertGreaterEqual(n, 17)
+
+    def test_declared_keys_are_there(self):
+        scene = sf.Scene(LEG)
+        for found in (scene.modes(), scene.linearise(), scene.design(), scene.sigma(points=3)):
+            for key in set(typing.get_type_hints(type(found))) - {"_made_by"}:
+                with self.subTest(type(found).__name__ + "." + key):
+                    self.assertIn(key, found)
+
+    def test_mypy_finds_nothing(self):
+        self.assertTrue((SOURCE / "python/stillframe/py.typed").exists())
+        if importlib.util.find_spec("mypy") is None:
+            self.skipTest("mypy is not installed")
+        with tempfile.TemporaryDirectory() as cache:
+            use = pathlib.Path(cache) / "use.py"
+            use.write_text("import stillframe as sf\nrun = sf.Scene('a.yaml').run('out', duration=1.5)\n"
+                           "reveal_type(run.active)\nreveal_type(sf.Scene('a.yaml').linearise().A)\nsf.Scene(3)\n")
+            mypy = [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", "--cache-dir", cache]
+            done = subprocess.run([*mypy, str(SOURCE / "python/stillframe")], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            seen = subprocess.run([*mypy, str(use)], env=os.environ | {"MYPYPATH": str(SOURCE / "python")}, capture_output=True,
+                                  text=True, check=False)
+        self.assertRegex(seen.stdout, "use.py:3: note: .*Log")
+        self.assertRegex(seen.stdout, "use.py:4: note: .*ndarray")
+        self.assertRegex(seen.stdout, "use.py:5: error: .*incompatible type")
+        self.assertEqual(seen.stdout.count("error:"), 1, seen.stdout)
 
 
 class Pictures(unittest.TestCase):
