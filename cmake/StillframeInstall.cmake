@@ -26,7 +26,7 @@ install(FILES LICENSE RENAME copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPO
 install(CODE "execute_process(COMMAND ${CMAKE_SOURCE_DIR}/cmake/manual.py ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}
   \$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
 install(DIRECTORY python/stillframe DESTINATION lib/python3/dist-packages COMPONENT python
-  FILES_MATCHING PATTERN "*.py")
+  FILES_MATCHING PATTERN "*.py" PATTERN "py.typed")
 
 configure_package_config_file(cmake/stillframe-config.cmake.in ${CMAKE_BINARY_DIR}/stillframe-config.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/stillframe)

@@ -4,16 +4,8 @@
 
 #include "controller/rig/device_io.hpp"
 #include "controller/rig/simulated_io.hpp"
-#include "core/errors/input_error.hpp"
 
 namespace stillframe::controller {
-
-const std::string& DriverSetting::option(const std::string& name) const {
-  const auto found = options.find(name);
-  if (found == options.end())
-    throw InputError("driver: " + name + ": missing, required by this driver");
-  return found->second;
-}
 
 LoadedIo load_driver(const std::string& name, const DriverSetting& setting) {
   if (name == "simulation") return {nullptr, std::make_unique<SimulatedIo>(setting)};
@@ -33,7 +25,16 @@ LoadedIo load_driver(const std::string& name, const DriverSetting& setting) {
   auto* make = reinterpret_cast<Make*>(dlsym(library.get(), "stillframe_make_io"));
   if (make == nullptr)
     throw InputError("driver: " + path + ": is no driver, has no STILLFRAME_DRIVER");
-  return {library, std::unique_ptr<Io>(make(setting))};
+  // What a driver throws has its code in the library, so it may not outlive it.
+  std::string said;
+  try {
+    return {library, std::unique_ptr<Io>(make(setting))};
+  } catch (const InputError& error) {
+    said = error.what();
+  } catch (const std::exception& error) {
+    said = "driver: " + path + ": " + error.what();
+  }
+  throw InputError(said);
 }
 
 }  // namespace stillframe::controller

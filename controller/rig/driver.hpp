@@ -4,10 +4,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "controller/gains.hpp"
 #include "controller/io.hpp"
+#include "core/errors/input_error.hpp"
 
 namespace stillframe::controller {
 
@@ -21,8 +24,28 @@ struct DriverSetting {
   std::map<std::string, std::string> options;  ///< driver: of the rig file, but for its name
   std::filesystem::path folder;                ///< of the rig file, for paths among them
 
+  // Inline, since the library of a driver has nothing of stillframe but its headers.
+
   /// An option that has to be there. Errors: InputError.
-  const std::string& option(const std::string& name) const;
+  const std::string& option(const std::string& name) const {
+    const auto found = options.find(name);
+    if (found == options.end())
+      throw InputError("driver: " + name + ": missing, required by this driver");
+    return found->second;
+  }
+
+  /// An option that lists n channels, as in `sigma: 0 1 2`, as whole numbers or names; none if n is
+  /// 0. Errors: InputError.
+  template <class Item>
+  std::vector<Item> list(const std::string& name, Eigen::Index n) const {
+    const std::string text = n > 0 ? option(name) : "";
+    std::istringstream words(text);
+    std::vector<Item> found;
+    for (Item item; words >> item;) found.push_back(item);
+    if (found.size() == static_cast<std::size_t>(n) && words.eof()) return found;
+    throw InputError("driver: " + name + ": found '" + text + "', allowed is a list of " +
+                     std::to_string(n) + ", with blanks between");
+  }
 };
 
 /// An Io and the library that it came from.

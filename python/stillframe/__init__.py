@@ -16,10 +16,10 @@ line and key that the program names. Units are SI. The keys of each result are i
 from ._documents import Document
 from ._log import Log, read_log
 from ._program import InputError, ProgramError, Refusal, RunFailed, help, program, version
-from ._scene import Design, LinearModel, Run, Scene, SingularValues, identify, read_run
+from ._scene import Design, LinearModel, Modes, Run, Scene, SingularValues, identify, read_run
 
 __all__ = [
-    "Design", "Document", "InputError", "LinearModel", "Log", "ProgramError", "Refusal", "Run", "RunFailed", "Scene",
+    "Design", "Document", "InputError", "LinearModel", "Log", "Modes", "ProgramError", "Refusal", "Run", "RunFailed", "Scene",
     "SingularValues",
     "help", "identify", "program", "read_log", "read_run", "version",
 ]

@@ -3,10 +3,12 @@
 import pathlib
 import tempfile
 from csv import reader
+from typing import Dict, List, Optional, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
-from ._documents import Document, document
+from ._documents import Document, Floats, Path, document
 from ._plots import plot_signal
 from ._program import call
 
@@ -19,6 +21,11 @@ class Log(Document):
     names: {signal: names of its columns}; info: what the log says of itself (sample_rate_hz, n_lost, ...).
     plot("sigma"): a picture."""
 
+    seq: npt.NDArray[np.int64]
+    time_s: Floats
+    names: Dict[str, List[str]]
+    info: Document
+
     plot = plot_signal
 
 
@@ -26,9 +33,10 @@ _groups = {"floor": "floor_acceleration", "sigma": "sigma", "applied": "applied_
            "command": "command_force", "excitation": "excitation"}
 
 
-def read_log(path, run_id=None, from_s=None, to_s=None, channels=None):
-    """The signals of an LCM log as a Log. channels: a list of "floor", "sigma", "applied", "frame", "command",
-    "excitation" (what was added to the commands to measure the loop, N; only where it is named), or single ones
+def read_log(path: Path, run_id: Optional[int] = None, from_s: Optional[float] = None, to_s: Optional[float] = None,
+             channels: Optional[Sequence[str]] = None) -> Log:
+    """The signals of an LCM log as a Log, from from_s to to_s (s). channels: a list of "floor", "sigma", "applied", "frame",
+    "command", "excitation" (what was added to the commands to measure the loop, N; only where it is named), or single ones
     as in "frame:lens_x". Raises InputError."""
     with tempfile.TemporaryDirectory() as folder:
         csv = pathlib.Path(folder) / "log.csv"
@@ -38,7 +46,8 @@ def read_log(path, run_id=None, from_s=None, to_s=None, channels=None):
         table = np.loadtxt(csv, delimiter=",", skiprows=1, ndmin=2, encoding="utf-8")
         with open(csv, newline="", encoding="utf-8") as file:
             columns = [name.rsplit(" [", 1)[0] for name in next(reader(file))]
-    log, names = Log(), {}
+    log = Log()
+    names: Dict[str, List[str]] = {}
     log["seq"] = table[:, columns.index("seq")].astype(np.int64)
     log["time_s"] = table[:, columns.index("time_s")]
     for group, name in _groups.items():
@@ -47,5 +56,5 @@ def read_log(path, run_id=None, from_s=None, to_s=None, channels=None):
             log[name] = table[:, own]
             names[name] = [columns[i].split(":", 1)[1] for i in own]
     log["names"] = names
-    log["info"] = document(info)
+    log["info"] = document(info, Document)
     return log

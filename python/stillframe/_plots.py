@@ -1,9 +1,17 @@
 """Pictures by matplotlib, which is asked for only here."""
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
+
+from ._documents import Document, Floats
+
+# matplotlib.axes.Axes, which only those have who have matplotlib.
+Axes = Any
 
 
-def axes_of(axes):
+def axes_of(axes: Axes) -> Axes:
     """The axes that were given, or new ones. Raises ImportError without matplotlib."""
     if axes is not None:
         return axes
@@ -12,13 +20,14 @@ def axes_of(axes):
     return pyplot.subplots(layout="constrained")[1]
 
 
-def _decibels(values):
-    values = np.asarray(values, dtype=float)
-    return 20 * np.log10(np.where(values > 0, values, np.nan))
+def _decibels(values: npt.ArrayLike) -> Floats:
+    array = np.asarray(values, dtype=float)
+    return np.asarray(20 * np.log10(np.where(array > 0, array, np.nan)))
 
 
-def plot_singular_values(document, axes=None):
-    """Singular values over frequency, dB: open and, with a controller, closed."""
+def plot_singular_values(document: Document, axes: Axes = None) -> Axes:
+    """Singular values (dB) over frequency (Hz): open and, with a controller, closed. axes: matplotlib's, which come back; new
+    ones unless told."""
     axes = axes_of(axes)
     for key, label, colour in (("singular_values", "open", "#d35400"), ("closed_singular_values", "closed", "#0072b2")):
         if document.get(key) is None:
@@ -32,8 +41,8 @@ def plot_singular_values(document, axes=None):
     return axes
 
 
-def plot_signal(log, signal, axes=None):
-    """A signal of a log over time, a line a column."""
+def plot_signal(log: Document, signal: str, axes: Axes = None) -> Axes:
+    """A signal of a log (N, or m/s^2) over time (s), a line a column. axes: matplotlib's, which come back; new ones unless told."""
     axes = axes_of(axes)
     units = {"floor_acceleration": "m/s²", "frame_acceleration": "m/s²"}
     for name, values in zip(log["names"][signal], log[signal].T):

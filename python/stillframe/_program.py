@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import warnings
+from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type
 
 
 class ProgramError(RuntimeError):
@@ -14,7 +15,11 @@ class ProgramError(RuntimeError):
 
     message: str; exit_code: int; file, line, key: where the message names them, else None."""
 
-    def __init__(self, message, exit_code=1):
+    file: Optional[str]
+    line: Optional[int]
+    key: Optional[str]
+
+    def __init__(self, message: str, exit_code: int = 1) -> None:
         super().__init__(message)
         self.message, self.exit_code = message, exit_code
         place = re.match(r"(?P<file>[^\n]*?):(?P<line>\d+):\d+: (?:(?P<key>[^\s:]+): )?", message)
@@ -38,10 +43,10 @@ class RunFailed(ProgramError):
 # A relative STILLFRAME is of where the notebook was started, whatever folder it goes to.
 _started = pathlib.Path.cwd()
 
-_errors = {2: InputError, 3: Refusal, 4: RunFailed}
+_errors: Dict[int, Type[ProgramError]] = {2: InputError, 3: Refusal, 4: RunFailed}
 
 
-def program(name="stillframe"):
+def program(name: str = "stillframe") -> str:
     """The path of a program: beside $STILLFRAME if that is set (the path of `stillframe`, a relative one from the
     folder of the import), else on $PATH.
 
@@ -54,31 +59,32 @@ def program(name="stillframe"):
     return found
 
 
-def version():
+def version() -> str:
     """The version of the program, as a text."""
     return _run(["--version"])[1].strip()
 
 
-def help(verb=""):
+def help(verb: str = "") -> None:
     """Prints the help of the program, or of one of its verbs."""
     print(_run([verb, "--help"] if verb else ["--help"])[1])
 
 
-def _run(arguments):
+def _run(arguments: Sequence[object]) -> Tuple[int, str, str]:
     done = subprocess.run([program(), *map(str, arguments)], capture_output=True, check=False)
     return done.returncode, done.stdout.decode(errors="replace"), done.stderr.decode(errors="replace")
 
 
-def _said(error):
+def _said(error: str) -> str:
     """Without the name of the program and the level."""
     lines = [re.sub(r"^stillframe: (error: )?", "", line) for line in error.splitlines()]
     return "\n".join(line for line in lines if line).strip()
 
 
-def call(verb, *arguments, options=None, answers=(0,), rename=None):
+def call(verb: str, *arguments: object, options: Optional[Mapping[str, Any]] = None, answers: Tuple[int, ...] = (0,),
+         rename: Optional[Tuple[str, str]] = None) -> Any:
     """The document of `stillframe VERB ARGUMENTS --json`. options: {name: value}; what is None or False is left out,
     True is a flag, a list is given again for each item. answers: exit codes that come with a document. rename: (path, name) for messages."""
-    words = [verb, *arguments]
+    words: list[object] = [verb, *arguments]
     for name, value in (options or {}).items():
         option = "--" + name.replace("_", "-")
         for item in value if isinstance(value, (list, tuple)) else [value]:

@@ -69,6 +69,37 @@ TEST_F(RigProcess, ADriverOfOnesOwnIsLoaded) {
   EXPECT_TRUE(contains(controller.err(), "driver " + library)) << controller.err();
 }
 
+/// Templates of drivers, without their devices: one message, which names what is not there.
+class RigTemplates : public RigProcess {
+ protected:
+  void says(const std::string& driver, const std::string& options, const std::string& what) {
+    const std::string library = bin + "../examples/06_rig/lib" + driver + ".so";
+    const std::string file = folder / "rig.yaml";
+    std::ofstream(file) << "driver: {name: " << library << ", " << options << "}\n";
+    ChildProcess controller(command_line(of_a_rig(), {"--rig", file}));
+    EXPECT_EQ(controller.wait(), 2) << controller.err();
+    const std::string said = controller.err();
+    EXPECT_EQ(said.find("error: "), said.rfind("error: ")) << said;
+    EXPECT_TRUE(contains(said, what)) << said;
+  }
+};
+
+#ifdef STILLFRAME_HAS_iio_driver
+TEST_F(RigTemplates, OfIioNamesTheDeviceThatIsNotThere) {
+  says("iio_driver", "idle: 0, adc: nowhere, dac: nowhere", "libiio_driver.so: IIO");
+  says("iio_driver", "adc: nowhere, dac: nowhere", "idle: missing");
+}
+#endif
+
+#ifdef STILLFRAME_HAS_comedi_driver
+TEST_F(RigTemplates, OfComediNamesTheDeviceThatIsNotThere) {
+  says("comedi_driver", "idle: 32768, device: /dev/no_comedi",
+       "libcomedi_driver.so: /dev/no_comedi: No such file");
+  says("comedi_driver", "idle: up, device: /dev/no_comedi",
+       "idle: found 'up', allowed is a list of 1");
+}
+#endif
+
 /// A fast crystal, jitter and gaps, 16 bits: active to the end, no fault, what the log holds is
 /// what the converters sent.
 TEST_F(RigProcess, ConvertersBehindDevices) {

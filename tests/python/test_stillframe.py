@@ -2,13 +2,17 @@
 """The Python module against the JSON of the programs. Arguments: the program stillframe, the source folder. Skipped
 (exit code 77) without numpy."""
 
+import importlib.util
+import inspect
 import json
 import os
 import pathlib
 import subprocess
 import sys
 import tempfile
+import typing
 import unittest
+import unittest.mock
 import warnings
 
 try:
@@ -197,6 +201,70 @@ class Package(unittest.TestCase):
         self.assertIn("\npassed\n", done.stdout)
 
 
+def public():
+    """(name, function) of all that `stillframe` shows, methods and properties of its classes among it."""
+    for name in sf.__all__:
+        thing = getattr(sf, name)
+        if not inspect.isclass(thing):
+            yield name, thing
+            continue
+        for member, value in vars(thing).items():
+            value = value.fget if isinstance(value, property) else value
+            if inspect.isfunction(value) and (member == "__init__" or not member.startswith("_")):
+                yield f"{name}.{member}", value
+
+
+class Annotations(unittest.TestCase):
+    def test_are_complete_and_can_be_looked_up(self):
+        self.assertGreater(len(list(public())), 30)
+        for name, function in public():
+            with self.subTest(name):
+                hints = typing.get_type_hints(function)
+                self.assertEqual({*inspect.signature(function).parameters} - {"self"}, {*hints} - {"return"})
+                self.assertIn("return", hints)
+        for name in sf.__all__:
+            if inspect.isclass(getattr(sf, name)):
+                typing.get_type_hints(getattr(sf, name))
+
+    def test_docstrings_of_numbers_name_units_or_shapes(self):
+        n = 0
+        for name, function in public():
+            if name.endswith("__init__"):
+                continue
+            with self.subTest(name):
+                self.assertTrue(function.__doc__)
+                kinds = typing.get_args(typing.get_type_hints(function)["return"]) or (typing.get_type_hints(function)["return"],)
+                if any(kind is np.ndarray or (inspect.isclass(kind) and issubclass(kind, (sf.Document, np.generic))) for kind in kinds):
+                    n += 1
+                    self.assertRegex(function.__doc__, r"\b(m/s\^2|rad/s|Hz|1/s|dB|N|m|s|1)\b|\w x \w")
+        self.assertGreaterEqual(n, 17)
+
+    def test_declared_keys_are_there(self):
+        scene = sf.Scene(LEG)
+        for found in (scene.modes(), scene.linearise(), scene.design(), scene.sigma(points=3)):
+            for key in set(typing.get_type_hints(type(found))) - {"_made_by"}:
+                with self.subTest(type(found).__name__ + "." + key):
+                    self.assertIn(key, found)
+
+    def test_mypy_finds_nothing(self):
+        self.assertTrue((SOURCE / "python/stillframe/py.typed").exists())
+        if importlib.util.find_spec("mypy") is None:
+            self.skipTest("mypy is not installed")
+        with tempfile.TemporaryDirectory() as cache:
+            use = pathlib.Path(cache) / "use.py"
+            use.write_text("import stillframe as sf\nrun = sf.Scene('a.yaml').run('out', duration=1.5)\n"
+                           "reveal_type(run.active)\nreveal_type(sf.Scene('a.yaml').linearise().A)\nsf.Scene(3)\n")
+            mypy = [sys.executable, "-m", "mypy", "--strict", "--ignore-missing-imports", "--cache-dir", cache]
+            done = subprocess.run([*mypy, str(SOURCE / "python/stillframe")], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout)
+            seen = subprocess.run([*mypy, str(use)], env=os.environ | {"MYPYPATH": str(SOURCE / "python")}, capture_output=True,
+                                  text=True, check=False)
+        self.assertRegex(seen.stdout, "use.py:3: note: .*Log")
+        self.assertRegex(seen.stdout, "use.py:4: note: .*ndarray")
+        self.assertRegex(seen.stdout, "use.py:5: error: .*incompatible type")
+        self.assertEqual(seen.stdout.count("error:"), 1, seen.stdout)
+
+
 class Pictures(unittest.TestCase):
     def setUp(self):
         try:
@@ -215,27 +283,34 @@ class Pictures(unittest.TestCase):
         found = sf.Scene({k: v for k, v in LEG.items() if k != "controller"}).sigma(points=9)
         self.assertEqual([line.get_label() for line in found.plot().lines], ["open"])
 
-    def test_the_notebook_runs_as_it_stands(self):
+    def run_notebook(self, name):
+        """The outputs of a notebook, run in a folder of its own."""
         try:
             import ipykernel  # noqa: F401
             import nbformat
             from nbconvert.preprocessors import ExecutePreprocessor
         except ImportError:
             self.skipTest("nbconvert and ipykernel are not installed")
-        notebook = nbformat.read(SOURCE / "examples/notebooks/frame.ipynb", as_version=4)
+        notebook = nbformat.read(SOURCE / "examples/notebooks" / name, as_version=4)
         self.assertEqual([cell.outputs for cell in notebook.cells if cell.cell_type == "code" and cell.outputs], [])
-        before = os.environ.get("PYTHONPATH")
-        os.environ["PYTHONPATH"] = str(SOURCE / "python")
-        try:
-            with tempfile.TemporaryDirectory() as folder:
-                ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(notebook, {"metadata": {"path": folder}})
-        finally:
-            if before is None:
-                del os.environ["PYTHONPATH"]
-            else:
-                os.environ["PYTHONPATH"] = before
-        kinds = [kind for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs for kind in out.get("data", {})]
+        own = {"PYTHONPATH": str(SOURCE / "python"), "STILLFRAME_SOURCE": str(SOURCE)}
+        with unittest.mock.patch.dict(os.environ, own), tempfile.TemporaryDirectory() as folder:
+            ExecutePreprocessor(timeout=600, kernel_name="python3").preprocess(notebook, {"metadata": {"path": folder}})
+        return [out for cell in notebook.cells if cell.cell_type == "code" for out in cell.outputs]
+
+    def test_the_notebook_runs_as_it_stands(self):
+        kinds = [kind for out in self.run_notebook("frame.ipynb") for kind in out.get("data", {})]
         self.assertEqual(kinds.count("image/png"), 2)
+
+    def test_an_h_infinity_law_against_the_pi(self):
+        if subprocess.run(["octave-cli", "-qf", "--eval", "pkg load control"], capture_output=True, check=False).returncode != 0:
+            self.skipTest("Octave has no control package")
+        outputs = self.run_notebook("h_infinity.ipynb")
+        self.assertEqual([kind for out in outputs for kind in out.get("data", {})].count("image/png"), 1)
+        said = "".join(out.get("text", "") for out in outputs)
+        print(said[said.index("H-infinity against"):])
+        self.assertEqual(said.count("better:"), 2)
+        self.assertEqual(said.count("worse:"), 2)
 
 
 class Errors(unittest.TestCase):
