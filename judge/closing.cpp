@@ -23,6 +23,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double less = 0.8, of_limit = 0.5;
+// Of a decibel and noise, that a law does more; of noise, 6 dB are anything from nothing on.
+constexpr double clear = 2, most_doubt_db = 5;
 constexpr Index n_axis = 400;
 
 /// The plant with these outputs of the scene, or with the force sensors, a sample late.
@@ -143,14 +145,24 @@ double ClosedResponse::off_db(Index line) const {
   return decibels(measured(line)) - decibels(predicted(line));
 }
 
+double ClosedResponse::off_passive_db(Index line) const {
+  return decibels(measured(line)) - decibels(passive(line));
+}
+
 double ClosedResponse::doubt_db(Index line) const {
   return decibels(1 + 2 * noise(line) / measured(line));
 }
 
+bool ClosedResponse::tells_law(Index line) const {
+  const double law_db = decibels(predicted(line)) - decibels(passive(line));
+  return std::abs(law_db) > clear * (most_db + doubt_db(line)) && doubt_db(line) < most_doubt_db;
+}
+
 Index ClosedResponse::worst() const {
+  const auto beyond = [&](Index l) { return std::abs(off_db(l)) - doubt_db(l); };
   Index at = -1;
   for (Index l = 0; l < measured.size(); ++l) {
-    if (is_told(l) && (at < 0 || std::abs(off_db(l)) > std::abs(off_db(at)))) at = l;
+    if (is_told(l) && (at < 0 || beyond(l) > beyond(at))) at = l;
   }
   return at;
 }
@@ -161,11 +173,19 @@ Index ClosedResponse::n_told() const {
   return n;
 }
 
+Index ClosedResponse::n_acting() const {
+  Index n = 0;
+  for (Index l = 0; l < measured.size(); ++l) {
+    n += tells_law(l) && std::abs(off_passive_db(l)) > most_db + doubt_db(l);
+  }
+  return n;
+}
+
 bool ClosedResponse::is_as_predicted() const {
   for (Index l = 0; l < measured.size(); ++l) {
-    if (is_told(l) && std::abs(off_db(l)) > most_db + doubt_db(l)) return false;
+    if (is_told(l) && !(std::abs(off_db(l)) <= most_db + doubt_db(l))) return false;
   }
-  return n_told() > 0;
+  return n_acting() > 0;
 }
 
 ClosedResponse closed_response(const controller::ClosedRecording& run, const LoopDesign& design,

@@ -20,20 +20,27 @@ struct ClosedResponse {
   /// The predictions between the lines, to be drawn; n_g.
   Eigen::VectorXd axis_hz, predicted_axis, passive_axis;
 
-  /// measured over predicted.
+  /// measured over predicted, and over what it would be without the law.
   double off_db(Eigen::Index line) const;
+  double off_passive_db(Eigen::Index line) const;
   /// Two standard deviations of it.
   double doubt_db(Eigen::Index line) const;
-  /// Lines that noise leaves within told_db.
-  bool is_told(Eigen::Index line) const { return doubt_db(line) < told_db; }
+  /// Lines that noise leaves within told_db, and those where what the law does is larger than the
+  /// limit and noise together, whatever that is: there a loop that did nothing would be seen.
+  bool is_told(Eigen::Index line) const { return doubt_db(line) < told_db || tells_law(line); }
+  /// The law makes so much of a difference there.
+  bool tells_law(Eigen::Index line) const;
   /// The told line that is furthest off; -1: none is told.
   Eigen::Index worst() const;
   Eigen::Index n_told() const;
-  /// Something is told, and nothing told is off by more than most_db and what noise may do.
+  /// At how many told lines the law is seen to act: what is measured is not what it would be
+  /// without.
+  Eigen::Index n_acting() const;
+  /// The law is seen to act, and nothing told is off by more than most_db and what noise may do.
   bool is_as_predicted() const;
 
-  /// Noise of a tenth of a decibel more than the limit would hide it. A loop that is a decibel off
-  /// in its size, a tenth, is well within its margins; a model that was fitted is a tenth of that.
+  /// A loop that is a decibel off in its size, a tenth, is well within its margins; a model that
+  /// was fitted is a tenth of that.
   static constexpr double told_db = 0.5, most_db = 1;
 };
 

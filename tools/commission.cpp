@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <future>
 #include <iostream>
 #include <memory>
@@ -184,6 +185,15 @@ ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::Loop
   return all;
 }
 
+/// In local time.
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[40];
+  return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local));
+}
+
 /// What is asked for before anything moves. Errors: InputError.
 void require_sense(const CommissionOptions& options, const judge::LoopDesign& design,
                    bool corrected) {
@@ -266,6 +276,12 @@ int run(const CommissionOptions& options) {
   require_sense(options, design, corrected);
   Commissioning all{
       .title = design.scene.title,
+      .how = {.scene = options.scene.string(),
+              .played = options.simulate ? options.simulate->string() : "",
+              .date = today(),
+              .force_n = judge::probe_force(options.force_n, design.gains, options.scene),
+              .window_s = options.window_s,
+              .windows = options.windows},
       .rig = options.rig ? controller::read_rig(*options.rig, design.gains) : simulated_rig(design),
       .legs = design.gains.legs};
   if (!options.io.empty()) all.rig.driver = options.io;
@@ -388,6 +404,7 @@ void add_commission(cli::Command& app, int& exit_code) {
       "predicted, "
       "passive\n"
       "               (largest singular values from added forces, m/s^2 or N per N), n_told, "
+      "n_acting, "
       "worst_db, worst_hz,\n"
       "               frame_peak_m_s2, force_peak_n, n_faults, as_predicted}, passed\n"
       "Example: stillframe commission frame.yaml rig.yaml --uncertainty piezo_frame.yaml\n"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <sstream>
 
 #include "report/table.hpp"
@@ -21,6 +22,8 @@ using judge::known_before;
 using report::cell;
 
 namespace {
+
+constexpr double clear_of_rest_db = 6;
 
 Json parameters_json(const Commissioned& found) {
   Json parameters = Json::array();
@@ -63,6 +66,7 @@ Json closed_json(const ClosedOnRig& closed) {
           {"predicted", to_json(response.predicted)},
           {"passive", to_json(response.passive)},
           {"n_told", response.n_told()},
+          {"n_acting", response.n_acting()},
           {"worst_db", worst < 0 ? Json() : Json(response.off_db(worst))},
           {"worst_hz", worst < 0 ? Json() : Json(response.frequencies_hz(worst))},
           {"frame_peak_m_s2", to_json(closed.run.frame_peak)},
@@ -111,6 +115,9 @@ std::string recorded_line(const Commissioned& found) {
 std::vector<std::string> fit_lines(const Commissioning& all) {
   const Commissioned& found = *all.found;
   std::vector<std::string> lines;
+  if (found.disturbance_db < clear_of_rest_db) {
+    lines.push_back(cell("That is little: with a larger --force, bands are narrower."));
+  }
   lines.push_back(
       cell("What is left is %.2f times the power of the noise at rest.", found.fit.over_noise));
   if (!found.fit.is_noise()) {
@@ -142,14 +149,20 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
                     ": take a larger --force, or more --windows.");
   } else {
     lines.push_back(
-        cell("The loop, closed: from added forces to %s it is within %.2f dB of its "
-             "prediction (worst at %.3g Hz), at %lld of %lld frequencies; noise hides "
-             "the others.",
-             what.c_str(), std::abs(response.off_db(worst)), response.frequencies_hz(worst),
-             report::count(response.n_told()), report::count(response.frequencies_hz.size())));
+        cell("The loop, closed: from added forces to %s it is %.2f dB off its "
+             "prediction at %.3g Hz (noise: %.2f dB), and less beyond noise at all %lld "
+             "of %lld frequencies that are told.",
+             what.c_str(), response.off_db(worst), response.frequencies_hz(worst),
+             response.doubt_db(worst), report::count(response.n_told()),
+             report::count(response.frequencies_hz.size())));
+    lines.push_back(
+        response.n_acting() > 0
+            ? cell("At %lld of them the law is seen to act.", report::count(response.n_acting()))
+            : "At none of them the law makes a difference that is larger than noise: it is not "
+              "seen to act. Take a larger --force, or more --windows.");
   }
-  if (!response.is_as_predicted() && worst >= 0) {
-    lines.push_back(cell("That is more than %g dB: the rig is not as the updated scene says.",
+  if (!response.is_as_predicted() && response.n_acting() > 0) {
+    lines.push_back(cell("It is off by more than %g dB: the rig is not as the updated scene says.",
                          judge::ClosedResponse::most_db));
   }
   std::string peaks = cell("Largest command %.3g N", closed.run.force_peak);
@@ -185,20 +198,18 @@ page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
   figure.open = response.passive_axis;
   figure.closed = response.predicted_axis;
   page::MeasuredValues& measured = figure.closed_measured;
-  std::vector<Index> told;
-  for (Index l = 0; l < response.measured.size(); ++l) {
-    if (response.is_told(l)) told.push_back(l);
-  }
-  const auto n = static_cast<Index>(told.size());
-  measured.values.resize(n, 1);
-  measured.lower = measured.upper = measured.difference_db = measured.values;
-  for (Index i = 0; i < n; ++i) {
-    const Index l = told[static_cast<std::size_t>(i)];
-    measured.frequencies_hz.push_back(response.frequencies_hz(l));
-    measured.values(i, 0) = response.measured(l);
-    measured.lower(i, 0) = response.measured(l) - 2 * response.noise(l);
-    measured.upper(i, 0) = response.measured(l) + 2 * response.noise(l);
-    measured.difference_db(i, 0) = response.off_db(l);
+  // A band that reaches down to nothing begins where it can still be drawn.
+  constexpr double least_part = 0.01;
+  const Index n = response.measured.size();
+  measured.frequencies_hz = list(response.frequencies_hz);
+  measured.values = response.measured;
+  measured.lower =
+      (response.measured - 2 * response.noise).cwiseMax(least_part * response.measured);
+  measured.upper = response.measured + 2 * response.noise;
+  measured.difference_db.resize(n, 1);
+  for (Index l = 0; l < n; ++l) {
+    measured.difference_db(l, 0) =
+        response.is_told(l) ? response.off_db(l) : std::numeric_limits<double>::quiet_NaN();
   }
   figure.allowed_db = judge::ClosedResponse::most_db;
   return figure;
@@ -286,9 +297,10 @@ void print_closed(const Commissioning& all) {
 
 page::PageData page_of(const Commissioning& all) {
   page::PageData data;
-  data.head.title = all.title + ", commissioned";
+  data.head.title = all.title + (all.how.played.empty() ? ", commissioned" : ", a rehearsal");
   data.head.program_version = STILLFRAME_VERSION;
   data.head.scene_name = all.title;
+  data.head.date = all.how.date;
   data.head.outcome = all.passed ? report::Outcome::passed : report::Outcome::failed;
   if (all.is_fitted()) {
     data.head.headlines = fit_lines(all);
@@ -299,6 +311,14 @@ page::PageData page_of(const Commissioning& all) {
     data.head.headlines.insert(data.head.headlines.end(), lines.begin(), lines.end());
     data.singular_values = figure_of(all.closed->response);
   }
+  page::Table how{.caption = "How", .columns = {"what", ""}, .rows = {}};
+  how.rows.push_back(all.how.played.empty()
+                         ? std::vector<std::string>{"rig", all.rig.title + ", " + all.rig.driver}
+                         : std::vector<std::string>{"rig", "none: played by " + all.how.played});
+  how.rows.push_back({"scene", all.how.scene});
+  how.rows.push_back({"force", cell("%g N", all.how.force_n)});
+  how.rows.push_back({"windows", cell("%d of %g s", all.how.windows, all.how.window_s)});
+  data.checks.push_back(how);
   if (all.found) {
     page::Table wiring{.caption = "Wiring, as it was", .columns = {"leg", "what"}, .rows = {}};
     for (const auto& leg : all.found->wiring.legs) {

@@ -26,9 +26,18 @@ struct ClosedOnRig {
   judge::ClosedResponse response;
 };
 
+/// What was asked for.
+struct HowCommissioned {
+  std::string scene, played;  ///< files; played: by which scene, empty: on a rig
+  std::string date;           ///< as it is to be read
+  double force_n = 0, window_s = 0;
+  int windows = 0;
+};
+
 /// How far a commissioning came, and what it found.
 struct Commissioning {
-  std::string title;        ///< of the scene
+  std::string title;  ///< of the scene
+  HowCommissioned how;
   controller::RigFile rig;  ///< whose channels the loop ran on
   std::vector<std::string> legs;
   std::optional<judge::Commissioned> found;  ///< none: the scene was corrected before

@@ -105,6 +105,8 @@ DriverSetting RigFile::setting(const Gains& gains) const {
 
 RigFile default_rig(const Gains& gains) {
   RigFile rig;
+  // By it a latch is kept, which is none of another frame's business.
+  rig.title = "rig of scene " + gains.scene_hash;
   rig.channels.sigma = rig.channels.applied = rig.channels.force = in_order(gains.legs.size());
   rig.floor = gains.heard_floor();
   rig.channels.floor = in_order(rig.floor.size());

@@ -15,7 +15,7 @@ namespace stillframe::controller {
 /// What a rig file says of sensors and actuators; docs/hardware.md. All of it has a default: the
 /// channels of a driver one after the other, in SI units.
 struct RigFile {
-  std::string title = "rig";
+  std::string title;
   std::string driver;                          ///< empty: none is named
   std::map<std::string, std::string> options;  ///< of the driver
   std::filesystem::path folder;                ///< of the file

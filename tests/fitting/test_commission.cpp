@@ -246,6 +246,7 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     const ClosedResponse closed = closed_response(run, updated, outputs);
     EXPECT_TRUE(closed.is_as_predicted());
     EXPECT_GT(closed.n_told(), 20);
+    EXPECT_GT(closed.n_acting(), 5);
     // During all of it the frame is not shaken harder than by the drive without a loop.
     worst_peak = std::max(worst_peak, rig.frame_peak / passive_peak);
 
