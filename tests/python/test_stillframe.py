@@ -2,6 +2,7 @@
 """The Python module against the JSON of the programs. Arguments: the program stillframe, the source folder. Skipped
 (exit code 77) without numpy."""
 
+import collections.abc
 import importlib.util
 import inspect
 import json
@@ -58,7 +59,7 @@ def numbers(value):
     """Every number of a document in order, by its bits; null is NaN as it is inside arrays."""
     if isinstance(value, np.ndarray):
         return numbers(np.stack([value.real, value.imag], -1).tolist() if np.iscomplexobj(value) else value.tolist())
-    if isinstance(value, dict):
+    if isinstance(value, collections.abc.Mapping):
         return [n for v in value.values() for n in numbers(v)]
     if isinstance(value, (list, tuple)):
         return [n for v in value for n in numbers(v)]
