@@ -66,10 +66,10 @@ class LinearModel(Document):
 
     def to_scipy(self, integrate: bool = False) -> Any:
         """A scipy.signal.StateSpace of A, B, C, D. Its inputs are the columns of B: an input that is a motion is three of them,
-        acceleration, velocity and position in this order (inputs[i].columns), of which one follows from another: over s the
-        response to the acceleration is that of the three columns added, the second over s, the third over s^2.
-        integrate: that system, exactly, an input a name: a motion's is its acceleration, whatever its kind, and two
-        integrators more are states (velocity, position, last). InputError without inputs or outputs. Needs scipy."""
+        acceleration, velocity and position in this order (inputs[i].columns), of which one follows from another: the
+        response to the acceleration is that to the first column, that to the second over s and that to the third over s^2,
+        added. integrate=True: that system, exactly, an input a name; a motion's is its acceleration, whatever its kind, and
+        its integrals are the last states, velocities before positions. InputError without inputs or outputs. Needs scipy."""
         from scipy import signal
 
         for key in ("inputs", "outputs"):
@@ -217,7 +217,7 @@ class Scene:
     """A scene of docs/scene.md (stillframe.help("scene") prints it): the path of a YAML file, YAML text (with a line break in
     it), or a dict of the same keys, with arrays of numpy too.
 
-    Nothing is checked before something is asked of it; then InputError names the file, line and key. Blocks
+    Nothing but what a dict is made of is checked before something is asked of it; then InputError names the file, line and key. Blocks
     (controller=, floor=, uncertainty=) and design_scene= are paths, texts or dicts, which messages call <controller> and
     so on. folder: where what is text or a dict finds the files that it names, the current one unless told. name: what
     messages call it then.
