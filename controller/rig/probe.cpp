@@ -233,8 +233,8 @@ class Prober {
       if (!came) continue;
       const std::int64_t k = last_ - from;
       // What was sent last acts until something else is.
-      for (std::int64_t held = std::max<std::int64_t>(0, before + 1);
-           held < std::min<std::int64_t>(k, n); ++held) {
+      for (std::int64_t held = std::max<std::int64_t>(0, before + 1); held < std::min<std::int64_t>(k, n);
+           ++held) {
         sent_(held) = leg_ < 0 ? 0.0 : command_.force(leg_);
       }
       before = k;

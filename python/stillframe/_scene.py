@@ -85,9 +85,10 @@ class LinearModel(Document):
         n, m = len(A), len(moved)
         into = np.zeros((2 * m, len(first)))
         into[range(m), moved] = 1
+        integrators = np.hstack([np.zeros((2 * m, n)), np.eye(2 * m, k=-m)])
         return signal.StateSpace(
-            np.block([[A, B[:, velocity], B[:, position]], [np.zeros((m, n + 2 * m))], [np.zeros((m, n)), np.eye(m), np.zeros((m, m))]]),
-            np.vstack([B[:, first], into]), np.hstack([C, D[:, velocity], D[:, position]]), D[:, first])
+            np.vstack([np.hstack([A, B[:, velocity], B[:, position]]), integrators]), np.vstack([B[:, first], into]),
+            np.hstack([C, D[:, velocity], D[:, position]]), D[:, first])
 
     def to_control(self) -> Any:
         """A control.ss of A, B, C, D, with names; of motions as to_scipy has them. Needs python-control."""
@@ -204,7 +205,7 @@ def _plain(value: Any, name: str, path: str = "") -> Any:
     if isinstance(value, (np.ndarray, np.generic)):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
-        return [_plain(item, name, f"{path}.{i}") for i, item in enumerate(value, 1)]
+        return [_plain(item, name, f"{path}[{i}]") for i, item in enumerate(value, 1)]
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if value is None or isinstance(value, (str, bool, int, float)):
@@ -217,10 +218,10 @@ class Scene:
     """A scene of docs/scene.md (stillframe.help("scene") prints it): the path of a YAML file, YAML text (with a line break in
     it), or a dict of the same keys, with arrays of numpy too.
 
-    Nothing but what a dict is made of is checked before something is asked of it; then InputError names the file, line and key. Blocks
-    (controller=, floor=, uncertainty=) and design_scene= are paths, texts or dicts, which messages call <controller> and
-    so on. folder: where what is text or a dict finds the files that it names, the current one unless told. name: what
-    messages call it then.
+    Nothing but what a dict is made of is checked before something is asked of it; then InputError names the file, line and
+    key. Blocks (controller=, floor=, uncertainty=) and design_scene= are paths, texts or dicts, which messages call
+    <controller> and so on. folder: where what is text or a dict finds the files that it names, the current one unless
+    told. name: what messages call it then.
 
     A run belongs to a scene by scene_hash, the hash of its text: the same dict in another order of keys, or the same
     numbers written otherwise, is another scene to budget(log=) and the like."""

@@ -248,7 +248,7 @@ class Given(unittest.TestCase):
         for value in (1j, {4}):
             with self.assertRaisesRegex(sf.InputError, "complex|set") as caught:
                 sf.Scene(dict(LEG, masses=[{"node": "mass", "mass": value}]))
-            self.assertEqual((caught.exception.file, caught.exception.key), ("<scene>", "masses.1.mass"))
+            self.assertEqual((caught.exception.file, caught.exception.key), ("<scene>", "masses[1].mass"))
 
     def test_a_scene_of_a_scene(self):
         self.assertEqual(sf.Scene(sf.Scene(LEG)).text, sf.Scene(LEG).text)
