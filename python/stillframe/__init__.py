@@ -10,7 +10,7 @@
 Every call is one call of the program of the same name, whose JSON it reads: the numbers are those of the
 programs to the last bit, and what is wrong is raised as InputError, Refusal or RunFailed, with the file,
 line and key that the program names. Units are SI. The keys of each result are in docs/json, and
-`stillframe VERB --help` has them in words: sf.help("modes").
+`stillframe VERB --help` has them in words: sf.help("modes"). Those of a scene: sf.help("scene").
 """
 
 from ._documents import Document

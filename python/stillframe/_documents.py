@@ -2,7 +2,7 @@
 
 import html
 import os
-from typing import Any, Dict, List, Mapping, Type, TypeVar, Union
+from typing import TYPE_CHECKING, Any, Iterator, KeysView, Mapping, Type, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -16,14 +16,20 @@ Block = Union[Path, Mapping[str, Any], None]
 # What an option of the program may be.
 Option = Union[Block, bool, float]
 
-# Pairs [re, im] in JSON.
-_complex = {"eigenvalues", "closed_loop_poles"}
+# What JSON does not tell and docs/json does (a test holds these against it): pairs [re, im], whole numbers, and keys
+# whose lists are of texts or documents, so that an empty one is no array.
+_complex = {"eigenvalues", "closed_loop_poles", "T", "T_sampled", "T_continuous"}
+_whole = {"counts", "done"}
+_lists = set("""axes bounds certificates checks columns curve deviations dof_units dofs effort elements files floor
+    highest_singular_values_db inputs largest_singular_values_db least_damping_ratio legs methods nodal_displacements noise
+    notes outputs parameters peak peaks ranges reactions responses resting_channels resting_forces rows runs shocks sources
+    spectral_radius state_units states timing transmissibility transmission warnings""".split())
 
 
 def _numbers(value: Any) -> bool:
     """Whether a list holds numbers and nulls alone, at any depth, and all rows are equally long."""
     if isinstance(value, list):
-        return len(value) > 0 and all(map(_numbers, value)) and len({len(v) if isinstance(v, list) else -1 for v in value}) == 1
+        return all(map(_numbers, value)) and len({len(v) if isinstance(v, list) else -1 for v in value}) <= 1
     return value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))
 
 
@@ -32,26 +38,44 @@ def _converted(key: str, value: Any) -> Any:
         return Document({k: _converted(k, v) for k, v in value.items()})
     if not isinstance(value, list):
         return value
-    if _numbers(value) and any(v is not None for v in np.array(value, dtype=object).ravel()):
-        array = np.array(value, dtype=float)  # null is NaN
-        return array[..., 0] + 1j * array[..., 1] if key in _complex and array.shape[-1:] == (2,) else array
-    if value == []:
-        return np.zeros(0, dtype=complex) if key in _complex else value
-    return [_converted(key, v) for v in value]
+    # Names of what a law has not are nulls too.
+    if not _numbers(value) or (value == [] and key in _lists) or key in ("inputs", "outputs"):
+        return [_converted(key, v) for v in value]
+    if key in _complex:
+        pairs = np.array(value, dtype=float)
+        return pairs.reshape(-1, 2).view(complex).reshape(pairs.shape[:-1]) if pairs.size else np.zeros(0, dtype=complex)
+    return np.array(value, dtype=int if key in _whole else float)  # null is NaN
 
 
-class Document(Dict[str, Any]):
-    """A dict whose keys are attributes too. null is None, and NaN inside arrays (float64, or complex128 where the program
-    gives pairs). Which keys, shapes and units: docs/json. The classes derived from it declare those that are always there."""
+class Document:
+    """An answer: its keys are attributes, and as in a dict there are document["key"], `in`, len, keys(), values(), items() and
+    get(). A key of such a name wins: then vars(document) is the dict. null is None, and NaN inside arrays (float64;
+    complex128 where the program gives pairs; int64 of counts). Which keys, shapes and units: docs/json. The classes
+    derived from it declare those that are always there."""
+
+    if TYPE_CHECKING:
+        def keys(self) -> KeysView[str]: ...
+
+    def __init__(self, keys: Mapping[str, Any] = {}, **more: Any) -> None:
+        vars(self).update(keys, **more)
 
     def __getattr__(self, name: str) -> Any:
-        try:
-            return self[name]
-        except KeyError:
-            raise AttributeError(f"no key {name!r}; there are {', '.join(self)}") from None
+        # Only for what is no key. Methods that were inherited would be said again in the help of each class.
+        if hasattr(dict, name) and not name.startswith("_"):
+            return getattr(vars(self), name)
+        raise AttributeError(f"no key {name!r}; there are {', '.join(self)}")
 
-    def __dir__(self) -> List[str]:
-        return [*super().__dir__(), *self]
+    def __getitem__(self, key: str) -> Any:
+        return vars(self)[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(vars(self))
+
+    def __len__(self) -> int:
+        return len(vars(self))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Document) and vars(self) == vars(other)
 
     @staticmethod
     def _short(value: Any) -> str:
@@ -67,16 +91,20 @@ class Document(Dict[str, Any]):
 
     def __repr__(self) -> str:
         width = max(map(len, self), default=0)
-        lines = [f"  {key:<{width}}  {self._short(value)}" for key, value in self.items()]
+        lines = [f"  {key:<{width}}  {self._short(value)}" for key, value in vars(self).items()]
         return "\n".join([type(self).__name__, *lines])
 
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><th style='text-align:left'>{html.escape(key)}</th>"
             f"<td style='text-align:left'><code>{html.escape(self._short(value))}</code></td></tr>"
-            for key, value in self.items()
+            for key, value in vars(self).items()
         )
         return f"<table>{rows}</table>"
+
+
+# For isinstance: a document can be given as a block.
+Mapping.register(Document)
 
 
 Kind = TypeVar("Kind", bound=Document)

@@ -3,7 +3,7 @@
 import pathlib
 import tempfile
 from csv import reader
-from typing import Dict, List, Optional, Sequence
+from typing import Dict, List, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -34,27 +34,28 @@ _groups = {"floor": "floor_acceleration", "sigma": "sigma", "applied": "applied_
 
 
 def read_log(path: Path, run_id: Optional[int] = None, from_s: Optional[float] = None, to_s: Optional[float] = None,
-             channels: Optional[Sequence[str]] = None) -> Log:
-    """The signals of an LCM log as a Log, from from_s to to_s (s). channels: a list of "floor", "sigma", "applied", "frame",
+             channels: Union[str, Sequence[str], None] = None) -> Log:
+    """The signals of an LCM log as a Log, from from_s to to_s (s). channels: one or a list of "floor", "sigma", "applied", "frame",
     "command", "excitation" (what was added to the commands to measure the loop, N; only where it is named), or single ones
     as in "frame:lens_x". Raises InputError."""
     with tempfile.TemporaryDirectory() as folder:
         csv = pathlib.Path(folder) / "log.csv"
+        channels = [channels] if isinstance(channels, str) else channels
         options = {"csv": csv, "run_id": run_id, "from": from_s, "to": to_s, "channels": ",".join(channels) if channels else None}
         info = call("export", path, options=options)["files"][0]
+        # Not of the log, but of the file between.
+        info = {key: value for key, value in info.items() if key not in ("file", "format", "bytes")}
         # A row too few would read as one dimension.
         table = np.loadtxt(csv, delimiter=",", skiprows=1, ndmin=2, encoding="utf-8")
         with open(csv, newline="", encoding="utf-8") as file:
             columns = [name.rsplit(" [", 1)[0] for name in next(reader(file))]
-    log = Log()
+    log = Log(seq=table[:, columns.index("seq")].astype(np.int64), time_s=table[:, columns.index("time_s")])
     names: Dict[str, List[str]] = {}
-    log["seq"] = table[:, columns.index("seq")].astype(np.int64)
-    log["time_s"] = table[:, columns.index("time_s")]
     for group, name in _groups.items():
         own = [i for i, column in enumerate(columns) if column.startswith(group + ":")]
         if own:
-            log[name] = table[:, own]
+            setattr(log, name, table[:, own])
             names[name] = [columns[i].split(":", 1)[1] for i in own]
-    log["names"] = names
-    log["info"] = document(info, Document)
+    log.names = names
+    log.info = document(info, Document)
     return log

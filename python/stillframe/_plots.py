@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._documents import Document, Floats
+from ._program import InputError, meant
 
 # matplotlib.axes.Axes, which only those have who have matplotlib.
 Axes = Any
@@ -43,6 +44,8 @@ def plot_singular_values(document: Document, axes: Axes = None) -> Axes:
 
 def plot_signal(log: Document, signal: str, axes: Axes = None) -> Axes:
     """A signal of a log (N, or m/s^2) over time (s), a line a column. axes: matplotlib's, which come back; new ones unless told."""
+    if signal not in log["names"]:
+        raise InputError(f"plot: no signal {signal!r}{meant(signal, log['names'])}", 2)
     axes = axes_of(axes)
     units = {"floor_acceleration": "m/s²", "frame_acceleration": "m/s²"}
     for name, values in zip(log["names"][signal], log[signal].T):

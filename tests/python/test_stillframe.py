@@ -2,11 +2,16 @@
 """The Python module against the JSON of the programs. Arguments: the program stillframe, the source folder. Skipped
 (exit code 77) without numpy."""
 
+import collections.abc
+import contextlib
+import copy
 import importlib.util
 import inspect
+import io
 import json
 import os
 import pathlib
+import pydoc
 import subprocess
 import sys
 import tempfile
@@ -25,6 +30,8 @@ PROGRAM, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 os.environ["STILLFRAME"] = PROGRAM
 sys.path.insert(0, str(SOURCE / "python"))
 import stillframe as sf  # noqa: E402
+from stillframe import _documents  # noqa: E402
+from stillframe._documents import document  # noqa: E402
 
 SCENES = SOURCE / "config/scenes"
 
@@ -58,7 +65,7 @@ def numbers(value):
     """Every number of a document in order, by its bits; null is NaN as it is inside arrays."""
     if isinstance(value, np.ndarray):
         return numbers(np.stack([value.real, value.imag], -1).tolist() if np.iscomplexobj(value) else value.tolist())
-    if isinstance(value, dict):
+    if isinstance(value, collections.abc.Mapping):
         return [n for v in value.values() for n in numbers(v)]
     if isinstance(value, (list, tuple)):
         return [n for v in value for n in numbers(v)]
@@ -151,6 +158,170 @@ class Arrays(unittest.TestCase):
             linear.E
 
 
+class Keys(unittest.TestCase):
+    """Of documents."""
+
+    def test_win_over_methods(self):
+        found = sf.Document(values=3, items=4, pop=5)
+        self.assertEqual((found.values, found.items, found.pop), (3, 4, 5))
+        self.assertEqual(vars(found), {"values": 3, "items": 4, "pop": 5})
+
+    def test_are_those_of_a_dict(self):
+        found = sf.Scene(LEG).modes()
+        self.assertEqual(list(found.keys()), list(found))
+        self.assertEqual(dict(found).keys(), vars(found).keys())
+        self.assertIs(found.get("nothing"), None)
+        self.assertIn("dofs", found)
+        self.assertEqual(len(found), len(found.items()))
+        self.assertEqual(copy.copy(found), found)
+
+    def test_of_a_document_make_a_block(self):
+        block = sf.Document(LEG["controller"])
+        self.assertEqual(sf.Scene(LEG).design(controller=block).target_hz, 5)
+
+
+class Kinds(unittest.TestCase):
+    """Of arrays, whatever is in them."""
+
+    def test_null_alone_is_nan(self):
+        found = document({"third_octaves_m_s": [[None, None]]}, sf.Document).third_octaves_m_s
+        self.assertEqual((found.dtype, found.shape), (float, (1, 2)))
+        self.assertTrue(np.isnan(found).all())
+
+    def test_pairs_are_complex(self):
+        found = document({"T": [[[[1, -2]]], [[[None, None]]]]}, sf.Document).T
+        self.assertEqual(found.shape, (2, 1, 1))
+        self.assertEqual(found[0, 0, 0], 1 - 2j)
+        self.assertTrue(np.isnan(found[1, 0, 0]))
+
+    def test_counts_are_whole(self):
+        found = sf.Scene(LEG).robustness(samples=8, uncertainty={"stiffness": 0.1}, no_search=True)
+        self.assertEqual(found.histograms.peak_db.counts.dtype, int)
+        self.assertEqual(found.shards.done.dtype, int)
+
+    def test_empty_lists_are_arrays_if_of_numbers(self):
+        found = document({"Y_p": [], "B": [[], []], "warnings": []}, sf.Document)
+        self.assertEqual((found.Y_p.dtype, found.Y_p.shape, found.B.shape), (float, (0,), (2, 0)))
+        self.assertEqual(found.warnings, [])
+
+    def test_are_those_of_the_schemas(self):
+        texts, pairs, whole = set(), set(), set()
+
+        def leaves(schema, defs):
+            """Of an array: kinds of what is in it at the bottom."""
+            schema = defs[schema["$ref"].rsplit("/", 1)[1]] if "$ref" in schema else schema
+            if "prefixItems" in schema and schema["prefixItems"][0].get("$comment") == "real part":
+                return {"pair"}
+            parts = schema.get("prefixItems", schema.get("anyOf", [schema["items"]] if schema.get("items") else []))
+            kinds = {schema["type"]} if isinstance(schema.get("type"), str) else {*schema.get("type", ())}
+            return (kinds - {"array"}).union(*(leaves(part, defs) for part in parts))
+
+        def arrays(schema, defs):
+            schema = defs[schema["$ref"].rsplit("/", 1)[1]] if "$ref" in schema else schema
+            return "array" in schema.get("type", ()) or any(arrays(part, defs) for part in schema.get("anyOf", ()))
+
+        def walk(schema, defs):
+            for key, value in schema.get("properties", {}).items() if isinstance(schema, dict) else ():
+                if arrays(value, defs):
+                    kinds = leaves(value, defs)
+                    for name, found in (("string", texts), ("object", texts), ("pair", pairs), ("integer", whole)):
+                        if name in kinds:
+                            found.add(key)
+            for part in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
+                walk(part, defs)
+
+        for verb in ("modes", "equilibrium", "buckling", "linearise", "sigma", "design", "sweep", "feedback", "budget",
+                     "robustness", "verdict", "identify", "export"):
+            schema = json.loads((SOURCE / f"docs/json/{verb}.schema.json").read_text(encoding="utf-8"))
+            walk(schema, schema.get("$defs", {}))
+        self.assertEqual((_documents._lists, _documents._complex, _documents._whole), (texts, pairs, whole))
+
+
+class Given(unittest.TestCase):
+    """What scenes and blocks may be made of."""
+
+    def test_arrays_and_scalars_of_numpy(self):
+        nodes = {"floor": {"position": np.zeros(3)}, "mass": {"position": (0, np.float32(0), np.int64(1))}}
+        self.assertEqual(numbers(sf.Scene(dict(LEG, nodes=nodes)).modes()), numbers(sf.Scene(LEG).modes()))
+
+    def test_what_cannot_be_written_is_named(self):
+        for value in (1j, {4}):
+            with self.assertRaisesRegex(sf.InputError, "complex|set") as caught:
+                sf.Scene(dict(LEG, masses=[{"node": "mass", "mass": value}]))
+            self.assertEqual((caught.exception.file, caught.exception.key), ("<scene>", "masses[1].mass"))
+
+    def test_a_scene_of_a_scene(self):
+        self.assertEqual(sf.Scene(sf.Scene(LEG)).text, sf.Scene(LEG).text)
+
+    def test_what_is_no_scene(self):
+        for source in (None, [1], 3):
+            with self.assertRaisesRegex(sf.InputError, "allowed is a path"):
+                sf.Scene(source)
+        with self.assertRaisesRegex(sf.InputError, "<controller>: found list"):
+            sf.Scene(LEG).design(controller=[1])
+
+    def test_a_design_scene_as_a_dict(self):
+        found = sf.Scene(LEG).design(design_scene=LEG)
+        np.testing.assert_array_equal(found.K_P, sf.Scene(LEG).design().K_P)
+
+    def test_a_block_finds_files_beside_the_scene(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "law.yaml").write_text("x: 1\n")
+            with self.assertRaises(sf.InputError) as caught:
+                sf.Scene(LEG, folder).design(controller=dict(LEG["controller"], law="law.yaml"))
+        self.assertNotIn("cannot be read", caught.exception.message)
+
+
+class Systems(unittest.TestCase):
+    def test_integrated_inputs_have_the_response_of_sigma(self):
+        scene = sf.Scene({k: v for k, v in LEG.items() if k not in ("controller", "floor")})
+        expected = scene.sigma(from_hz=1, to_hz=40, points=7)
+        system = scene.linearise().to_scipy(integrate=True)
+        self.assertEqual(system.B.shape, (4, 1))
+        for hz, values in zip(expected.frequencies_hz, expected.singular_values):
+            found = system.C @ np.linalg.solve(2j * np.pi * hz * np.eye(4) - system.A, system.B) + system.D
+            self.assertAlmostEqual(abs(found[0, 0]) / values[0], 1, 9)
+
+    def test_direct_inputs_stay_beside_them(self):
+        linear = sf.Scene(SCENES / "slider_crank.yaml").linearise()
+        system = linear.to_scipy(integrate=True)
+        n = len(linear.states)
+        self.assertEqual(system.B.shape, (n + 2, 2))
+        np.testing.assert_array_equal(system.B[:n, 1], linear.B[:, 3])
+
+    def test_without_inputs_are_refused_in_words(self):
+        bare = {k: v for k, v in LEG.items() if k not in ("inputs", "outputs", "monitors", "compare", "controller", "floor")}
+        linear = sf.Scene(bare).linearise()
+        self.assertEqual((linear.B.shape, linear.C.shape, linear.D.shape), ((2, 0), (0, 2), (0, 0)))
+        with self.assertRaisesRegex(sf.InputError, "no inputs"):
+            linear.to_scipy()
+
+
+class Help(unittest.TestCase):
+    def said(self, *arguments):
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            sf.help(*arguments)
+        return said.getvalue()
+
+    def test_of_options_that_docstrings_name(self):
+        for function in (sf.identify, sf.Scene.feedback, sf.Scene.budget, sf.Scene.robustness):
+            self.assertIn(f'stillframe.help("{function.__name__}")', function.__doc__)
+            self.assertIn("--json", self.said(function.__name__))
+
+    def test_of_a_scene(self):
+        self.assertIn("# The scene file", self.said("scene"))
+
+    def test_of_no_verb(self):
+        for word in ("modse", 3):
+            with self.assertRaisesRegex(sf.InputError, "no verb .*modes"):
+                sf.help(word)
+
+    def test_is_not_about_dicts(self):
+        text = pydoc.plain(pydoc.render_doc(sf))
+        self.assertNotIn("builtins.dict", text)
+        self.assertLess(len(text.splitlines()), 1000)
+
+
 class Sweeps(unittest.TestCase):
     def test_columns_are_the_designs(self):
         found = sf.Scene(LEG).sweep({"controller.target_hz": [4, 6.5], "masses.mass.mass": "300:500:3"}, at=[20])
@@ -160,6 +331,11 @@ class Sweeps(unittest.TestCase):
         other["controller"]["target_hz"], other["masses"][0]["mass"] = 6.5, 500
         design = sf.Scene(other).design()
         self.assertEqual(found.columns.disk_margin[5], design.margins.all_disk)
+
+
+    def test_one_frequency_is_no_list(self):
+        found = sf.Scene(LEG).sweep({"controller.target_hz": [4]}, at=10)
+        self.assertLess(found.columns.transmission_10_hz[0], 1)
 
 
 class Runs(unittest.TestCase):
@@ -186,6 +362,51 @@ class Runs(unittest.TestCase):
             self.assertEqual(numbers(again.verdict), numbers(run.verdict))
             with self.assertRaises(sf.InputError):
                 sf.Scene(LEG).run(out)  # is there already
+
+
+class Logs(unittest.TestCase):
+    # What is limited moves otherwise than what is linear.
+    scene = sf.Scene(dict(LEG, controller=dict(LEG["controller"], force_limit_n=1e-3)))
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.log = cls.run_of("run", 4)
+
+    @classmethod
+    def run_of(cls, name, duration):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return cls.scene.run(cls.folder / name, loop="active", duration=duration).folder / "active.lcm"
+
+    def test_one_channel_is_no_list(self):
+        self.assertEqual([*sf.read_log(self.log, channels="sigma").names], ["sigma"])
+
+    def test_say_nothing_of_the_file_between(self):
+        self.assertFalse({"file", "format", "bytes"} & {*sf.read_log(self.log).info})
+
+    def test_have_their_signals_named(self):
+        with self.assertRaisesRegex(sf.InputError, "did you mean 'sigma'"):
+            sf.read_log(self.log).plot("sgma")
+
+    def test_that_are_read_are_no_path(self):
+        with self.assertRaisesRegex(sf.InputError, "identify: found Log"):
+            sf.identify(sf.read_log(self.log))
+
+    def test_off_the_prediction_are_warned_of(self):
+        with self.assertWarnsRegex(UserWarning, "identify: matrix: measured .* dB outside"):
+            sf.identify(self.log, tolerance_db=0.1)
+
+    def test_off_the_budget_are_warned_of_where_it_was_asked(self):
+        with self.assertWarnsRegex(UserWarning, "budget: .*active.lcm: z: measured") as caught:
+            self.scene.budget(log=self.log)
+        self.assertEqual(caught.filename, __file__)
+
+    def test_too_short_to_identify_are_warned_of(self):
+        with self.assertWarnsRegex(UserWarning, "identify: matrix is not identified: the log has 0.02 s"):
+            sf.identify(self.run_of("short", 0.02))
 
 
 class Package(unittest.TestCase):
@@ -332,6 +553,42 @@ class Errors(unittest.TestCase):
             sf.Scene(bad).modes()
         self.assertEqual(caught.exception.file, "<scene>")
         self.assertEqual(set(os.listdir(".")), before)
+
+    def test_of_blocks_name_no_file_of_ours(self):
+        for name, block in (("controller", {"target": 1}), ("floor", {"nose": 1}), ("uncertainty", {"stiffnes": 1})):
+            with self.assertRaises(sf.InputError) as caught:
+                verb = {"floor": sf.Scene(LEG).budget}.get(name, sf.Scene(LEG).robustness)
+                verb(**{name: block})
+            self.assertEqual((caught.exception.file, caught.exception.key), (f"<{name}>", *block))
+
+    def test_name_a_key_that_is_missing(self):
+        with self.assertRaises(sf.InputError) as caught:
+            sf.Scene({k: v for k, v in LEG.items() if k != "title"}).modes()
+        self.assertEqual(caught.exception.key, "title")
+        with self.assertRaises(sf.InputError) as caught:
+            sf.Scene(dict(LEG, masses=[{"node": "mass"}])).modes()
+        self.assertRegex(caught.exception.key, "mass$")
+
+    def test_name_a_file_that_is_not_there(self):
+        with self.assertRaises(sf.InputError) as caught:
+            sf.Scene("x.yaml").modes()
+        self.assertEqual((caught.exception.file, caught.exception.key), (str(pathlib.Path("x.yaml").resolve()), None))
+
+    def test_of_a_swept_path_name_it(self):
+        with self.assertRaises(sf.InputError) as caught:
+            sf.Scene(LEG).sweep({"controller.target": [1]})
+        self.assertEqual((caught.exception.file, caught.exception.key), (None, "controller.target"))
+
+    def test_of_options(self):
+        scene = sf.Scene(LEG)
+        for call, said in (
+            (lambda: scene.robustness(samplse=3), "no option 'samplse' .did you mean 'samples'.*allowed: controller"),
+            (lambda: scene.modes(lowest=True), "--lowest: .*true"),
+            (lambda: scene.run("never", duration="2 s"), "--duration: .*2 s"),
+            (lambda: scene.budget(log=sf.Log()), "log: found Log"),
+        ):
+            with self.assertRaisesRegex(sf.InputError, said):
+                call()
 
     def test_kinds(self):
         free = dict(LEG, elements={"leg": dict(LEG["elements"]["leg"], stiffness=0)})
