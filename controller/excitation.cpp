@@ -104,6 +104,11 @@ Excitation::Excitation(const Gains& gains, const Policy& policy)
   const auto n = static_cast<Index>(samples);
   if (plan.kind == Kind::multisine) {
     lines_ = logarithmic_lines(from_hz / line_hz, to_hz / line_hz, static_cast<int>(plan.lines));
+    if (lines_.empty()) {
+      refuse("to_hz", to_hz,
+             "from the next multiple of " + shortest_digits(line_hz) +
+                 " Hz above from_hz on, whole periods in a window");
+    }
     wave_ = multisine(lines_, n);
   } else {
     wave_ = plan.kind == Kind::sweep ? sweep(from_hz / line_hz, to_hz / line_hz, n) : step(n);

@@ -452,6 +452,7 @@ void Supervisor::arm(const Event& event) noexcept {
   asked_.setZero();
   asked_before_.setZero();
   excited_before_.setZero();
+  ramp_.setZero();
   n_samples_ = 1;
   met_limit_ = false;
   law_.reset();

@@ -27,11 +27,17 @@ constexpr double less = 0.8, of_limit = 0.5;
 constexpr double clear = 2, most_doubt_db = 5;
 constexpr Index n_axis = 400;
 
-/// The plant with these outputs of the scene, or with the force sensors, a sample late.
-SampledPlant with_outputs(SampledPlant plant, const std::vector<Index>& frame) {
-  if (frame.empty()) {
+using Of = ClosedResponse::Of;
+
+/// The plant with these outputs: accelerations of the scene, or forces a sample late.
+SampledPlant with_outputs(SampledPlant plant, Of of, const std::vector<Index>& frame) {
+  if (of != Of::frame) {
     plant.C_y = plant.C_sigma;
     plant.D_0 = plant.D_sigma;
+    if (of == Of::strain) {
+      plant.C_y -= plant.C_report;
+      plant.D_0 -= plant.D_report;
+    }
     plant.D_yu = MatrixXd::Zero(plant.D_sigma.rows(), plant.D_sigma.cols());
     plant.D_yw = MatrixXd::Zero(plant.C_sigma.rows(), plant.Gamma_w.cols());
     return plant;
@@ -44,6 +50,17 @@ SampledPlant with_outputs(SampledPlant plant, const std::vector<Index>& frame) {
     }
   }
   return plant;
+}
+
+/// What was read of that; report_age: samples by which the applied force is read late.
+MatrixXd outputs_of(const controller::Recording& recording, Of of, Index report_age) {
+  if (of == Of::frame) return recording.frame;
+  MatrixXd outputs = recording.sigma;
+  if (of == Of::strain) {
+    outputs.topRows(outputs.rows() - report_age) -=
+        recording.applied.bottomRows(outputs.rows() - report_age);
+  }
+  return outputs;
 }
 
 double largest(const MatrixXcd& T) { return Eigen::JacobiSVD<MatrixXcd>(T).singularValues()(0); }
@@ -188,10 +205,12 @@ bool ClosedResponse::is_as_predicted() const {
   return n_acting() > 0;
 }
 
+namespace {
+
 ClosedResponse closed_response(const controller::ClosedRecording& run, const LoopDesign& design,
-                               const std::vector<Index>& frame) {
+                               Of of, const std::vector<Index>& frame) {
   ClosedResponse response;
-  response.of_frame = !frame.empty();
+  response.of = of;
   const auto n_lines = static_cast<Index>(run.lines.size());
   response.frequencies_hz.resize(n_lines);
   for (Index l = 0; l < n_lines; ++l) {
@@ -202,7 +221,7 @@ ClosedResponse closed_response(const controller::ClosedRecording& run, const Loo
                                                std::log(response.frequencies_hz(n_lines - 1)))
                          .exp();
   const VectorXd omega = two_pi * response.frequencies_hz, axis = two_pi * response.axis_hz;
-  const SampledPlant plant = with_outputs(design.sampled, frame);
+  const SampledPlant plant = with_outputs(design.sampled, of, frame);
   DiscreteLaw law = whole_law_of(design.settings);
   response.predicted = predicted(plant, law, omega);
   response.predicted_axis = predicted(plant, law, axis);
@@ -210,8 +229,7 @@ ClosedResponse closed_response(const controller::ClosedRecording& run, const Loo
   law.D.setZero();
   response.passive = predicted(plant, law, omega);
   response.passive_axis = predicted(plant, law, axis);
-  const Measured found =
-      measured(run, response.of_frame ? run.recording.frame : run.recording.sigma);
+  const Measured found = measured(run, outputs_of(run.recording, of, design.sampled.report_age));
   response.measured = response.noise = VectorXd::Zero(n_lines);
   for (Index l = 0; l < n_lines; ++l) {
     const auto k = static_cast<std::size_t>(l);
@@ -219,6 +237,19 @@ ClosedResponse closed_response(const controller::ClosedRecording& run, const Loo
     response.noise(l) = std::sqrt(found.variance[k]);
   }
   return response;
+}
+
+}  // namespace
+
+std::vector<ClosedResponse> closed_responses(const controller::ClosedRecording& run,
+                                             const LoopDesign& design,
+                                             const std::vector<Index>& frame) {
+  return {closed_response(run, design, frame.empty() ? Of::sigma : Of::frame, frame),
+          closed_response(run, design, Of::strain, frame)};
+}
+
+bool are_as_predicted(const std::vector<ClosedResponse>& responses) {
+  return std::ranges::all_of(responses, &ClosedResponse::is_as_predicted);
 }
 
 }  // namespace stillframe::judge

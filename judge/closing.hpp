@@ -9,10 +9,16 @@
 namespace stillframe::judge {
 
 /// What a loop makes of a force that is added to its commands, measured on a rig in operation and
-/// predicted: the largest singular value of the transfer matrix from the legs to the accelerometers
-/// of the frame or, where there are none, to the force sensors.
+/// predicted: the largest singular value of the transfer matrix from the legs to
+///   frame    the accelerometers of the frame (m/s^2 per N),
+///   sigma    the force sensors (N per N),
+///   strain   the force sensors less what is applied (N per N), the force that the legs' stiffness
+///            makes. A force feedback answers by a motion that does not depend on that stiffness,
+///            but a floor comes through by it: who judges motions alone passes a loop that
+///            isolates by half.
 struct ClosedResponse {
-  bool of_frame = true;                          ///< m/s^2 per N; false: N per N
+  enum class Of { frame, sigma, strain };
+  Of of = Of::frame;
   Eigen::VectorXd frequencies_hz;                ///< n_f
   Eigen::VectorXd measured, predicted, passive;  ///< n_f; passive: without the law, predicted
   /// n_f, one standard deviation of what the scatter of the windows makes of measured, or more.
@@ -49,9 +55,14 @@ struct ClosedResponse {
 /// most. policy: with the excitation, whatever its force. Errors: as Excitation and force_limit.
 double added_force(double force_n, const LoopDesign& design, controller::Policy policy);
 
-/// Of what close_on_rig recorded, by the design whose gains ran. frame: of each accelerometer of
-/// the recording, the output of the scene.
-ClosedResponse closed_response(const controller::ClosedRecording& run, const LoopDesign& design,
-                               const std::vector<Eigen::Index>& frame);
+/// Of what close_on_rig recorded, by the design whose gains ran: of the frame, without any
+/// accelerometer of sigma, and of the strain. frame: of each accelerometer of the recording, the
+/// output of the scene.
+std::vector<ClosedResponse> closed_responses(const controller::ClosedRecording& run,
+                                             const LoopDesign& design,
+                                             const std::vector<Eigen::Index>& frame);
+
+/// Whether all of them are.
+bool are_as_predicted(const std::vector<ClosedResponse>& responses);
 
 }  // namespace stillframe::judge

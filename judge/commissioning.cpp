@@ -208,6 +208,11 @@ double over_rest_db(const fitting::RigRecord& record, const std::vector<bool>& d
   return 10 * std::log10((power[1].cwiseQuotient(power[0].cwiseMax(1e-300))).minCoeff());
 }
 
+Index window_samples(const LoopDesign& design, double window_s) {
+  const double samples = std::round(window_s * design.gains.sample_rate_hz);
+  return static_cast<Index>(std::min(samples, 1e15));
+}
+
 }  // namespace
 
 std::vector<Index> outputs_of(const RigFile& rig, const Scene& scene) {
@@ -263,6 +268,15 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
   return lines;
 }
 
+void require_recordable(const LoopDesign& design, double window_s, int n_windows) {
+  const Index n_window = window_samples(design, window_s), m = design.gains.n_legs();
+  commission_lines(design, n_window);
+  if ((n_windows + 2) * (m + 2) * n_window > most_recorded) {
+    throw InputError("--window, --windows: that is a recording of more than " +
+                     std::to_string(most_recorded) + " samples");
+  }
+}
+
 Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQuestion& question,
                      const controller::ProbeTime& time, const Progress& progress,
                      const std::function<bool()>& stop) {
@@ -282,13 +296,9 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
         "values above 0");
   }
   for (Parameter& parameter : found.question.parameters) parameter.size *= deviation_of_even;
-  const double window = std::round(question.window_s * design.gains.sample_rate_hz);
-  const auto n_window = static_cast<Index>(std::min(window, 1e15));
-  const std::vector<int> lines = commission_lines(design, n_window);  // before anything moves
-  if ((question.n_windows + 2) * (m + 2) * n_window > most_recorded) {
-    throw InputError("--window, --windows: that is a recording of more than " +
-                     std::to_string(most_recorded) + " samples");
-  }
+  require_recordable(design, question.window_s, question.n_windows);  // before anything moves
+  const Index n_window = window_samples(design, question.window_s);
+  const std::vector<int> lines = commission_lines(design, n_window);
   ProbeSettings settings = settings_of(question, rig);
   settings.lines = controller::probe_lines(settings.n_window);
   const auto wiring_now = [&](const char* what) {
@@ -328,6 +338,7 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
       settings.force_n /= less_force;
     }
   }
+  found.force_n = settings.force_n;
   found.lines = lines;
   found.n_window = n_window;
   require_numbers(found);

@@ -35,6 +35,7 @@ struct Commissioned {
   controller::RigFile rig;    ///< put right, with the gains that were fitted
   controller::Recording recording;
   fitting::FitQuestion question;
+  double force_n = 0;         ///< peak of what was recorded
   Eigen::Index n_window = 0;  ///< samples
   std::vector<int> lines;     ///< whole periods in a window, that it was driven at
   fitting::RigFit fit;
@@ -46,6 +47,10 @@ struct Commissioned {
 /// the rate, none within 8 % of a resonance of the model, which an undamped frame would follow.
 /// Errors: InputError if those are too few to tell anything.
 std::vector<int> commission_lines(const judge::LoopDesign& design, Eigen::Index n_window);
+
+/// Errors: InputError where windows of that length are too few, too many or too long to be
+/// recorded.
+void require_recordable(const judge::LoopDesign& design, double window_s, int n_windows);
 
 /// What is being done, and the part of it that is done.
 using Progress = std::function<void(const std::string&, double)>;

@@ -1,6 +1,10 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <exception>
+#include <filesystem>
 #include <future>
 #include <iostream>
 #include <memory>
@@ -62,15 +66,14 @@ std::string with_block(std::string text, const std::string& block) {
          block;
 }
 
-/// The rig of a scene that plays one: all that the scene has is measured.
+/// The rig of a scene that plays one: accelerometers are all outputs of the scene, and what of the
+/// floor its law hears.
 RigFile simulated_rig(const judge::LoopDesign& design) {
   RigFile rig = controller::default_rig(design.gains);
   for (const SceneSignal& output : design.scene.outputs) {
     rig.channels.frame.push_back({.number = static_cast<Eigen::Index>(rig.frame.size())});
     rig.frame.push_back(output.name);
   }
-  rig.floor.clear();
-  rig.channels.floor.clear();
   return rig;
 }
 
@@ -160,19 +163,28 @@ controller::Policy policy_of(const CommissionOptions& options, const controller:
                                   ? controller::read_policy(*options.policy, gains.sample_rate_hz)
                                   : controller::default_policy(gains.sample_rate_hz);
   policy.start_at_once = true;
-  controller::force_limit(gains, policy);
+  if (policy.excitation.kind != controller::ExcitationPlan::Kind::none) {
+    throw InputError(options.policy->string() +
+                     ": excitation: found one, allowed is none: commission has its own");
+  }
+  const double limit = controller::force_limit(gains, policy);
+  const double force = judge::probe_force(options.force_n, gains, options.scene);
+  if (!(force < limit)) {
+    throw InputError("--force: found " + shortest_digits(force) +
+                     ", allowed is below the force limit of " + shortest_digits(limit));
+  }
   return policy;
 }
 
 /// Closes the loop of the gains that the design has, and holds it against its prediction.
 ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::LoopDesign& design,
-                   const RigFile& file, const std::function<void(double)>& progress) {
+                   const RigFile& file, double force_n,
+                   const std::function<void(double)>& progress) {
   controller::Policy policy = policy_of(options, design.gains);
   policy.excitation = {.kind = controller::ExcitationPlan::Kind::multisine,
                        .window_s = options.window_s,
                        .windows = options.windows};
-  policy.excitation.force_n = judge::added_force(
-      judge::probe_force(options.force_n, design.gains, options.scene), design, policy);
+  policy.excitation.force_n = judge::added_force(force_n, design, policy);
   const controller::DriverSetting setting = file.setting(design.gains);
   ClosedOnRig all{.run = rig.with([&](controller::Io& io) {
     controller::ScaledIo scaled(io, file.channels, setting.n_floor, setting.n_frame);
@@ -181,7 +193,7 @@ ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::Loop
                                     static_cast<Index>(file.channels.frame.size()),
                                     controller::real_time(), progress, stop_requested);
   })};
-  all.response = judge::closed_response(all.run, design, judge::outputs_of(file, design.scene));
+  all.responses = judge::closed_responses(all.run, design, judge::outputs_of(file, design.scene));
   return all;
 }
 
@@ -192,6 +204,17 @@ std::string today() {
   localtime_r(&now, &local);
   char text[40];
   return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local));
+}
+
+/// Before anything moves. Errors: InputError where no file can be.
+void require_place(const std::filesystem::path& path) {
+  const auto folder = path.parent_path();
+  const bool has_folder = folder.empty() || std::filesystem::is_directory(folder);
+  if (has_folder && !std::filesystem::is_directory(path) &&
+      access(folder.empty() ? "." : folder.c_str(), W_OK) == 0) {
+    return;
+  }
+  throw InputError(path.string() + ": cannot be written");
 }
 
 /// What is asked for before anything moves. Errors: InputError.
@@ -216,6 +239,7 @@ void require_sense(const CommissionOptions& options, const judge::LoopDesign& de
         "--plot and --uncertainty are of the scene, which --until wiring leaves alone");
   }
   if (options.until == "loop") policy_of(options, design.gains);
+  judge::require_recordable(design, options.window_s, options.windows);
   if (corrected) return;
   try {
     YamlReader::from_text(with_block(design.scene.text, "corrections: {}\n"), "");
@@ -300,32 +324,45 @@ int run(const CommissionOptions& options) {
                       {"the updated rig file", files.rig},
                       {"--plot", options.plot},
                       {"--report", options.report}});
+  for (const auto& place :
+       {files.scene, files.uncertainty, files.rig, options.plot, options.report}) {
+    if (place) require_place(*place);
+  }
   Rig rig(options, design, all.rig);
   catch_stop_signals();
-  {
+  // What was found is said, whatever becomes of a later step.
+  std::exception_ptr failure;
+  try {
     Patience patience("wiring");
     const auto progress = [&](const std::string& what, double done) {
       patience.now(what, 100 * done);
     };
     const bool may_close = corrected || find_scene(all, rig, options, design, files, progress);
     if (may_close && options.until == "loop") {
+      all.passed = false;
       std::optional<judge::LoopDesign> found;
       if (!corrected) found = judge::make_loop_design(*files.scene, options.controller);
       all.closed = closed(rig, options, found ? *found : design, all.rig,
+                          all.found ? all.found->force_n : all.how.force_n,
                           [&](double done) { progress("closed", done); });
-      all.passed = all.closed->response.is_as_predicted();
+      all.passed = are_as_predicted(all.closed->responses);
     }
+  } catch (...) {
+    if (!all.found && !all.closed) throw;
+    failure = std::current_exception();
+    all.passed = false;
   }
-  if (options.report) write_page(page_of(all), *options.report);
   if (options.json) {
     print(to_json(all));
-    return all.passed ? exit_done : exit_failed;
+  } else {
+    if (all.found) print_wiring(all);
+    if (all.is_fitted()) print_parameters(all);
+    if (all.closed) print_closed(all);
+    if (options.until == "loop" && !all.closed) std::cout << "The loop was not measured closed.\n";
+    if (options.until == "scene") say_next(all);
   }
-  if (all.found) print_wiring(all);
-  if (all.is_fitted()) print_parameters(all);
-  if (all.closed) print_closed(all);
-  if (options.until == "loop" && !all.closed) std::cout << "The loop was not closed.\n";
-  if (options.until == "scene") say_next(all);
+  if (options.report) write_page(page_of(all), *options.report);
+  if (failure) std::rethrow_exception(failure);
   return all.passed ? exit_done : exit_failed;
 }
 
@@ -400,13 +437,15 @@ void add_commission(cli::Command& app, int& exit_code) {
       "  outputs      {name, left_before, left (of what was read, rms)}\n"
       "  over_noise (power of what is left over that of the noise at rest), converged,\n"
       "  spectral_radius_before, spectral_radius, scene_file, rig_file, uncertainty_file\n"
-      "  closed       {of (frame or sigma), frequencies_hz, measured, standard_deviation, "
-      "predicted, "
-      "passive\n"
-      "               (largest singular values from added forces, m/s^2 or N per N), n_told, "
-      "n_acting, "
-      "worst_db, worst_hz,\n"
-      "               frame_peak_m_s2, force_peak_n, n_faults, as_predicted}, passed\n"
+      "  closed       {responses {of (frame or sigma, and strain), frequencies_hz, measured, "
+      "standard_deviation,\n"
+      "               predicted, passive (largest singular values from added forces, m/s^2 or N "
+      "per "
+      "N), n_told,\n"
+      "               n_acting, worst_db, worst_hz, as_predicted}, frame_peak_m_s2, force_peak_n, "
+      "added_force_n,\n"
+      "               n_lost, n_saturated, n_faults, as_predicted}\n"
+      "  passed\n"
       "Example: stillframe commission frame.yaml rig.yaml --uncertainty piezo_frame.yaml\n"
       "To try it without a rig: stillframe commission frame.yaml --simulate other_frame.yaml "
       "--until loop");

@@ -56,23 +56,32 @@ Json outputs_json(const Commissioning& all) {
   return outputs;
 }
 
+const char* word_of(judge::ClosedResponse::Of of) {
+  using Of = judge::ClosedResponse::Of;
+  return of == Of::frame ? "frame" : of == Of::sigma ? "sigma" : "strain";
+}
+
 Json closed_json(const ClosedOnRig& closed) {
-  const judge::ClosedResponse& response = closed.response;
-  const Index worst = response.worst();
-  return {{"of", response.of_frame ? "frame" : "sigma"},
-          {"frequencies_hz", to_json(response.frequencies_hz)},
-          {"measured", to_json(response.measured)},
-          {"standard_deviation", to_json(response.noise)},
-          {"predicted", to_json(response.predicted)},
-          {"passive", to_json(response.passive)},
-          {"n_told", response.n_told()},
-          {"n_acting", response.n_acting()},
-          {"worst_db", worst < 0 ? Json() : Json(response.off_db(worst))},
-          {"worst_hz", worst < 0 ? Json() : Json(response.frequencies_hz(worst))},
-          {"frame_peak_m_s2", to_json(closed.run.frame_peak)},
-          {"force_peak_n", closed.run.force_peak},
-          {"n_faults", closed.run.n_faults},
-          {"as_predicted", response.is_as_predicted()}};
+  Json responses = Json::array();
+  for (const judge::ClosedResponse& response : closed.responses) {
+    const Index worst = response.worst();
+    responses.push_back({{"of", word_of(response.of)},
+                         {"frequencies_hz", to_json(response.frequencies_hz)},
+                         {"measured", to_json(response.measured)},
+                         {"standard_deviation", to_json(response.noise)},
+                         {"predicted", to_json(response.predicted)},
+                         {"passive", to_json(response.passive)},
+                         {"n_told", response.n_told()},
+                         {"n_acting", response.n_acting()},
+                         {"worst_db", worst < 0 ? Json() : Json(response.off_db(worst))},
+                         {"worst_hz", worst < 0 ? Json() : Json(response.frequencies_hz(worst))},
+                         {"as_predicted", response.is_as_predicted()}});
+  }
+  const controller::ClosedRecording& run = closed.run;
+  return {{"responses", responses},         {"frame_peak_m_s2", to_json(run.frame_peak)},
+          {"force_peak_n", run.force_peak}, {"added_force_n", run.added_force},
+          {"n_lost", run.recording.n_lost}, {"n_saturated", run.n_saturated},
+          {"n_faults", run.n_faults},       {"as_predicted", are_as_predicted(closed.responses)}};
 }
 
 std::string with_unit(const robustness::Parameter& parameter, double deviation) {
@@ -105,10 +114,10 @@ std::vector<std::string> parameter_columns() {
 
 std::string recorded_line(const Commissioned& found) {
   return cell(
-      "%lld samples, %lld lost, clock %+.1f ppm; driven, the least output reads %.0f dB more than "
-      "at rest",
+      "%lld samples, %lld lost, clock %+.1f ppm; driven by %.3g N, the least output reads %.0f dB "
+      "more than at rest",
       report::count(found.recording.n_samples), report::count(found.recording.n_lost),
-      -1e6 * found.recording.drift, found.disturbance_db);
+      -1e6 * found.recording.drift, found.force_n, found.disturbance_db);
 }
 
 /// What to think of the fit, a sentence each.
@@ -139,33 +148,35 @@ std::vector<std::string> fit_lines(const Commissioning& all) {
 
 std::vector<std::string> closed_lines(const Commissioning& all) {
   const ClosedOnRig& closed = *all.closed;
-  const judge::ClosedResponse& response = closed.response;
   std::vector<std::string> lines;
-  const Index worst = response.worst();
-  const std::string what =
-      response.of_frame ? "accelerations of the frame" : "readings of the force sensors";
-  if (worst < 0) {
-    lines.push_back("The loop ran, but noise hides what the added forces make of the " + what +
-                    ": take a larger --force, or more --windows.");
-  } else {
-    lines.push_back(
-        cell("The loop, closed: from added forces to %s it is %.2f dB off its "
-             "prediction at %.3g Hz (noise: %.2f dB), and less beyond noise at all %lld "
-             "of %lld frequencies that are told.",
-             what.c_str(), response.off_db(worst), response.frequencies_hz(worst),
-             response.doubt_db(worst), report::count(response.n_told()),
-             report::count(response.frequencies_hz.size())));
-    lines.push_back(
-        response.n_acting() > 0
-            ? cell("At %lld of them the law is seen to act.", report::count(response.n_acting()))
-            : "At none of them the law makes a difference that is larger than noise: it is not "
-              "seen to act. Take a larger --force, or more --windows.");
+  for (const judge::ClosedResponse& response : closed.responses) {
+    using Of = judge::ClosedResponse::Of;
+    const Index worst = response.worst();
+    const std::string what = response.of == Of::frame   ? "accelerations of the frame"
+                             : response.of == Of::sigma ? "readings of the force sensors"
+                                                        : "forces of the legs' stiffness";
+    if (worst < 0) {
+      lines.push_back("Closed: noise hides what added forces make of the " + what +
+                      ". Take a larger --force, or more --windows.");
+      continue;
+    }
+    std::string line = cell(
+        "Closed, from added forces to %s: told at %lld of %lld frequencies, furthest off its "
+        "prediction at %.3g Hz, by %+.2f dB (noise: %.2f dB); ",
+        what.c_str(), report::count(response.n_told()),
+        report::count(response.frequencies_hz.size()), response.frequencies_hz(worst),
+        response.off_db(worst), response.doubt_db(worst));
+    line += response.n_acting() > 0
+                ? cell("the law is seen to act at %lld.", report::count(response.n_acting()))
+                : "the law is not seen to act: take a larger --force, or more --windows.";
+    if (!response.is_as_predicted() && response.n_acting() > 0) {
+      line += cell(" That is more than %g dB: the rig is not as the updated scene says.",
+                   judge::ClosedResponse::most_db);
+    }
+    lines.push_back(line);
   }
-  if (!response.is_as_predicted() && response.n_acting() > 0) {
-    lines.push_back(cell("It is off by more than %g dB: the rig is not as the updated scene says.",
-                         judge::ClosedResponse::most_db));
-  }
-  std::string peaks = cell("Largest command %.3g N", closed.run.force_peak);
+  std::string peaks = cell("%.3g N were added at most; largest command %.3g N",
+                           closed.run.added_force, closed.run.force_peak);
   if (closed.run.frame_peak.size() > 0) {
     peaks +=
         cell("; largest acceleration of the frame %.3g m/s^2", closed.run.frame_peak.maxCoeff());
@@ -176,7 +187,12 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
   }
   lines.push_back(peaks + ".");
   if (closed.run.n_faults > 0) {
-    lines.push_back(cell("Faults that passed: %lld.", report::count(closed.run.n_faults)));
+    lines.push_back(cell("Faults that passed: %lld (%s).", report::count(closed.run.n_faults),
+                         closed.run.last_fault.c_str()));
+  }
+  if (closed.run.n_saturated > 0) {
+    lines.push_back(
+        cell("Commands that met a limit: %lld.", report::count(closed.run.n_saturated)));
   }
   return lines;
 }
@@ -191,8 +207,9 @@ std::vector<double> list(const VectorXd& values) { return {values.begin(), value
 
 page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
   page::SingularValueFigure figure;
-  figure.quantity = response.of_frame ? "added forces to frame accelerations (m/s\u00b2 per N)"
-                                      : "added forces to force sensors (N per N)";
+  figure.quantity = response.of == judge::ClosedResponse::Of::frame
+                        ? "added forces to frame accelerations (m/s\u00b2 per N)"
+                        : "added forces to force sensors (N per N)";
   figure.of_floor = false;
   figure.frequencies_hz = list(response.axis_hz);
   figure.open = response.passive_axis;
@@ -213,6 +230,20 @@ page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
   }
   figure.allowed_db = judge::ClosedResponse::most_db;
   return figure;
+}
+
+page::Table table_of(const judge::ClosedResponse& response) {
+  page::Table table{
+      .caption = std::string("Closed, from added forces to ") + word_of(response.of),
+      .columns = {"Hz", "measured", "\u00b1", "predicted", "without the law", "dB off"},
+      .rows = {}};
+  for (Index l = 0; l < response.measured.size(); ++l) {
+    table.rows.push_back({cell("%.4g", response.frequencies_hz(l)),
+                          cell("%.3g", response.measured(l)), cell("%.2g", 2 * response.noise(l)),
+                          cell("%.3g", response.predicted(l)), cell("%.3g", response.passive(l)),
+                          response.is_told(l) ? cell("%+.2f", response.off_db(l)) : "hidden"});
+  }
+  return table;
 }
 
 void print_lines(const std::vector<std::string>& lines) {
@@ -309,7 +340,10 @@ page::PageData page_of(const Commissioning& all) {
   if (all.closed) {
     const auto lines = closed_lines(all);
     data.head.headlines.insert(data.head.headlines.end(), lines.begin(), lines.end());
-    data.singular_values = figure_of(all.closed->response);
+    for (const judge::ClosedResponse& response : all.closed->responses) {
+      data.timing.push_back(table_of(response));
+    }
+    data.singular_values = figure_of(all.closed->responses.front());
   }
   page::Table how{.caption = "How", .columns = {"what", ""}, .rows = {}};
   how.rows.push_back(all.how.played.empty()

@@ -23,7 +23,7 @@ struct CommissionedFiles {
 /// The loop as it ran.
 struct ClosedOnRig {
   controller::ClosedRecording run;
-  judge::ClosedResponse response;
+  std::vector<judge::ClosedResponse> responses;
 };
 
 /// What was asked for.

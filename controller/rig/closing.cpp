@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "controller/loop.hpp"
+#include "controller/start_check.hpp"
 #include "controller/telemetry.hpp"
 
 namespace stillframe::controller {
@@ -156,6 +157,9 @@ class Closing {
     closed_.lines = plan.lines();
     closed_.n_window = plan.n_window();
     closed_.n_faults = loop_.counters().n_faults;
+    if (closed_.n_faults > 0) closed_.last_fault = fault_in_words(loop_.counters(), gains_.legs);
+    closed_.n_saturated = loop_.counters().n_saturated;
+    closed_.added_force = out.command.cwiseAbs().maxCoeff();
   }
 
   const Gains& gains_;
@@ -178,6 +182,8 @@ ClosedRecording close_on_rig(Io& io, const Gains& gains, const Policy& policy, I
                              Index n_frame, const ProbeTime& time,
                              const std::function<void(double)>& progress,
                              const std::function<bool()>& stop) {
+  require_stable(gains);
+  require_stable_ramp(gains);
   return Closing(io, gains, policy, n_floor, n_frame, time, stop).run(progress);
 }
 

@@ -297,6 +297,9 @@ TEST(Excitation, RefusesWhatDoesNotFit) {
   EXPECT_NE(error_of({.kind = kind, .to_hz = 495}).find("excitation.to_hz"), std::string::npos);
   EXPECT_NE(error_of({.kind = kind, .from_hz = 20, .to_hz = 10}).find("excitation.from_hz"),
             std::string::npos);
+  // Between two lines there is none.
+  EXPECT_NE(error_of({.kind = kind, .from_hz = 0.6, .to_hz = 0.9}).find("excitation.to_hz"),
+            std::string::npos);
   EXPECT_NE(error_of({.kind = kind, .window_s = 0.001}).find("excitation.window_s"),
             std::string::npos);
   EXPECT_EQ(error_of({.kind = Kind::none, .force_n = 1e9}), "");

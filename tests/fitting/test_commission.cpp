@@ -59,16 +59,12 @@ controller::RigFile rig_file_of(const LoopDesign& design) {
 
 /// By a force in windows of a second.
 Commissioned commissioned(HiddenRig& rig, const LoopDesign& design,
-                          const SceneUncertainty& uncertainty, double force_n = 20,
-                          int n_windows = 5) {
+                          const SceneUncertainty& uncertainty, double force_n = 20) {
   const auto nobody = [](const std::string&, double) {};
-  Commissioned found = measure(rig, rig_file_of(design),
-                               {.design = design,
-                                .uncertainty = uncertainty,
-                                .force_n = force_n,
-                                .window_s = 1,
-                                .n_windows = n_windows},
-                               rig.time(), nobody, {});
+  Commissioned found =
+      measure(rig, rig_file_of(design),
+              {.design = design, .uncertainty = uncertainty, .force_n = force_n, .window_s = 1},
+              rig.time(), nobody, {});
   if (found.wiring.connected) fit_recording(found, nobody);
   return found;
 }
@@ -78,10 +74,9 @@ struct Subject {
   const char* name;
   std::string (*text)();
   SceneUncertainty uncertainty;
-  int n_rigs = 12, n_windows = 5;
-  std::int64_t closed_windows = 4;
+  int n_rigs = 12;
   double force_n = 20, floor_rms = 0.003;  ///< N, m/s^2
-  double clear_db = 0.1;                   ///< lines that noise leaves within that are counted
+  bool closes = true;
 
   friend void PrintTo(const Subject& subject, std::ostream* out) { *out << subject.name; }
 };
@@ -100,6 +95,8 @@ SceneUncertainty small_frame_uncertainty() {
   uncertainty.delay_samples = 0.3;
   return uncertainty;
 }
+
+constexpr double clear_db = 0.1;  // lines that noise leaves within that are looked at
 
 class CommissionRigs : public testing::TestWithParam<Subject> {
  protected:
@@ -167,8 +164,7 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     HiddenRig rig(controller::SimulatedPlant(robustness::sampled(truth), GetParam().floor_rms,
                                              100 + static_cast<unsigned>(trial)),
                   hidden, static_cast<unsigned>(trial), m);
-    const Commissioned found =
-        commissioned(rig, design, uncertainty, GetParam().force_n, GetParam().n_windows);
+    const Commissioned found = commissioned(rig, design, uncertainty, GetParam().force_n);
     ASSERT_TRUE(found.wiring.connected);
     const auto says = [&](std::size_t leg, const std::string& what) {
       return std::ranges::any_of(found.wiring.legs[leg].wrong, [&](const std::string& wrong) {
@@ -223,15 +219,25 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     Sampling real = truth.sampling;
     real.leg_gains = acts;
     real.sensor_gains = reads;
+    // A law of little margin is not stable with every delay.
+    if (!GetParam().closes && updated.radius >= 1) continue;
     const VectorXd predicted = transmissibility(updated, updated.scene, updated.settings.sampling),
                    measured = transmissibility(updated, truth.scene, real);
+    Scene true_scene = truth.scene;
+    true_scene.controller->delay_samples = truth.sampling.delay_samples;
+    const LoopDesign ideal = make_loop_design(true_scene);
+    const VectorXd best = transmissibility(ideal, true_scene, ideal.settings.sampling);
+    worst_prediction = std::max(worst_prediction, most_db(measured, predicted));
+    worst_truth = std::max(worst_truth, most_db(measured, best));
+    EXPECT_LT(most_db(measured, predicted), 0.3);
+    EXPECT_LT(most_db(measured, best), 1);
+    if (!GetParam().closes) continue;
+
     // The loop, closed on the rig itself and driven: what is measured is what was predicted, and
     // what the true parameters would have given.
     controller::Policy policy;
-    policy.excitation = {.kind = controller::ExcitationPlan::Kind::multisine,
-                         .force_n = 5,
-                         .window_s = 1,
-                         .windows = GetParam().closed_windows};
+    policy.excitation = {
+        .kind = controller::ExcitationPlan::Kind::multisine, .window_s = 1, .windows = 4};
     policy.force_limit_n = 1000;
     policy.excitation.force_n = added_force(GetParam().force_n, updated, policy);
     const double passive_peak = rig.frame_peak;
@@ -243,42 +249,33 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     EXPECT_EQ(rig.acts().norm(), 0);
     EXPECT_EQ(run.n_faults, 0);
     const std::vector<Index> outputs = outputs_of(found.rig, updated.scene);
-    const ClosedResponse closed = closed_response(run, updated, outputs);
-    EXPECT_TRUE(closed.is_as_predicted());
-    EXPECT_GT(closed.n_told(), 20);
-    EXPECT_GT(closed.n_acting(), 5);
+    const std::vector<ClosedResponse> closed = closed_responses(run, updated, outputs);
+    EXPECT_TRUE(are_as_predicted(closed));
+    for (const ClosedResponse& response : closed) EXPECT_GT(response.n_acting(), 5);
     // During all of it the frame is not shaken harder than by the drive without a loop.
     worst_peak = std::max(worst_peak, rig.frame_peak / passive_peak);
-
-    Scene true_scene = truth.scene;
-    true_scene.controller->delay_samples = truth.sampling.delay_samples;
-    const LoopDesign ideal = make_loop_design(true_scene);
-    const VectorXd best = transmissibility(ideal, true_scene, ideal.settings.sampling);
-    worst_prediction = std::max(worst_prediction, most_db(measured, predicted));
-    worst_truth = std::max(worst_truth, most_db(measured, best));
     // The gains of cards are in the rig file, all but one number common to them.
-    LoopDesign of_truth = make_loop_design(true_scene);
-    const ClosedResponse would_be = closed_response(run, of_truth, outputs);
-    for (Index l = 0; l < closed.measured.size(); ++l) {
-      if (!(closed.doubt_db(l) < GetParam().clear_db)) continue;
-      ++n_clear;
-      worst_closed = std::max(worst_closed, std::abs(closed.off_db(l)));
-      worst_closed_truth = std::max(worst_closed_truth, std::abs(would_be.off_db(l)));
+    const std::vector<ClosedResponse> would_be = closed_responses(run, ideal, outputs);
+    for (std::size_t i = 0; i < closed.size(); ++i) {
+      for (Index l = 0; l < closed[i].measured.size(); ++l) {
+        if (!(closed[i].doubt_db(l) < clear_db)) continue;
+        ++n_clear;
+        worst_closed = std::max(worst_closed, std::abs(closed[i].off_db(l)));
+        worst_closed_truth = std::max(worst_closed_truth, std::abs(would_be[i].off_db(l)));
+      }
     }
-    EXPECT_LT(most_db(measured, predicted), 0.3);
-    EXPECT_LT(most_db(measured, best), 1);
   }
   std::cout << within << " of " << n << " parameters within their bands; T within "
             << worst_prediction << " dB of the prediction, " << worst_truth
             << " dB of what the true parameters give; closed and driven, at " << n_clear
-            << " lines that noise leaves within " << GetParam().clear_db << " dB: within "
-            << worst_closed << " dB of the prediction, " << worst_closed_truth
+            << " lines that noise leaves within " << clear_db << " dB: within " << worst_closed
+            << " dB of the prediction, " << worst_closed_truth
             << " dB of what the true parameters give; the frame's peak " << worst_peak
             << " times that of before\n";
   EXPECT_LT(worst_closed, 0.3);
   EXPECT_LT(worst_closed_truth, 1);
   EXPECT_LE(worst_peak, 1.1);
-  EXPECT_GT(n_clear, 10 * n_rigs());
+  if (GetParam().closes) EXPECT_GT(n_clear, 10 * n_rigs());
   EXPECT_GE(within, 0.90 * n);
 }
 
@@ -297,15 +294,46 @@ INSTANTIATE_TEST_SUITE_P(, CommissionRigs,
                                                   .actuator_gain = 0.05,
                                                   .sensor_gain = 0.05,
                                                   .delay_samples = 0.3},
-                                                 // Its law makes 13 000 times as much of an offset,
-                                                 // which needs a long rest to be known.
                                                  1,
-                                                 12,
-                                                 25,
                                                  4,
                                                  0.001,
-                                                 0.1}),
+                                                 // Its law as it is shipped is not stable on the
+                                                 // way to its gain with 0.3 samples more.
+                                                 false}),
                          [](const auto& subject) { return std::string(subject.param.name); });
+
+/// A frame whose legs are not as stiff as the scene says isolates by as much more or less, while it
+/// answers forces by the same motion: it is not as predicted, and the frame as it is is.
+TEST(Commission, ALoopOnOtherLegsIsNotAsPredicted) {
+  const Scene scene = parse_scene(fitting::small_frame_text(), "small_frame");
+  const LoopDesign design = make_loop_design(scene);
+  SceneUncertainty stiffness;
+  stiffness.stiffness = 1;
+  const auto parameters = robustness::parameters_of(scene, stiffness);
+  for (const double off : {-0.3, 0.0, 0.5, 1.0}) {
+    SCOPED_TRACE(off);
+    const VectorXd values = VectorXd::Constant(static_cast<Index>(parameters.size()), off);
+    Hidden hidden(3);
+    hidden.noise = 0.02;
+    hidden.step = 0.01;
+    HiddenRig rig(
+        controller::SimulatedPlant(robustness::sampled(robustness::perturbed(
+                                       scene, design.settings.sampling, parameters, values)),
+                                   0.001),
+        hidden, 1, 3);
+    controller::RigFile file = rig_file_of(design);
+    for (controller::Channel& sigma : file.channels.sigma) sigma.tare = 3;
+    controller::Policy policy;
+    policy.force_limit_n = 1000;
+    policy.excitation = {.kind = controller::ExcitationPlan::Kind::multisine, .window_s = 1};
+    policy.excitation.force_n = added_force(20, design, policy);
+    controller::ScaledIo scaled(rig, file.channels, 0, 3);
+    const auto closed = closed_responses(
+        controller::close_on_rig(scaled, design.gains, policy, 0, 3, rig.time(), {}, {}), design,
+        outputs_of(file, design.scene));
+    EXPECT_EQ(are_as_predicted(closed), off == 0);
+  }
+}
 
 /// Actuators that lag, and a delay other than the scene's, look like gains where legs are probed:
 /// gains of a sound rig stay as they are.
