@@ -512,6 +512,8 @@ TEST(Supervisor, MemoryIsAllThatCounts) {
   const Gains gains = toy::gains(5);
   policy.force_limit_n = 3;
   policy.limited_part = 1;  // what is measured here has nothing to do with the forces
+  policy.excitation = {
+      .kind = ExcitationPlan::Kind::multisine, .force_n = 1e-3, .window_s = 0.5, .windows = 2};
   Supervisor one(gains, policy, true), other = one;
   std::vector<double> memory(one.memory_size());
   Command a, b;

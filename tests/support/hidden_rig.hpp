@@ -23,7 +23,7 @@ struct Hidden {
   Eigen::VectorXd gain_sigma, gain_applied, gain_force;
   double ppm = 0, noise = 0;  ///< noise: N, of a force sensor
   double frame_noise = 0;     ///< m/s^2
-  double step = 0;            ///< of a converter, N
+  double step = 0;            ///< of a converter, either way, N
   double lost = 0;            ///< part of the samples
 };
 
@@ -73,7 +73,8 @@ class HiddenRig : public Io {
   void send(const Command& command) noexcept override {
     wanted_ = command.force;
     for (Eigen::Index leg = 0; leg < m_; ++leg) {
-      acts_(leg) = hidden_.gain_force(leg) * wanted_(hidden_.force[static_cast<std::size_t>(leg)]);
+      acts_(leg) = hidden_.gain_force(leg) *
+                   counts(wanted_(hidden_.force[static_cast<std::size_t>(leg)]));
     }
   }
   void enable(bool on) noexcept override { enabled = on; }
