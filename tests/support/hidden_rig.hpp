@@ -73,8 +73,8 @@ class HiddenRig : public Io {
   void send(const Command& command) noexcept override {
     wanted_ = command.force;
     for (Eigen::Index leg = 0; leg < m_; ++leg) {
-      acts_(leg) = hidden_.gain_force(leg) *
-                   counts(wanted_(hidden_.force[static_cast<std::size_t>(leg)]));
+      acts_(leg) =
+          hidden_.gain_force(leg) * counts(wanted_(hidden_.force[static_cast<std::size_t>(leg)]));
     }
   }
   void enable(bool on) noexcept override { enabled = on; }
