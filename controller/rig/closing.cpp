@@ -24,6 +24,8 @@ constexpr double patience_s = 20;
 // After the last command of a force, in which the loop switches the amplifiers off.
 constexpr double switch_off_s = 2;
 constexpr std::int64_t switch_off_samples = 30;
+// Of a window: a loop answers the newest of the samples that came in a burst, and has no others.
+constexpr double most_missing_closed = 0.05;
 
 class Closing {
  public:
@@ -152,7 +154,7 @@ class Closing {
     }
     const Excitation& plan = supervisor_.excitation();
     choose_windows(out, there_, 0, plan.n_window(), plan.n_windows(), plan.n_windows(),
-                   gains_.n_legs());
+                   gains_.n_legs(), most_missing_closed);
     out.drift = loop_.counters().drift;
     closed_.lines = plan.lines();
     closed_.n_window = plan.n_window();

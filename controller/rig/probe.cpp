@@ -40,7 +40,7 @@ std::complex<double> amplitude(const Eigen::Ref<const VectorXd>& values, int lin
 }
 
 // Of a window: each costs whoever reads it an unknown of each sensor.
-constexpr double most_missing = 0.01;
+constexpr double most_missing_recorded = 0.01;
 
 /// Rows that are not there, on straight lines between those that are.
 void fill_gaps(MatrixXd& values, const std::vector<bool>& there) {
@@ -179,7 +179,8 @@ class Prober {
       }
       k = now;
     }
-    choose_windows(out, there, recording_margin, n, 2 * windows, windows, m_);
+    choose_windows(out, there, recording_margin, n, 2 * windows, windows, m_,
+                   most_missing_recorded);
     out.drift = clock_.drift();
     return out;
   }
@@ -342,7 +343,7 @@ class Prober {
 }  // namespace
 
 void choose_windows(Recording& recording, const std::vector<bool>& there, Index from, Index n,
-                    Index at_rest, Index windows, Index m) {
+                    Index at_rest, Index windows, Index m, double most_missing) {
   for (Index leg = -1; leg < m; ++leg) {
     const Index of_leg = leg < 0 ? from : from + (at_rest + leg * (windows + 2) + 1) * n,
                 most = leg < 0 ? at_rest : windows;

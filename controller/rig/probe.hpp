@@ -67,12 +67,14 @@ struct Recording {
   std::int64_t n_samples = 0, n_lost = 0;
 };
 
-/// Chooses the windows of a recording of which hardly a sample is lost, and fills in what is: from
-/// a row on, at_rest windows of n samples with nothing driven, then of each of m legs one in which
-/// the drive rises, so many driven, and one in which it falls. there: of each row, whether it was
-/// read. Set-up. Errors: std::runtime_error where fewer than two are left of any.
+/// Chooses the windows of a recording of which no more than a part of the samples is lost, and
+/// fills in what is: from a row on, at_rest windows of n samples with nothing driven, then of each
+/// of m legs one in which the drive rises, so many driven, and one in which it falls. there: of
+/// each row, whether it was read. Set-up. Errors: std::runtime_error where fewer than two are left
+/// of any.
 void choose_windows(Recording& recording, const std::vector<bool>& there, Eigen::Index from,
-                    Eigen::Index n, Eigen::Index at_rest, Eigen::Index windows, Eigen::Index m);
+                    Eigen::Index n, Eigen::Index at_rest, Eigen::Index windows, Eigen::Index m,
+                    double most_missing);
 
 /// Samples before the first window and behind the last.
 inline constexpr Eigen::Index recording_margin = 40;
