@@ -129,6 +129,12 @@ std::vector<std::string> fit_lines(const Commissioning& all) {
   }
   lines.push_back(
       cell("What is left is %.2f times the power of the noise at rest.", found.fit.over_noise));
+  if (found.fit.n_left_out > 0) {
+    lines.push_back(
+        cell("%d windows were left out: something happened in each (a command that came "
+             "late, a knock).",
+             found.fit.n_left_out));
+  }
   if (!found.fit.is_noise()) {
     lines.push_back(
         "The rig does something that no value of these parameters does: do not trust the bands.");

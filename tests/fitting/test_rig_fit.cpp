@@ -66,6 +66,32 @@ TEST(RigFit, BandsHoldWhatWasHidden) {
 
 /// Delays of whole numbers of samples, at which what is applied jumps, are found from others and
 /// from themselves.
+/// A command that acted otherwise than was written down, once: its window is left out, and what is
+/// found is what was hidden. In every window it is no accident, and is said.
+TEST(RigFit, OneAccidentIsLeftOut) {
+  const FitQuestion question = small_frame_question();
+  const auto p = static_cast<Index>(question.parameters.size());
+  const SampledPlant plant = robustness::sampled({question.scene, question.sampling});
+  const Simulated rig = simulate(plant, drive_of(5));
+  const auto spoil = [&](RigRecord& record, std::size_t w) {
+    record.command.row(record.windows[w] + 300).array() += 3;
+  };
+  RigRecord once = rig.record, always = rig.record;
+  std::size_t n_driven = 0;
+  for (std::size_t w = 0; w < rig.driven.size(); ++w) {
+    if (!rig.driven[w]) continue;
+    if (n_driven++ == 1) spoil(once, w);
+    spoil(always, w);
+  }
+  const RigFit fit = fit_rig(question, once, rig.driven);
+  EXPECT_EQ(fit.n_left_out, 1);
+  EXPECT_TRUE(fit.is_noise()) << fit.over_noise;
+  for (Index i = 0; i < p; ++i) EXPECT_LT(std::abs(fit.values(i)), 5 * fit.deviation(i)) << i;
+  const RigFit bad = fit_rig(question, always, rig.driven);
+  EXPECT_EQ(bad.n_left_out, 0);
+  EXPECT_FALSE(bad.is_noise());
+}
+
 TEST(RigFit, WholeDelaysAreFound) {
   for (const double nominal : {0.0, 1.0, 1.3}) {
     for (const double hidden : {0.0, 1.0, 2.0}) {

@@ -81,6 +81,7 @@ struct Normal {
   MatrixXd JtJ;
   VectorXd Jtr;
   std::vector<MatrixXcd> residual;  ///< of each window, n_out x lines, not weighted
+  std::vector<double> each;         ///< of each window, a real number in the mean
 };
 
 class Fit {
@@ -288,6 +289,8 @@ class Fit {
       all.applyOnTheLeft(nuisance.qr.householderQ().adjoint());
       all.topRows(rank).setZero();
       sum.cost += all.col(0).squaredNorm();
+      sum.each.push_back(all.col(0).squaredNorm() /
+                         static_cast<double>(std::max<Index>(1, rows - rank)));
       if (driven_[w]) {
         sum.driven += all.col(0).squaredNorm();
         n_driven += rows - rank;
@@ -396,6 +399,22 @@ class Fit {
   double first_ = 0, last_ = 0;  ///< values that it is kept between
 };
 
+/// The windows that are left without those in which far more is left than in most, empty if that
+/// is not a few.
+std::vector<std::size_t> without_outliers(const std::vector<double>& each) {
+  constexpr double far = 3, few = 0.25;
+  std::vector<double> sorted = each;
+  std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2));
+  const double middle = sorted[sorted.size() / 2];
+  std::vector<std::size_t> left;
+  for (std::size_t w = 0; w < each.size(); ++w) {
+    if (each[w] < far * std::max(middle, 1.0)) left.push_back(w);
+  }
+  const auto n_out = static_cast<double>(each.size() - left.size());
+  if (n_out == 0 || n_out > few * static_cast<double>(each.size())) left.clear();
+  return left;
+}
+
 /// Where a model has no place: masses and stiffnesses below zero, say.
 double cost_at(const Fit& fit, const VectorXd& values, const Weights& weights) {
   try {
@@ -409,8 +428,11 @@ double cost_at(const Fit& fit, const VectorXd& values, const Weights& weights) {
 
 }  // namespace
 
-RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
-               const std::vector<bool>& driven, const std::function<void(double)>& progress) {
+namespace {
+
+RigFit fit_all(const FitQuestion& question, const RigRecord& record,
+               const std::vector<bool>& driven, const std::function<void(double)>& progress,
+               std::vector<double>& each) {
   if (record.windows.size() < 2 || driven.size() != record.windows.size()) {
     throw std::invalid_argument("fit_rig: there have to be two windows or more");
   }
@@ -467,7 +489,10 @@ RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
       if (progress) progress((round + step / double(most_steps)) / most_rounds);
     }
     found.left = fit.left(now.residual);
-    if (round == first_by_noise && fit.has_rest()) found.over_noise = now.driven;
+    if (round == first_by_noise && fit.has_rest()) {
+      found.over_noise = now.driven;
+      each = now.each;
+    }
     if (round + 1 == most_rounds || (round + 2 == most_rounds && !found.is_noise())) break;
     if (looks[round + 1].decay != looks[round].decay) {
       fit.look_from(looks[round + 1].decay);
@@ -480,6 +505,27 @@ RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
   A.diagonal().array() += 1;
   found.legs = fit.responses(found.values, now.residual);
   found.covariance = A.ldlt().solve(MatrixXd::Identity(p, p));
+  return found;
+}
+
+}  // namespace
+
+RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
+               const std::vector<bool>& driven, const std::function<void(double)>& progress) {
+  std::vector<double> each;
+  RigFit found = fit_all(question, record, driven, progress, each);
+  if (found.is_noise() || each.empty()) return found;
+  const std::vector<std::size_t> left = without_outliers(each);
+  if (left.empty()) return found;
+  RigRecord rest = record;
+  std::vector<bool> rest_driven;
+  rest.windows.clear();
+  for (const std::size_t w : left) {
+    rest.windows.push_back(record.windows[w]);
+    rest_driven.push_back(driven[w]);
+  }
+  found = fit_all(question, rest, rest_driven, progress, each);
+  found.n_left_out = static_cast<int>(record.windows.size() - left.size());
   return found;
 }
 

@@ -35,6 +35,9 @@ struct RigFit {
   /// noise at rest: 1 if that is all. 0 without windows at rest.
   double over_noise = 0;
   std::vector<LegResponse> legs;  ///< m
+  /// Windows that were left out, as one thing happened in each that did not in the others: a
+  /// command that acted a sample late, a knock.
+  int n_left_out = 0;
   int n_iterations = 0;
   bool converged = false;
 
@@ -53,7 +56,8 @@ struct RigFit {
 /// about l while nothing is driven, and at last, where that explains what is left, of all: noise of
 /// the floor comes into all outputs together, along a few directions, and costs little across them.
 /// D_w are eliminated. Bands are of that noise: what the model cannot say adds to it, and shows in
-/// over_noise. driven: of each window, whether commands were on it. Set-up. Errors: InputError,
+/// over_noise. Where it does, but in a few windows far more than in the others, those are left out.
+/// driven: of each window, whether commands were on it. Set-up. Errors: InputError,
 /// Refusal of a scene that has no such model; std::invalid_argument if the record has too few
 /// windows.
 RigFit fit_rig(const FitQuestion& question, const RigRecord& record,
