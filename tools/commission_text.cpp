@@ -278,6 +278,7 @@ Json to_json(const Commissioning& all) {
           {"parameters", fitted ? parameters_json(*all.found) : Json::array()},
           {"outputs", fitted ? outputs_json(all) : Json::array()},
           {"over_noise", fitted ? Json(all.found->fit.over_noise) : Json()},
+          {"n_left_out", fitted ? all.found->fit.n_left_out : 0},
           {"converged", fitted ? Json(all.found->fit.converged) : Json()},
           {"spectral_radius_before", fitted ? Json(all.loops->before) : Json()},
           {"spectral_radius", fitted ? Json(all.loops->after) : Json()},
