@@ -348,7 +348,7 @@ page::PageData page_of(const Commissioning& all) {
     const auto lines = closed_lines(all);
     data.head.headlines.insert(data.head.headlines.end(), lines.begin(), lines.end());
     for (const judge::ClosedResponse& response : all.closed->responses) {
-      data.timing.push_back(table_of(response));
+      data.checks.push_back(table_of(response));
     }
     data.singular_values = figure_of(all.closed->responses.front());
   }
