@@ -6,6 +6,7 @@
 
 #include "controller/start_check.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/low_crest.hpp"
 #include "core/numerics/smooth_step.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/yaml/reader.hpp"
@@ -60,13 +61,13 @@ std::vector<int> logarithmic_lines(double from, double to, int n_lines,
 
 VectorXd multisine(const std::vector<int>& lines, Index n_window) {
   VectorXd wave = VectorXd::Zero(n_window);
+  const VectorXd phases = low_crest_phases({lines.begin(), lines.end()}, 1);
   for (std::size_t l = 0; l < lines.size(); ++l) {
-    const double phase =
-        two_pi / 2 * static_cast<double>(l * l) / static_cast<double>(lines.size());
+    const double phase = phases(static_cast<Index>(l));
     for (Index k = 0; k < n_window; ++k) {
       const auto turns =
           static_cast<double>((lines[l] * k) % n_window) / static_cast<double>(n_window);
-      wave(k) += std::cos(two_pi * turns - phase);
+      wave(k) += std::cos(two_pi * turns + phase);
     }
   }
   return wave / wave.cwiseAbs().maxCoeff();
@@ -87,7 +88,7 @@ Excitation::Excitation(const Gains& gains, const Policy& policy)
            "from " + shortest_digits(fewest_samples / rate_hz) + " to " +
                shortest_digits(most_samples / rate_hz) + " at " + shortest_digits(rate_hz) + " Hz");
   }
-  const double line_hz = rate_hz / samples, from_hz = plan.from_hz.value_or(2 * line_hz),
+  const double line_hz = rate_hz / samples, from_hz = plan.from_hz.value_or(lowest_line * line_hz),
                to_hz = plan.to_hz.value_or(driven_up_to * rate_hz);
   if (!(from_hz >= line_hz && from_hz < to_hz)) {
     refuse("from_hz", from_hz,

@@ -13,13 +13,17 @@ namespace stillframe::controller {
 /// What rigs are driven by where nothing else is asked for: of the force limit, enough for a
 /// converter of 12 bits and no danger to anything; and up to that part of the sample rate.
 inline constexpr double small_force = 0.02, driven_up_to = 0.42;
+/// Periods in a window, from which on; and how many frequencies.
+inline constexpr int lowest_line = 2;
+inline constexpr std::int64_t usual_lines = ExcitationPlan{}.lines;
 
 /// Whole numbers of periods in a window, evenly spaced on a logarithmic axis between two numbers of
 /// them, each once, but for those that are avoided. Set-up.
 std::vector<int> logarithmic_lines(double from, double to, int n_lines,
                                    const std::function<bool(int)>& avoid = {});
 
-/// A sum of cosines at these lines over a window, phases of Schroeder, of peak 1. Set-up.
+/// A sum of cosines at these lines over a window, of phases that keep its crest low, of peak 1.
+/// Set-up.
 Eigen::VectorXd multisine(const std::vector<int>& lines, Eigen::Index n_window);
 
 /// What is added to the law's command while the loop is active, by the plan of the policy. It goes

@@ -271,7 +271,7 @@ class WallClock {
 
   /// On a rig, which this process speaks for. Without an end it ends when it is told to.
   int serve_rig(Io& io, const RigFile& rig) {
-    ScaledIo scaled(io, rig.channels, rig.setting(gains_).n_floor, rig.setting(gains_).n_frame);
+    ScaledIo scaled(io, rig.channels);
     Outcome outcome = run_session(scaled, monotonic_ns());
     if (outcome == Outcome::interrupted && !options_.duration_s) outcome = Outcome::ended;
     link_.publish_end();
@@ -396,16 +396,8 @@ void require_real_time(const Policy& policy, ControllerLink& link) {
 int serve_rig(const Options& options, const Gains& gains, const Policy& policy,
               const std::string& policy_text, const Reasons& reasons, Outside& outside) {
   RigFile rig = options.rig ? read_rig(*options.rig, gains) : default_rig(gains);
-  if (options.io != "lcm") rig.driver = options.io;
-  if (rig.driver.empty()) {
-    throw InputError(options.rig->string() + ": driver: missing; name one there or with --io");
-  }
-  if (gains.delay_samples < 1) {
-    throw InputError(
-        options.gains.string() + ": delay_samples: found " +
-        fmt::format("{}", gains.delay_samples) +
-        ", allowed on a rig is 1 or more: the command of a sample is known at the next");
-  }
+  choose_driver(rig, options.io == "lcm" ? "" : options.io);
+  require_clocked_delay(gains, options.gains.string());
   for (const std::string& reason : {reasons.any, reasons.active}) {
     if (!reason.empty()) throw Refusal(reason);
   }

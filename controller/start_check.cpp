@@ -257,6 +257,13 @@ double require_stable_ramp(const Gains& gains) {
       "little margin, does so; see `stillframe design` for the margins");
 }
 
+void require_clocked_delay(const Gains& gains, const std::string& source) {
+  if (gains.delay_samples >= 1) return;
+  throw InputError(source + ": delay_samples: found " + printed(gains.delay_samples, "%g") +
+                   ", allowed in wall-clock mode and on a rig is 1 or more: the command of a "
+                   "sample is known at the next");
+}
+
 double force_limit(const Gains& gains, const Policy& policy) {
   if (gains.force_limit_n && policy.force_limit_n) {
     return std::min(*gains.force_limit_n, *policy.force_limit_n);

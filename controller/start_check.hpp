@@ -43,6 +43,10 @@ double ramp_radius(const Gains& gains);
 /// frame alone is not stable.
 double require_stable_ramp(const Gains& gains);
 
+/// By the clock the command of a sample is known at the next. source: whose delay it is. Errors:
+/// InputError.
+void require_clocked_delay(const Gains& gains, const std::string& source);
+
 /// The force limit of a wall-clock run (N): the lower of the gains file's and the policy's. Set-up.
 /// Errors: Refusal if there is none.
 double force_limit(const Gains& gains, const Policy& policy);

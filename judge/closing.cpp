@@ -9,6 +9,7 @@
 #include "controller/excitation.hpp"
 #include "controller/start_check.hpp"
 #include "core/control/close_loop.hpp"
+#include "core/control/fitting/acted_commands.hpp"
 #include "core/control/fitting/rig_model.hpp"
 #include "core/numerics/decibels.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -85,9 +86,13 @@ Measured measured(const controller::ClosedRecording& run, const MatrixXd& output
   const controller::Recording& recording = run.recording;
   const std::vector<int>& lines = run.lines;
   const Index n_window = run.n_window;
-  const fitting::LineKernel kernel({.n_window = n_window, .lines = lines}, 0);
+  const fitting::LineKernel kernel(n_window, lines, 0);
   const auto n_lines = static_cast<Index>(lines.size());
   const Index m = recording.command.cols(), n_out = outputs.cols();
+  // A loop is linear: where another command acted than it sent, the difference was added to it.
+  const MatrixXd added =
+      recording.command - run.sent +
+      fitting::acted_commands(run.sent, recording.applied, recording.missing).command;
   Measured found{.mean = std::vector<MatrixXcd>(lines.size(), MatrixXcd::Zero(n_out, m)),
                  .variance = std::vector<double>(lines.size(), 0)};
   for (Index leg = 0; leg < m; ++leg) {
@@ -96,7 +101,7 @@ Measured measured(const controller::ClosedRecording& run, const MatrixXd& output
       if (recording.driven[w] != leg) continue;
       const Index from = recording.windows[w];
       const Eigen::RowVectorXcd drive =
-          recording.command.col(leg).segment(from, n_window).transpose() * kernel.powers;
+          added.col(leg).segment(from, n_window).transpose() * kernel.powers;
       MatrixXcd of_window = outputs.middleRows(from + 1, n_window).transpose() * kernel.powers;
       of_window.array().rowwise() /= drive.array();
       each.push_back(std::move(of_window));
@@ -125,7 +130,7 @@ double largest_command(const LoopDesign& design, const std::vector<int>& lines, 
   const SampledLoop loop = close_loop_with_added_force(plant, whole_law_of(design.settings));
   const Index m = plant.Gamma_u.cols();
   const auto n_lines = static_cast<Index>(lines.size());
-  const fitting::LineKernel kernel({.n_window = n_window, .lines = lines}, 0);
+  const fitting::LineKernel kernel(n_window, lines, 0);
   const Eigen::RowVectorXcd wave =
       controller::multisine(lines, n_window).transpose() * kernel.powers;
   std::vector<MatrixXcd> answers;

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "controller/excitation.hpp"
 #include "controller/rig/scaled_io.hpp"
+#include "core/control/fitting/acted_commands.hpp"
 #include "core/control/fitting/rig_model.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -29,7 +31,6 @@ using Kind = Parameter::Kind;
 namespace {
 
 constexpr double off_resonance = 0.08;
-constexpr int most_lines = 44, lowest_line = 2;
 constexpr std::size_t fewest_lines = 8;
 constexpr Index most_window = 1'000'000, most_recorded = 5'000'000;  // samples
 constexpr double gross_gain = 1.5;  // of a card at another range, say
@@ -39,16 +40,6 @@ const double deviation_of_even = 1 / std::sqrt(3.0);
 constexpr int most_attempts = 3;
 constexpr double less_force = 4;
 constexpr double told = 0.5, correlated = 0.9;
-
-ProbeSettings settings_of(const CommissionQuestion& question, const RigFile& rig) {
-  ProbeSettings settings;
-  settings.sample_rate_hz = question.design.gains.sample_rate_hz;
-  settings.force_n = question.force_n;
-  settings.most_n = 10 * question.force_n;
-  settings.n_floor = static_cast<Index>(rig.channels.floor.size());
-  settings.n_frame = static_cast<Index>(rig.channels.frame.size());
-  return settings;
-}
 
 /// A correction is of a node, whatever stands there.
 void refuse_shared_nodes(const Scene& scene) {
@@ -71,7 +62,7 @@ class ReadBack {
  public:
   ReadBack(const fitting::RigRecord& record, const std::vector<bool>& driven,
            const fitting::FitQuestion& question)
-      : record_(record), question_(question), kernel_(record, 0) {
+      : record_(record), question_(question), kernel_(record.n_window, record.lines, 0) {
     for (std::size_t w = 0; w < driven.size(); ++w) {
       if (!driven[w]) continue;
       windows_.emplace_back(record, static_cast<Index>(w),
@@ -197,7 +188,7 @@ void put_tares(const Recording& recording, Index n_window,
 
 /// Of the output of which it is least, over all lines.
 double over_rest_db(const fitting::RigRecord& record, const std::vector<bool>& driven) {
-  const fitting::LineKernel kernel(record, 0);
+  const fitting::LineKernel kernel(record.n_window, record.lines, 0);
   VectorXd power[2];
   for (std::size_t w = 0; w < driven.size(); ++w) {
     const fitting::WindowData data(record, static_cast<Index>(w), 0, kernel);
@@ -231,19 +222,6 @@ std::vector<Index> outputs_of(const RigFile& rig, const Scene& scene) {
   return places;
 }
 
-double probe_force(const std::optional<double>& asked, const controller::Gains& gains,
-                   const std::filesystem::path& source) {
-  if (!gains.force_limit_n && !asked) {
-    throw InputError(source.string() + ": force_limit_n: missing; say --force in N");
-  }
-  const double force = asked.value_or(controller::small_force * gains.force_limit_n.value_or(0));
-  if (gains.force_limit_n && force > *gains.force_limit_n) {
-    throw InputError("--force: found " + shortest_digits(force) + ", allowed is up to " +
-                     shortest_digits(*gains.force_limit_n) + ", the force limit of the loop");
-  }
-  return force;
-}
-
 std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_window) {
   if (n_window > most_window) {
     throw InputError("--window: " + std::to_string(n_window) + " samples, allowed are up to " +
@@ -258,7 +236,8 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
     });
   };
   std::vector<int> lines = controller::logarithmic_lines(
-      lowest_line, controller::driven_up_to * static_cast<double>(n_window), most_lines,
+      controller::lowest_line, controller::driven_up_to * static_cast<double>(n_window),
+      static_cast<int>(controller::usual_lines),
       [&](int line) { return near_resonance(line * df); });
   if (lines.size() < fewest_lines) {
     throw InputError("--window: of " + std::to_string(n_window) + " samples has " +
@@ -282,7 +261,6 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
                      const std::function<bool()>& stop) {
   const judge::LoopDesign& design = question.design;
   const Index m = design.gains.n_legs();
-  const controller::DriverSetting setting = rig.setting(design.gains);
   refuse_shared_nodes(design.scene);
   Commissioned found;
   found.rig = rig;
@@ -299,10 +277,9 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
   require_recordable(design, question.window_s, question.n_windows);  // before anything moves
   const Index n_window = window_samples(design, question.window_s);
   const std::vector<int> lines = commission_lines(design, n_window);
-  ProbeSettings settings = settings_of(question, rig);
-  settings.lines = controller::probe_lines(settings.n_window);
+  ProbeSettings settings = controller::probe_settings(design.gains, rig.channels, question.force_n);
   const auto wiring_now = [&](const char* what) {
-    controller::ScaledIo scaled(io, found.rig.channels, setting.n_floor, setting.n_frame);
+    controller::ScaledIo scaled(io, found.rig.channels);
     const auto probe = controller::probe_rig(
         scaled, m, settings, time, [&](double done) { progress(what, done); }, stop);
     return wiring_of(probe, settings, design.gains, found.rig.channels);
@@ -328,7 +305,7 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
   // undamped frame ring further and further: with less force it rings as much less, within the same
   // bound.
   for (int attempt = 1;; ++attempt) {
-    controller::ScaledIo scaled(io, found.rig.channels, setting.n_floor, setting.n_frame);
+    controller::ScaledIo scaled(io, found.rig.channels);
     try {
       found.recording = controller::record_rig(
           scaled, m, settings, time, [&](double done) { progress("recording", done); }, stop);
@@ -347,9 +324,12 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
 
 void fit_recording(Commissioned& found, const Progress& progress) {
   const Recording& recording = found.recording;
+  fitting::ActedCommands acted =
+      fitting::acted_commands(recording.command, recording.applied, recording.missing);
+  found.n_late = acted.n_late;
   fitting::RigRecord record{
       .sample_time = found.question.sampling.sample_time * (1 + recording.drift),
-      .command = recording.command,
+      .command = std::move(acted.command),
       .sigma = recording.sigma,
       .applied = recording.applied,
       .frame = recording.frame,

@@ -14,11 +14,6 @@
 
 namespace stillframe::judge {
 
-/// N, what a leg is driven by while it is probed: --force, or small_force of the limit. Errors:
-/// InputError without a limit (source: whose it would be), or beyond it.
-double probe_force(const std::optional<double>& asked, const controller::Gains& gains,
-                   const std::filesystem::path& source);
-
 /// What is asked of a rig that is to be commissioned.
 struct CommissionQuestion {
   const judge::LoopDesign& design;
@@ -38,6 +33,7 @@ struct Commissioned {
   double force_n = 0;         ///< peak of what was recorded
   Eigen::Index n_window = 0;  ///< samples
   std::vector<int> lines;     ///< whole periods in a window, that it was driven at
+  Eigen::Index n_late = 0;    ///< commands that acted a sample late, as amplifiers reported
   fitting::RigFit fit;
   Eigen::VectorXd read_back;  ///< m, what is applied over what is commanded
   double disturbance_db = 0;  ///< what is read while driven over what is read at rest, least output

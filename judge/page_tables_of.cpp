@@ -26,17 +26,6 @@ std::string mode_in_words(const std::string& mode) {
   return mode;
 }
 
-/// Day and time in UTC, so that the same log makes the same page everywhere.
-std::string date_of(std::int64_t us) {
-  if (us <= 0) return "";
-  const std::time_t seconds = us / 1'000'000;
-  std::tm day{};
-  gmtime_r(&seconds, &day);
-  char text[64];
-  const std::size_t n = std::strftime(text, sizeof text, " %B %Y, %H:%M UTC", &day);
-  return std::to_string(day.tm_mday) + std::string(text, n);
-}
-
 /// The direction that is isolated worst, and those that a class says are worse, in a sentence.
 std::string headline(const report::Verdict& verdict) {
   const report::AxisLevels* worst = nullptr;
@@ -265,6 +254,16 @@ page::Table quantile_table(const std::vector<report::TimingSummary>& timing) {
 }
 
 }  // namespace
+
+std::string date_of(std::int64_t us) {
+  if (us <= 0) return "";
+  const std::time_t seconds = us / 1'000'000;
+  std::tm day{};
+  gmtime_r(&seconds, &day);
+  char text[64];
+  const std::size_t n = std::strftime(text, sizeof text, " %B %Y, %H:%M UTC", &day);
+  return std::to_string(day.tm_mday) + std::string(text, n);
+}
 
 page::Head head_of(const RunAnalyses& runs, const report::Verdict& verdict) {
   const report::LogScan& scan = runs.any().data.scan;

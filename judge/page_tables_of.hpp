@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include "controller/gains.hpp"
 #include "judge/run_analysis.hpp"
 #include "report/page/page_data.hpp"
@@ -9,6 +12,8 @@ namespace stillframe::judge {
 
 // The words and tables of the report.
 
+/// Day and time in UTC, so that the same log makes the same page everywhere; us: since 1970.
+std::string date_of(std::int64_t us);
 page::Head head_of(const RunAnalyses& runs, const report::Verdict& verdict);
 /// What a reader must know before believing a number, the worst first.
 std::vector<page::Warning> warnings_of(const RunAnalyses& runs, const report::Verdict& verdict);

@@ -19,6 +19,7 @@
 #include "core/files/whole_file.hpp"
 #include "core/mechanics/scene/controller_block.hpp"
 #include "judge/loop_design.hpp"
+#include "judge/page_tables_of.hpp"
 #include "msgs/stop_signal.hpp"
 #include "report/page/write_page.hpp"
 #include "report/plots/plot_fit.hpp"
@@ -168,7 +169,7 @@ controller::Policy policy_of(const CommissionOptions& options, const controller:
                      ": excitation: found one, allowed is none: commission has its own");
   }
   const double limit = controller::force_limit(gains, policy);
-  const double force = judge::probe_force(options.force_n, gains, options.scene);
+  const double force = controller::probe_force(options.force_n, gains, options.scene);
   if (!(force < limit)) {
     throw InputError("--force: found " + shortest_digits(force) +
                      ", allowed is below the force limit of " + shortest_digits(limit));
@@ -185,9 +186,8 @@ ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::Loop
                        .window_s = options.window_s,
                        .windows = options.windows};
   policy.excitation.force_n = judge::added_force(force_n, design, policy);
-  const controller::DriverSetting setting = file.setting(design.gains);
   ClosedOnRig all{.run = rig.with([&](controller::Io& io) {
-    controller::ScaledIo scaled(io, file.channels, setting.n_floor, setting.n_frame);
+    controller::ScaledIo scaled(io, file.channels);
     return controller::close_on_rig(scaled, design.gains, policy,
                                     static_cast<Index>(file.channels.floor.size()),
                                     static_cast<Index>(file.channels.frame.size()),
@@ -195,15 +195,6 @@ ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::Loop
   })};
   all.responses = judge::closed_responses(all.run, design, judge::outputs_of(file, design.scene));
   return all;
-}
-
-/// In local time.
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::tm local{};
-  localtime_r(&now, &local);
-  char text[40];
-  return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%d %H:%M", &local));
 }
 
 /// Before anything moves. Errors: InputError where no file can be.
@@ -238,7 +229,10 @@ void require_sense(const CommissionOptions& options, const judge::LoopDesign& de
     throw InputError(
         "--plot and --uncertainty are of the scene, which --until wiring leaves alone");
   }
-  if (options.until == "loop") policy_of(options, design.gains);
+  if (options.until == "loop") {
+    policy_of(options, design.gains);
+    controller::require_clocked_delay(design.gains, design.scene.controller->place);
+  }
   judge::require_recordable(design, options.window_s, options.windows);
   if (corrected) return;
   try {
@@ -258,7 +252,7 @@ bool find_scene(Commissioning& all, Rig& rig, const CommissionOptions& options,
   const judge::CommissionQuestion question{
       .design = design,
       .uncertainty = only_wiring ? SceneUncertainty{} : uncertainty_of(options, design.scene),
-      .force_n = judge::probe_force(options.force_n, design.gains, options.scene),
+      .force_n = controller::probe_force(options.force_n, design.gains, options.scene),
       .window_s = options.window_s,
       .n_windows = options.windows,
       .only_wiring = only_wiring};
@@ -302,8 +296,8 @@ int run(const CommissionOptions& options) {
       .title = design.scene.title,
       .how = {.scene = options.scene.string(),
               .played = options.simulate ? options.simulate->string() : "",
-              .date = today(),
-              .force_n = judge::probe_force(options.force_n, design.gains, options.scene),
+              .date = judge::date_of(std::time(nullptr) * 1'000'000),
+              .force_n = controller::probe_force(options.force_n, design.gains, options.scene),
               .window_s = options.window_s,
               .windows = options.windows},
       .rig = options.rig ? controller::read_rig(*options.rig, design.gains) : simulated_rig(design),
@@ -345,7 +339,7 @@ int run(const CommissionOptions& options) {
       all.closed = closed(rig, options, found ? *found : design, all.rig,
                           all.found ? all.found->force_n : all.how.force_n,
                           [&](double done) { progress("closed", done); });
-      all.passed = are_as_predicted(all.closed->responses);
+      all.passed = are_as_predicted(all.closed->responses) && !all.is_shaken_harder();
     }
   } catch (...) {
     if (!all.found && !all.closed) throw;
@@ -413,7 +407,7 @@ void add_commission(cli::Command& app, int& exit_code) {
       "every\n"
       "parameter that the uncertainty names, its value and how well it is known now. loop: gains "
       "are\n"
-      "designed anew, and the loop is closed on the rig as a controller would, with the same "
+      "designed anew, and the loop is closed on the rig as a controller would, with a "
       "multisine\n"
       "added to its commands; what it makes of that is held against its prediction "
       "(docs/hardware.md).\n"
@@ -427,15 +421,16 @@ void add_commission(cli::Command& app, int& exit_code) {
       "Exit codes: 0 the wiring was sound (wiring); something is told, fitted to the noise, and "
       "the loop of\n"
       "the updated scene is stable (scene); and within 1 dB of its prediction where noise lets it "
-      "be seen\n"
-      "(loop); 4 not, or the rig could not be measured.\n"
+      "be seen,\n"
+      "and the frame was shaken no harder than without it (loop); 4 not, or the rig could not be "
+      "measured.\n"
       "Keys of --json:\n"
       "  scene, wrong (leg, what), connected, clock_ppm, n_samples, n_lost\n"
       "  parameters   {name, deviation, standard_deviation, known_before (relative, m, rad or "
       "samples), told,\n"
       "               alike (names of those it could trade places with)}\n"
       "  outputs      {name, left_before, left (of what was read, rms)}\n"
-      "  over_noise (power of what is left over that of the noise at rest), n_left_out, "
+      "  over_noise (power of what is left over that of the noise at rest), n_late, n_left_out, "
       "converged,\n"
       "  spectral_radius_before, spectral_radius, scene_file, rig_file, uncertainty_file\n"
       "  closed       {responses {of (frame or sigma, and strain), frequencies_hz, measured, "

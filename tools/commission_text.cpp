@@ -56,16 +56,29 @@ Json outputs_json(const Commissioning& all) {
   return outputs;
 }
 
-const char* word_of(judge::ClosedResponse::Of of) {
+/// What a response is of: in JSON, in a sentence, in a figure.
+struct Words {
+  const char *key, *sentence, *figure;
+};
+
+Words words_of(judge::ClosedResponse::Of of) {
   using Of = judge::ClosedResponse::Of;
-  return of == Of::frame ? "frame" : of == Of::sigma ? "sigma" : "strain";
+  switch (of) {
+    case Of::frame:
+      return {"frame", "accelerations of the frame", "frame accelerations (m/s\u00b2 per N)"};
+    case Of::sigma:
+      return {"sigma", "readings of the force sensors", "force sensors (N per N)"};
+    case Of::strain:
+      break;
+  }
+  return {"strain", "forces of the legs' stiffness", "forces of the legs' stiffness (N per N)"};
 }
 
 Json closed_json(const ClosedOnRig& closed) {
   Json responses = Json::array();
   for (const judge::ClosedResponse& response : closed.responses) {
     const Index worst = response.worst();
-    responses.push_back({{"of", word_of(response.of)},
+    responses.push_back({{"of", words_of(response.of).key},
                          {"frequencies_hz", to_json(response.frequencies_hz)},
                          {"measured", to_json(response.measured)},
                          {"standard_deviation", to_json(response.noise)},
@@ -113,10 +126,12 @@ std::vector<std::string> parameter_columns() {
 }
 
 std::string recorded_line(const Commissioned& found) {
+  const std::string late =
+      found.n_late > 0 ? ", " + std::to_string(found.n_late) + " commands a sample late" : "";
   return cell(
-      "%lld samples, %lld lost, clock %+.1f ppm; driven by %.3g N, the least output reads %.0f dB "
-      "more than at rest",
-      report::count(found.recording.n_samples), report::count(found.recording.n_lost),
+      "%lld samples, %lld lost%s, clock %+.1f ppm; driven by %.3g N, the least output reads %.0f "
+      "dB more than at rest",
+      report::count(found.recording.n_samples), report::count(found.recording.n_lost), late.c_str(),
       -1e6 * found.recording.drift, found.force_n, found.disturbance_db);
 }
 
@@ -130,20 +145,14 @@ std::vector<std::string> fit_lines(const Commissioning& all) {
   lines.push_back(
       cell("What is left is %.2f times the power of the noise at rest.", found.fit.over_noise));
   if (found.fit.n_left_out > 0) {
-    lines.push_back(
-        cell("%d windows were left out: something happened in each (a command that came "
-             "late, a knock).",
-             found.fit.n_left_out));
+    lines.push_back(cell("%d windows were left out: something happened in each (a knock, say).",
+                         found.fit.n_left_out));
   }
   if (!found.fit.is_noise()) {
     lines.push_back(
         "The rig does something that no value of these parameters does: do not trust the bands.");
   }
-  bool told = false;
-  for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
-    told = told || is_told(found, i);
-  }
-  if (!told) lines.push_back("The rig tells nothing of what was asked.");
+  if (!anything_told(found)) lines.push_back("The rig tells nothing of what was asked.");
   if (!found.fit.converged) lines.push_back("The fit has not settled.");
   lines.push_back(cell(
       "Spectral radius on what was found: %.6f with the gains of before, %.6f with those of the "
@@ -156,11 +165,8 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
   const ClosedOnRig& closed = *all.closed;
   std::vector<std::string> lines;
   for (const judge::ClosedResponse& response : closed.responses) {
-    using Of = judge::ClosedResponse::Of;
     const Index worst = response.worst();
-    const std::string what = response.of == Of::frame   ? "accelerations of the frame"
-                             : response.of == Of::sigma ? "readings of the force sensors"
-                                                        : "forces of the legs' stiffness";
+    const std::string what = words_of(response.of).sentence;
     if (worst < 0) {
       lines.push_back("Closed: noise hides what added forces make of the " + what +
                       ". Take a larger --force, or more --windows.");
@@ -192,6 +198,10 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
     }
   }
   lines.push_back(peaks + ".");
+  if (all.is_shaken_harder()) {
+    lines.push_back(
+        cell("That is more than %g times as much: the loop shakes the frame.", most_shaken));
+  }
   if (closed.run.n_faults > 0) {
     lines.push_back(cell("Faults that passed: %lld (%s).", report::count(closed.run.n_faults),
                          closed.run.last_fault.c_str()));
@@ -213,9 +223,7 @@ std::vector<double> list(const VectorXd& values) { return {values.begin(), value
 
 page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
   page::SingularValueFigure figure;
-  figure.quantity = response.of == judge::ClosedResponse::Of::frame
-                        ? "added forces to frame accelerations (m/s\u00b2 per N)"
-                        : "added forces to force sensors (N per N)";
+  figure.quantity = std::string("added forces to ") + words_of(response.of).figure;
   figure.of_floor = false;
   figure.frequencies_hz = list(response.axis_hz);
   figure.open = response.passive_axis;
@@ -240,7 +248,7 @@ page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
 
 page::Table table_of(const judge::ClosedResponse& response) {
   page::Table table{
-      .caption = std::string("Closed, from added forces to ") + word_of(response.of),
+      .caption = std::string("Closed, from added forces to ") + words_of(response.of).sentence,
       .columns = {"Hz", "measured", "\u00b1", "predicted", "without the law", "dB off"},
       .rows = {}};
   for (Index l = 0; l < response.measured.size(); ++l) {
@@ -251,6 +259,15 @@ page::Table table_of(const judge::ClosedResponse& response) {
   }
   return table;
 }
+
+}  // namespace
+
+bool Commissioning::is_shaken_harder() const {
+  if (!closed || !found || closed->run.frame_peak.size() == 0) return false;
+  return closed->run.frame_peak.maxCoeff() > most_shaken * judge::frame_peak(*found).maxCoeff();
+}
+
+namespace {
 
 void print_lines(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) std::cout << line << "\n";
@@ -273,12 +290,13 @@ Json to_json(const Commissioning& all) {
           {"wrong", wrong},
           {"connected", all.found ? Json(all.found->wiring.connected) : Json()},
           {"clock_ppm", fitted ? Json(-1e6 * all.found->recording.drift) : Json()},
-          {"n_samples", all.found ? all.found->recording.n_samples : 0},
-          {"n_lost", all.found ? all.found->recording.n_lost : 0},
+          {"n_samples", fitted ? Json(all.found->recording.n_samples) : Json()},
+          {"n_lost", fitted ? Json(all.found->recording.n_lost) : Json()},
           {"parameters", fitted ? parameters_json(*all.found) : Json::array()},
           {"outputs", fitted ? outputs_json(all) : Json::array()},
           {"over_noise", fitted ? Json(all.found->fit.over_noise) : Json()},
-          {"n_left_out", fitted ? all.found->fit.n_left_out : 0},
+          {"n_late", fitted ? Json(all.found->n_late) : Json()},
+          {"n_left_out", fitted ? Json(all.found->fit.n_left_out) : Json()},
           {"converged", fitted ? Json(all.found->fit.converged) : Json()},
           {"spectral_radius_before", fitted ? Json(all.loops->before) : Json()},
           {"spectral_radius", fitted ? Json(all.loops->after) : Json()},

@@ -34,6 +34,9 @@ struct HowCommissioned {
   int windows = 0;
 };
 
+/// Of a peak of a few thousand samples: noise alone makes it differ by a twentieth.
+inline constexpr double most_shaken = 1.1;
+
 /// How far a commissioning came, and what it found.
 struct Commissioning {
   std::string title;  ///< of the scene
@@ -47,6 +50,8 @@ struct Commissioning {
   bool passed = false;
 
   bool is_fitted() const { return found && loops; }
+  /// The closed loop shook the frame by more than most_shaken times what the drive without it did.
+  bool is_shaken_harder() const;
 };
 
 Json to_json(const Commissioning& all);

@@ -118,7 +118,7 @@ void add_report(cli::Command& app, int& exit_code) {
       "Reads each log once, in memory that does not grow with it. Predictions and mode shapes are\n"
       "those of the scene and the gains that the log holds; no other file is needed. Damaged logs\n"
       "give what is readable, and the report says what was not.\n"
-      "Keys of --json: report/verdict/verdict.hpp.\n"
+      "Keys of --json: docs/json/verdict.schema.json.\n"
       "Exit code 4: what the scene accepts (its block `accept`, or the defaults of docs/scene.md) "
       "was\n"
       "not met: a damaged log, limited or lost commands, a frame that moves too much, a loop that\n"

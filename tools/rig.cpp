@@ -11,7 +11,6 @@
 #include "controller/start_check.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
-#include "judge/commissioning.hpp"
 #include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
 #include "tools/json.hpp"
@@ -95,21 +94,14 @@ void print_page(const Wiring& wiring, const Probe& probe, const RigFile& rig, co
 int run(const RigOptions& options) {
   const Gains gains = read_gains(options.gains);
   RigFile rig = options.rig ? read_rig(*options.rig, gains) : default_rig(gains);
-  if (!options.io.empty()) rig.driver = options.io;
-  if (rig.driver.empty()) throw InputError("no driver: name one with --io, or in a rig file");
-  ProbeSettings settings;
-  settings.sample_rate_hz = gains.sample_rate_hz;
-  settings.force_n = judge::probe_force(options.force_n, gains, options.gains);
-  settings.most_n = 10 * settings.force_n;
-  settings.lines = probe_lines(settings.n_window);
-  settings.n_floor = static_cast<Eigen::Index>(rig.channels.floor.size());
-  settings.n_frame = static_cast<Eigen::Index>(rig.channels.frame.size());
-  const DriverSetting setting = rig.setting(gains);
+  choose_driver(rig, options.io);
+  const ProbeSettings settings =
+      probe_settings(gains, rig.channels, probe_force(options.force_n, gains, options.gains));
   // As the loop that will stand here: a probe behind other programs' turns loses its windows. Where
   // the system does not give it, it goes on without.
   prepare_thread(default_policy(gains.sample_rate_hz).priority, std::nullopt);
-  const LoadedIo io = load_driver(rig.driver, setting);
-  ScaledIo scaled(*io, rig.channels, setting.n_floor, setting.n_frame);
+  const LoadedIo io = load_driver(rig.driver, rig.setting(gains));
+  ScaledIo scaled(*io, rig.channels);
   catch_stop_signals();
   Probe probe;
   {

@@ -92,12 +92,7 @@ std::optional<std::string> controller_text(const RunOptions& options, const Scen
 /// What the processes of a run by the clock would refuse.
 void require_clocked(const RunOptions& options, const judge::LoopDesign& design,
                      const controller::Policy& policy) {
-  if (design.gains.delay_samples < 1) {
-    throw InputError(design.scene.controller->place + ": delay_samples: found " +
-                     report::cell("%g", design.gains.delay_samples) +
-                     ", allowed is 1 or more in wall-clock mode: the command of a sample is known "
-                     "at the next");
-  }
+  controller::require_clocked_delay(design.gains, design.scene.controller->place);
   controller::force_limit(design.gains, policy);
   if (options.loop != "passive") controller::require_stable_ramp(design.gains);
 }

@@ -48,7 +48,7 @@ class Closing {
     n_rows_ = static_cast<Index>(plan.n_samples()) + 2 * recording_margin;
     Recording& out = closed_.recording;
     const Index m = gains.n_legs();
-    out.command = out.sigma = out.applied = Eigen::MatrixXd::Zero(n_rows_, m);
+    closed_.sent = out.command = out.sigma = out.applied = Eigen::MatrixXd::Zero(n_rows_, m);
     out.frame = Eigen::MatrixXd::Zero(n_rows_, n_frame);
     out.floor = Eigen::MatrixXd::Zero(n_rows_, n_floor);
     there_.assign(static_cast<std::size_t>(n_rows_), false);
@@ -104,7 +104,6 @@ class Closing {
   void period() {
     time_.sleep_until_ns(loop_.next_ns());
     loop_.period(time_.now_ns());
-    left_ns_ = time_.now_ns();
     while (const LoopRecord* record = loop_.records().oldest()) {
       take(*record);
       loop_.records().pop();
@@ -132,13 +131,8 @@ class Closing {
     if (row >= n_rows_) return;
     Recording& out = closed_.recording;
     const auto i = static_cast<Index>(row);
-    // A command that left when the next sample was there already acts with that one's.
-    if (i > 1 && row == sent_row_ + 1 && now.received_ns < sent_ns_) {
-      out.command.row(i - 1) = out.command.row(i - 2);
-    }
-    sent_row_ = row;
-    sent_ns_ = left_ns_;
     out.command.row(i) = record.excitation.transpose();
+    closed_.sent.row(i) = record.command.force.transpose();
     out.sigma.row(i) = now.sigma.transpose();
     out.applied.row(i) = now.applied.transpose();
     out.frame.row(i) = now.frame.transpose();
@@ -150,7 +144,9 @@ class Closing {
     Recording& out = closed_.recording;
     // What was sent last acts until something else is.
     for (Index i = 1; i < n_rows_; ++i) {
-      if (!there_[static_cast<std::size_t>(i)]) out.command.row(i) = out.command.row(i - 1);
+      if (there_[static_cast<std::size_t>(i)]) continue;
+      out.command.row(i) = out.command.row(i - 1);
+      closed_.sent.row(i) = closed_.sent.row(i - 1);
     }
     const Excitation& plan = supervisor_.excitation();
     choose_windows(out, there_, 0, plan.n_window(), plan.n_windows(), plan.n_windows(),
@@ -175,7 +171,7 @@ class Closing {
   Index n_rows_ = 0;
   std::vector<bool> there_;
   VectorXd mean_;  ///< of the accelerometers
-  std::int64_t row_ = 0, n_mean_ = 0, sent_row_ = -1, sent_ns_ = 0, left_ns_ = 0;
+  std::int64_t row_ = 0, n_mean_ = 0;
 };
 
 }  // namespace

@@ -17,6 +17,7 @@ struct ClosedRecording {
   /// From the first sample at which the loop was active; `command` has the excitation alone. Its
   /// windows are those through which the loop was active.
   Recording recording;
+  Eigen::MatrixXd sent;          ///< n x m, N, whole commands; held where there was none
   std::vector<int> lines;        ///< whole periods in a window, that it was excited at
   Eigen::Index n_window = 0;     ///< samples
   Eigen::VectorXd frame_peak;    ///< q, m/s^2, from its mean while arming; of all the time

@@ -7,9 +7,12 @@
 
 #include "controller/deadlines.hpp"
 #include "controller/excitation.hpp"
+#include "controller/rig/wiring.hpp"
 #include "controller/sample_clock.hpp"
+#include "core/errors/input_error.hpp"
 #include "core/numerics/smooth_step.hpp"
 #include "core/numerics/two_pi.hpp"
+#include "core/yaml/loop_numbers.hpp"
 #include "msgs/clock.hpp"
 
 namespace stillframe::controller {
@@ -23,6 +26,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double silence_s = 1, fade_s = 0.2;
+// A force sensor may go so many times as far as the leg is driven.
+constexpr double beyond = 10;
 // Windows that are tried for each that is kept: of 0.2 s at 1 kHz, so that a machine that stalls
 // ten times a second still finds its five, within half a minute a leg.
 constexpr double most_trials = 30;
@@ -149,10 +154,6 @@ class Prober {
         if (first < 0) first = measurement_.seq;
         const auto row = static_cast<Index>(measurement_.seq - first);
         if (row >= total) return;
-        // A command that left when the next sample was there already acts with that one's.
-        if (k > 0 && row == k + 1 && measurement_.received_ns < sent_ns_) {
-          out.command.row(k) = out.command.row(k - 1);
-        }
         out.sigma.row(row) = measurement_.sigma.transpose();
         out.applied.row(row) = measurement_.applied.transpose();
         out.frame.row(row) = measurement_.frame.transpose();
@@ -301,7 +302,6 @@ class Prober {
     command_.seq = last_;
     command_.time_ns = measurement_.time_ns;
     io_.send(command_);
-    sent_ns_ = time_.now_ns();
   }
 
   /// Whatever went wrong, the force goes to nothing in a fifth of a second.
@@ -337,7 +337,7 @@ class Prober {
   Index leg_ = -1;
   double gain_ = 0, most_ = 0;
   bool enabled_ = false;
-  std::int64_t last_ = -1, next_ = -1, heard_ns_ = 0, sent_ns_ = 0, n_samples_ = 0, n_lost_ = 0;
+  std::int64_t last_ = -1, next_ = -1, heard_ns_ = 0, n_samples_ = 0, n_lost_ = 0;
 };
 
 }  // namespace
@@ -369,6 +369,30 @@ void choose_windows(Recording& recording, const std::vector<bool>& there, Index 
   recording.missing.flip();
   recording.n_samples = std::count(there.begin(), there.end(), true);
   recording.n_lost = static_cast<std::int64_t>(there.size()) - recording.n_samples;
+}
+
+double probe_force(const std::optional<double>& asked, const Gains& gains,
+                   const std::filesystem::path& source) {
+  if (!gains.force_limit_n && !asked) {
+    throw InputError(source.string() + ": force_limit_n: missing; say --force in N");
+  }
+  const double force = asked.value_or(small_force * gains.force_limit_n.value_or(0));
+  if (gains.force_limit_n && force > *gains.force_limit_n) {
+    throw InputError("--force: found " + shortest_digits(force) + ", allowed is up to " +
+                     shortest_digits(*gains.force_limit_n) + ", the force limit of the loop");
+  }
+  return force;
+}
+
+ProbeSettings probe_settings(const Gains& gains, const Channels& channels, double force_n) {
+  ProbeSettings settings;
+  settings.sample_rate_hz = gains.sample_rate_hz;
+  settings.force_n = force_n;
+  settings.most_n = beyond * force_n;
+  settings.lines = probe_lines(settings.n_window);
+  settings.n_floor = static_cast<Index>(channels.floor.size());
+  settings.n_frame = static_cast<Index>(channels.frame.size());
+  return settings;
 }
 
 ProbeTime real_time() {

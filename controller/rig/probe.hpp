@@ -2,12 +2,16 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "controller/gains.hpp"
 #include "controller/io.hpp"
+#include "controller/rig/scaled_io.hpp"
 
 namespace stillframe::controller {
 
@@ -31,12 +35,20 @@ struct ProbeSettings {
   /// N: a reading of a force sensor further from its mean than this and ten times what it was at
   /// rest ends the probe.
   double most_n = 10;
-  std::int64_t n_window =
-      200;                 ///< samples of a window; lines are whole multiples of rate / n_window
-  int n_windows = 5;       ///< that are kept of each leg
-  std::vector<int> lines;  ///< whole numbers of periods in a window
+  /// Samples of a window; lines are whole multiples of rate / n_window.
+  std::int64_t n_window = 200;
+  int n_windows = 5;                      ///< that are kept of each leg
+  std::vector<int> lines;                 ///< whole numbers of periods in a window
   Eigen::Index n_floor = 0, n_frame = 0;  ///< accelerations that the Io fills in
 };
+
+/// N, what a leg is driven by while it is probed: what is asked for, or small_force of the limit.
+/// Errors: InputError without a limit (source: whose it would be), or beyond it.
+double probe_force(const std::optional<double>& asked, const Gains& gains,
+                   const std::filesystem::path& source);
+
+/// How the legs of these gains are probed by that force, on a rig with these channels.
+ProbeSettings probe_settings(const Gains& gains, const Channels& channels, double force_n);
 
 /// What the rig read at the lines of the probe while one leg was driven, or none.
 struct Response {

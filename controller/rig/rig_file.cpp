@@ -85,18 +85,17 @@ void read_named(const YamlReader& rig, const char* key, std::vector<std::string>
   refuse_twice(*block, channels, names);
 }
 
-Eigen::Index count(const std::vector<Channel>& channels) {
-  Eigen::Index n = 0;
-  for (const Channel& channel : channels) n = std::max(n, channel.number + 1);
-  return n;
-}
-
 }  // namespace
+
+void choose_driver(RigFile& rig, const std::string& io) {
+  if (!io.empty()) rig.driver = io;
+  if (rig.driver.empty()) throw InputError("no driver: name one in a rig file or with --io");
+}
 
 DriverSetting RigFile::setting(const Gains& gains) const {
   return {.n_legs = gains.n_legs(),
-          .n_floor = count(channels.floor),
-          .n_frame = count(channels.frame),
+          .n_floor = n_channels(channels.floor),
+          .n_frame = n_channels(channels.frame),
           .sample_rate_hz = gains.sample_rate_hz,
           .gains = &gains,
           .options = options,

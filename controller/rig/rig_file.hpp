@@ -34,6 +34,9 @@ RigFile default_rig(const Gains& gains);
 /// unknown key or leg, a leg that is left out, a channel that is used twice).
 RigFile read_rig(const std::filesystem::path& path, const Gains& gains);
 
+/// Takes the driver that --io names, if it names one. Errors: InputError where neither does.
+void choose_driver(RigFile& rig, const std::string& io);
+
 /// As a rig file, with all channels written out. driver: its name.
 std::string to_yaml(const RigFile& rig, const Gains& gains);
 

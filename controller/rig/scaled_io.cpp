@@ -1,5 +1,6 @@
 #include "controller/rig/scaled_io.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace stillframe::controller {
@@ -16,10 +17,17 @@ void scale(const std::vector<Channel>& channels, const Eigen::VectorXd& raw,
 
 }  // namespace
 
-ScaledIo::ScaledIo(Io& io, const Channels& channels, Eigen::Index n_floor, Eigen::Index n_frame)
+Eigen::Index n_channels(const std::vector<Channel>& channels) {
+  Eigen::Index n = 0;
+  for (const Channel& channel : channels) n = std::max(n, channel.number + 1);
+  return n;
+}
+
+ScaledIo::ScaledIo(Io& io, const Channels& channels)
     : io_(io),
       channels_(channels),
-      raw_(measurement_of(static_cast<Eigen::Index>(channels.sigma.size()), n_floor, n_frame)),
+      raw_(measurement_of(static_cast<Eigen::Index>(channels.sigma.size()),
+                          n_channels(channels.floor), n_channels(channels.frame))),
       command_(command_of(static_cast<Eigen::Index>(channels.sigma.size()))) {}
 
 bool ScaledIo::receive(Measurement& m) noexcept {

@@ -19,12 +19,15 @@ struct Channels {
   std::vector<Channel> sigma, applied, force, floor, frame;
 };
 
+/// How many channels a driver needs for these: to the last that is named.
+Eigen::Index n_channels(const std::vector<Channel>& channels);
+
 /// An Io in SI units and in the order of the gains, over one in the units and the order of its
 /// cables. Construction is set-up; the rest is hot.
 class ScaledIo : public Io {
  public:
-  /// io outlives it, and has n_floor and n_frame channels.
-  ScaledIo(Io& io, const Channels& channels, Eigen::Index n_floor, Eigen::Index n_frame);
+  /// io outlives it, and has all channels up to the last that is named.
+  ScaledIo(Io& io, const Channels& channels);
 
   bool receive(Measurement& measurement) noexcept override;
   void send(const Command& command) noexcept override;

@@ -21,7 +21,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double lowest_line = 0.2, highest_line = 0.42;  // of the rate
+constexpr double driven_from = 0.2;  // of the rate
 constexpr int most_lines = 12;
 constexpr double least_answer = 0.2;   // of what the plant says, of a cable that is there
 constexpr double second_answer = 0.5;  // of the largest: two legs answer, which is no cable
@@ -151,8 +151,8 @@ bool is_one_to_one(const std::vector<LegFinding>& legs, SignalFinding LegFinding
 }  // namespace
 
 std::vector<int> probe_lines(std::int64_t n_window) {
-  const auto first = static_cast<int>(std::ceil(lowest_line * static_cast<double>(n_window)));
-  const auto last = static_cast<int>(std::floor(highest_line * static_cast<double>(n_window)));
+  const auto first = static_cast<int>(std::ceil(driven_from * static_cast<double>(n_window)));
+  const auto last = static_cast<int>(std::floor(driven_up_to * static_cast<double>(n_window)));
   const int step = std::max(1, (last - first) / (most_lines - 1));
   std::vector<int> lines;
   for (int line = first; line <= last; line += step) lines.push_back(line);

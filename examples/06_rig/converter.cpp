@@ -33,6 +33,9 @@ constexpr const char* usage =
     "  pause_at=0      s, when it begins anew: 0.3 s later its numbers are 0 again\n"
     "  swap=no         yes: sigma of the first two legs is on each other's cables\n"
     "  flip=no         yes: the amplifier of the first leg is wired the other way round\n"
+    "  gains_off=0     %: of leg i, from 1, the force sensor reads cos(i) of that too much, and "
+    "the\n"
+    "                  amplifier, with what is read of it, makes cos(2 i)\n"
     "  floor_rms=0.003 m/s^2\n";
 
 volatile std::sig_atomic_t stop = 0;
@@ -55,9 +58,9 @@ int main(int argc, char** argv) try {
     return 2;
   }
   std::map<std::string, std::string> of = {
-      {"duration", "10"}, {"ppm", "0"},       {"jitter_us", "0"},
-      {"step_n", "0.01"}, {"gap_every", "0"}, {"pause_at", "0"},
-      {"swap", "no"},     {"flip", "no"},     {"floor_rms", "0.003"}};
+      {"duration", "10"},     {"ppm", "0"},      {"jitter_us", "0"}, {"step_n", "0.01"},
+      {"gap_every", "0"},     {"pause_at", "0"}, {"swap", "no"},     {"flip", "no"},
+      {"floor_rms", "0.003"}, {"gains_off", "0"}};
   for (int i = 4; i < argc; ++i) {
     const std::string word = argv[i];
     const std::string key = word.substr(0, word.find('='));
@@ -86,6 +89,12 @@ int main(int argc, char** argv) try {
   std::uniform_real_distribution<double> jitter(0, number("jitter_us") * 1e3);
   const double period_ns = plant.sample_time() * 1e9 / (1 + 1e-6 * number("ppm")),
                step = number("step_n");
+  const auto gain = [&](double turns) { return 1 + number("gains_off") / 100 * std::cos(turns); };
+  Eigen::VectorXd gain_sigma(m), gain_force(m);
+  for (Eigen::Index leg = 0; leg < m; ++leg) {
+    gain_sigma(leg) = gain(static_cast<double>(leg + 1));
+    gain_force(leg) = gain(static_cast<double>(2 * (leg + 1)));
+  }
   const bool swap = of["swap"] == "yes", flip = of["flip"] == "yes";
   const auto gap_every = static_cast<std::int64_t>(number("gap_every"));
   const auto n = static_cast<std::int64_t>(number("duration") / plant.sample_time());
@@ -110,7 +119,8 @@ int main(int argc, char** argv) try {
       unheard = 0;
       n_enabled += command[2];
       for (Eigen::Index leg = 0; leg < m; ++leg) {
-        force(leg) = step * static_cast<std::int32_t>(command[static_cast<std::size_t>(leg) + 3]) *
+        force(leg) = gain_force(leg) * step *
+                     static_cast<std::int32_t>(command[static_cast<std::size_t>(leg) + 3]) *
                      command[2];
       }
       if (flip) force(0) = -force(0);
@@ -124,7 +134,8 @@ int main(int argc, char** argv) try {
     if (!away && !(gap_every > 0 && k % gap_every < 3 && k >= gap_every)) {
       for (Eigen::Index leg = 0; leg < m; ++leg) {
         const Eigen::Index cable = swap && leg < 2 ? 1 - leg : leg;
-        frame[static_cast<std::size_t>(2 + cable)] = counts(read.sigma(leg) / step);
+        frame[static_cast<std::size_t>(2 + cable)] =
+            counts(gain_sigma(leg) * read.sigma(leg) / step);
         frame[static_cast<std::size_t>(2 + m + leg)] = counts(read.applied(leg) / step);
       }
       frame[1] = seq;

@@ -4,8 +4,8 @@
 #include <complex>
 #include <stdexcept>
 
+#include "core/numerics/low_crest.hpp"
 #include "core/numerics/two_pi.hpp"
-#include "plant_sim/floor/low_crest.hpp"
 
 namespace stillframe::floor {
 

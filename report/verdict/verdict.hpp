@@ -227,47 +227,8 @@ IdentificationSummary summarise(const PredictionError& open, const PredictionErr
                                 const std::vector<double>& frequencies_hz,
                                 double reduction_above_hz);
 
-/// The verdict as JSON. Numbers read back to the same bits (up to 17 significant digits), a number
-/// that is not finite is null. Keys:
-///   format 3, outcome ("passed", "failed", "not judged"), reason
-///   checks[]: subject ("record", "effort", "motion", "prediction") what asked found outcome reason
-///     by_scene
-///   warnings[], isolates_above_hz (null: unknown), disturbed
-///   runs[]: scene (its title) scene_hash program_version mode loop sample_rate_hz delay_samples
-///   n_samples
-///     judged_from_s judged_to_s n_judged (samples between them, which motion is judged by; the
-///     times are null if there are none) never_held let_go (why; empty: it did not) n_lost
-///     n_duplicate n_commands n_commands_given (null: unknown) n_not_finite n_repeats n_saturated
-///     n_damaged unread_bytes n_other_version n_foreign
-///     n_clock_steps real_time_factor (null if unknown) n_periods n_discarded
-///     unreadable resting_channels[] resting_forces[]
-///   timing[]: loop source n_periods n_late n_lost n_duplicate n_listened worst_wake_up_us
-///     worst_compute_us, wake_up and compute if known: p50_us p99_us p999_us
-///   identification (if any): pass (null: not judged) n_frequencies lowest_hz highest_hz
-///     n_compared n_open_compared n_closed_compared allowed_db open_largest_db open_at_hz
-///     closed_largest_db closed_at_hz beyond_db reduction_above_hz n_reduction_frequencies
-///     n_closed_below_open n_reduction_unknown reduction_largest_error_db
-///   axes[] (on a multisine the comparisons, then the outputs that none of them has, floor only
-///     where there is one input): axis, then floor, passive, active (those there are):
-///     rms_m_s2 (1-80 Hz) peak_m_s2 whole_rms_m_s2 (of all samples) largest_band_m_s (rms)
-///     largest_band_hz vibration_class third_octaves_m_s (rms) cumulative_rms_m_s2, a number for
-///     each of bands_hz; ratio_active_to_passive and ratio_active_to_floor, each with rms and
-///     largest_band; ranges[] that were asked for: from_hz to_hz, floor_rms_m_s2 passive_rms_m_s2
-///     active_rms_m_s2 (in it; null: none), floor_jumps_m_s2 passive_jumps_m_s2 active_jumps_m_s2
-///     (how much of these the ends of the records may be), floor_leak_m_s2 passive_leak_m_s2
-///     active_leak_m_s2 (roots of how far their squares may be wrong by what lies beside the
-///     range), narrowest_hz (of a range that the records resolve), active_by_forces_m_s2 (what
-///     the model makes of forces besides the floor) active_undisturbed_m_s2 (without that; null:
-///     there are none, or it is not known)
-///   bands_hz: nominal centres of the third octaves
-///   responses[]: loop what method missing n_frequencies n_compared sampled_largest_db
-///     sampled_at_hz beyond_db tolerance_db broadly_beyond_db
-///     continuous_largest_db continuous_at_hz n_segments n_filled n_left_out resolution_hz
-///   transmissibility[]: axis loop frequencies_hz value lower upper coherence
-///   shocks[]: axis loop time_s floor_level_m_s2 frame_level_m_s2 (rms of 0.1 s) settling_s
-///     (null: never)
-///   noise[]: axis loop rms_m_s2 (1-80 Hz) share (null: not known) missing (why)
-///   effort[]: loop leg applied_rms_n applied_peak_n command_peak_n force_limit_n (null: none)
+/// The verdict as JSON, keys as docs/json/verdict.schema.json has them. Numbers read back to the
+/// same bits (up to 17 significant digits), a number that is not finite is null.
 std::string to_json(const Verdict& verdict);
 
 /// The verdict as a page of text with aligned tables, units in the headers.

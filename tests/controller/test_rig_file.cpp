@@ -78,7 +78,7 @@ TEST(RigFile, ScalesAndCablesBothWays) {
     }
     channels.sigma = channels.applied = channels.force;
     Echo echo(6);
-    ScaledIo io(echo, channels, 0, 0);
+    ScaledIo io(echo, channels);
     Command command = command_of(6);
     for (double& force : command.force) force = normal(random);
     io.send(command);

@@ -49,7 +49,7 @@ ProbeSettings settings_of(const Gains& gains) {
 }
 
 Wiring probed(HiddenRig& rig, const Gains& gains, const Channels& channels) {
-  ScaledIo scaled(rig, channels, 0, 0);
+  ScaledIo scaled(rig, channels);
   const ProbeSettings settings = settings_of(gains);
   return wiring_of(probe_rig(scaled, 4, settings, rig.time(), {}, {}), settings, gains, channels);
 }

@@ -76,18 +76,23 @@ struct Subject {
   SceneUncertainty uncertainty;
   int n_rigs = 12;
   double force_n = 20, floor_rms = 0.003;  ///< N, m/s^2
-  bool closes = true;
 
   friend void PrintTo(const Subject& subject, std::ostream* out) { *out << subject.name; }
 };
 
-/// With all that it names by its full path.
+/// With all that it names by its full path, and a law of more margin: as it is shipped it is not
+/// stable on the way to its gain with 0.3 samples more of delay.
 std::string metrology_frame_text() {
   const std::string config = STILLFRAME_SOURCE_DIR "/config/";
   std::ifstream file(config + "scenes/metrology_frame.yaml");
   std::stringstream stream;
   stream << file.rdbuf();
-  return std::regex_replace(stream.str(), std::regex("\\.\\./"), config);
+  const std::string text = std::regex_replace(stream.str(), std::regex("\\.\\./"), config);
+  return std::regex_replace(
+      text, std::regex("\ncontroller: [^\n]*"),
+      "\ncontroller: {legs: [leg_1t, leg_1v, leg_2t, leg_2v, leg_3t, leg_3v], target_hz: 5, "
+      "damping_ratio: 0.7, sample_rate_hz: 1000, delay_samples: 1, lead_samples: 0.5, leak_hz: "
+      "0.3, force_limit_n: 200}");
 }
 
 SceneUncertainty small_frame_uncertainty() {
@@ -147,6 +152,7 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     hidden.frame_noise = 1e-4;
     hidden.step = 0.01;
     hidden.lost = 1e-4;
+    hidden.late = 1e-4;
     std::vector<std::size_t> legs(static_cast<std::size_t>(m));
     std::iota(legs.begin(), legs.end(), 0);
     std::ranges::shuffle(legs, random);
@@ -219,8 +225,6 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     Sampling real = truth.sampling;
     real.leg_gains = acts;
     real.sensor_gains = reads;
-    // A law of little margin is not stable with every delay.
-    if (!GetParam().closes && updated.radius >= 1) continue;
     const VectorXd predicted = transmissibility(updated, updated.scene, updated.settings.sampling),
                    measured = transmissibility(updated, truth.scene, real);
     Scene true_scene = truth.scene;
@@ -231,7 +235,6 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     worst_truth = std::max(worst_truth, most_db(measured, best));
     EXPECT_LT(most_db(measured, predicted), 0.3);
     EXPECT_LT(most_db(measured, best), 1);
-    if (!GetParam().closes) continue;
 
     // The loop, closed on the rig itself and driven: what is measured is what was predicted, and
     // what the true parameters would have given.
@@ -242,7 +245,7 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     policy.excitation.force_n = added_force(GetParam().force_n, updated, policy);
     const double passive_peak = rig.frame_peak;
     rig.frame_peak = 0;
-    controller::ScaledIo scaled(rig, found.rig.channels, 0, m);
+    controller::ScaledIo scaled(rig, found.rig.channels);
     const controller::ClosedRecording run =
         controller::close_on_rig(scaled, updated.gains, policy, 0, m, rig.time(), {}, {});
     EXPECT_FALSE(rig.enabled);
@@ -275,7 +278,7 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
   EXPECT_LT(worst_closed, 0.3);
   EXPECT_LT(worst_closed_truth, 1);
   EXPECT_LE(worst_peak, 1.1);
-  if (GetParam().closes) EXPECT_GT(n_clear, 10 * n_rigs());
+  EXPECT_GT(n_clear, 10 * n_rigs());
   EXPECT_GE(within, 0.90 * n);
 }
 
@@ -295,11 +298,8 @@ INSTANTIATE_TEST_SUITE_P(, CommissionRigs,
                                                   .sensor_gain = 0.05,
                                                   .delay_samples = 0.3},
                                                  1,
-                                                 4,
-                                                 0.001,
-                                                 // Its law as it is shipped is not stable on the
-                                                 // way to its gain with 0.3 samples more.
-                                                 false}),
+                                                 20,
+                                                 0.001}),
                          [](const auto& subject) { return std::string(subject.param.name); });
 
 /// A frame whose legs are not as stiff as the scene says isolates by as much more or less, while it
@@ -327,7 +327,7 @@ TEST(Commission, ALoopOnOtherLegsIsNotAsPredicted) {
     policy.force_limit_n = 1000;
     policy.excitation = {.kind = controller::ExcitationPlan::Kind::multisine, .window_s = 1};
     policy.excitation.force_n = added_force(20, design, policy);
-    controller::ScaledIo scaled(rig, file.channels, 0, 3);
+    controller::ScaledIo scaled(rig, file.channels);
     const auto closed = closed_responses(
         controller::close_on_rig(scaled, design.gains, policy, 0, 3, rig.time(), {}, {}), design,
         outputs_of(file, design.scene));

@@ -25,6 +25,7 @@ struct Hidden {
   double frame_noise = 0;     ///< m/s^2
   double step = 0;            ///< of a converter, either way, N
   double lost = 0;            ///< part of the samples
+  double late = 0;            ///< part of the commands, which act a sample later
 };
 
 /// Its cards and its plant, on a time that does not wait.
@@ -51,6 +52,7 @@ class HiddenRig : public Io {
     const std::int64_t due = 1'000'000'000 + std::llround(static_cast<double>(k_ + 1) * period_ns);
     if (due > now_ns_) return false;
     if (k_ >= 0) plant_.advance(acts_);
+    if (is_late_) act();
     ++k_;
     plant_.read(read_);
     for (Eigen::Index leg = 0; leg < m_; ++leg) {
@@ -72,19 +74,26 @@ class HiddenRig : public Io {
   }
   void send(const Command& command) noexcept override {
     wanted_ = command.force;
-    for (Eigen::Index leg = 0; leg < m_; ++leg) {
-      acts_(leg) =
-          hidden_.gain_force(leg) * counts(wanted_(hidden_.force[static_cast<std::size_t>(leg)]));
-    }
+    is_late_ = hidden_.late > 0 && uniform_(random_) < hidden_.late;
+    n_late += is_late_;
+    if (!is_late_) act();
   }
   void enable(bool on) noexcept override { enabled = on; }
   const Eigen::VectorXd& acts() const { return acts_; }
 
+  std::int64_t n_late = 0;  ///< commands that were
   double peak = 0;
   double frame_peak = 0;  ///< m/s^2, as it moves
   bool enabled = false;
 
  private:
+  void act() noexcept {
+    is_late_ = false;
+    for (Eigen::Index leg = 0; leg < m_; ++leg) {
+      acts_(leg) =
+          hidden_.gain_force(leg) * counts(wanted_(hidden_.force[static_cast<std::size_t>(leg)]));
+    }
+  }
   double counts(double value) const {
     return hidden_.step > 0 ? hidden_.step * std::round(value / hidden_.step) : value;
   }
@@ -97,6 +106,7 @@ class HiddenRig : public Io {
   std::uniform_real_distribution<double> uniform_{0, 1};
   Measurement read_;
   Eigen::VectorXd wanted_, acts_;
+  bool is_late_ = false;
   std::int64_t now_ns_ = 900'000'000, k_ = -1;
 };
 

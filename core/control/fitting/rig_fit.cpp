@@ -103,7 +103,7 @@ class Fit {
 
   /// Sums at lines beyond the circle by that decay.
   void look_from(double decay) {
-    kernel_.emplace(record_, decay);
+    kernel_.emplace(record_.n_window, record_.lines, decay);
     windows_.clear();
     const int age = question_.sampling.instruments.report_age_samples;
     for (std::size_t w = 0; w < record_.windows.size(); ++w) {
@@ -425,10 +425,6 @@ double cost_at(const Fit& fit, const VectorXd& values, const Weights& weights) {
   }
   return std::numeric_limits<double>::infinity();
 }
-
-}  // namespace
-
-namespace {
 
 RigFit fit_all(const FitQuestion& question, const RigRecord& record,
                const std::vector<bool>& driven, const std::function<void(double)>& progress,

@@ -36,7 +36,7 @@ struct RigFit {
   double over_noise = 0;
   std::vector<LegResponse> legs;  ///< m
   /// Windows that were left out, as one thing happened in each that did not in the others: a
-  /// command that acted a sample late, a knock.
+  /// knock, say.
   int n_left_out = 0;
   int n_iterations = 0;
   bool converged = false;

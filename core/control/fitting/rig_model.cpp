@@ -51,16 +51,16 @@ struct Rows {
 
 }  // namespace
 
-LineKernel::LineKernel(const RigRecord& record, double decay)
-    : z(static_cast<Index>(record.lines.size())), z_n(z.size()), powers(record.n_window, z.size()) {
-  const auto n = static_cast<double>(record.n_window);
+LineKernel::LineKernel(Index n_window, const std::vector<int>& lines, double decay)
+    : z(static_cast<Index>(lines.size())), z_n(z.size()), powers(n_window, z.size()) {
+  const auto n = static_cast<double>(n_window);
   for (Index l = 0; l < z.size(); ++l) {
-    const Index line = record.lines[static_cast<std::size_t>(l)];
+    const Index line = lines[static_cast<std::size_t>(l)];
     const double w = two_pi * static_cast<double>(line) / n;
     z(l) = std::polar(std::exp(decay * w), w);
     z_n(l) = std::exp(-decay * w * n);
-    for (Index k = 0; k < record.n_window; ++k) {
-      const double turns = static_cast<double>((line * k) % record.n_window) / n;
+    for (Index k = 0; k < n_window; ++k) {
+      const double turns = static_cast<double>((line * k) % n_window) / n;
       powers(k, l) =
           std::polar(2 / n * std::exp(-decay * w * static_cast<double>(k)), -two_pi * turns);
     }

@@ -12,7 +12,8 @@ namespace stillframe::fitting {
 /// line l. On the circle (decay 0) they are Fourier sums. Beyond it every mode looks damped by so
 /// much more, so that no resonance stands in a fit's way; the end of a window counts little then.
 struct LineKernel {
-  LineKernel(const RigRecord& record, double decay);
+  /// lines: whole periods in a window.
+  LineKernel(Eigen::Index n_window, const std::vector<int>& lines, double decay);
 
   Eigen::VectorXcd z, z_n;  ///< lines; z_n: z^-n
   Eigen::MatrixXcd powers;  ///< n x lines, 2/n z^-k

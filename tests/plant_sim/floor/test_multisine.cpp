@@ -5,10 +5,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/numerics/low_crest.hpp"
 #include "core/numerics/worst.hpp"
 #include "core/yaml/reader.hpp"
 #include "plant_sim/floor/floor_block.hpp"
-#include "plant_sim/floor/low_crest.hpp"
 #include "plant_sim/floor/multisine.hpp"
 #include "tests/plant_sim/floor/spectrum.hpp"
 

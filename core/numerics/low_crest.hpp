@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace stillframe::floor {
+namespace stillframe {
 
 /// Schroeder's phases (rad) for a sum of equal lines: the group delay grows by an equal share of
 /// the period with every line, so that the lines take turns.
@@ -19,4 +19,4 @@ Eigen::VectorXd schroeder_phases(const std::vector<double>& frequencies_hz, doub
 /// Meas. 37 (1988) 145-147. Arguments as above; each frequency a whole multiple of 1 / period.
 Eigen::VectorXd low_crest_phases(const std::vector<double>& frequencies_hz, double period);
 
-}  // namespace stillframe::floor
+}  // namespace stillframe

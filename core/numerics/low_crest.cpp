@@ -1,4 +1,4 @@
-#include "plant_sim/floor/low_crest.hpp"
+#include "core/numerics/low_crest.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -9,7 +9,7 @@
 #include "core/numerics/two_pi.hpp"
 #include "kissfft/kissfft.hh"
 
-namespace stillframe::floor {
+namespace stillframe {
 
 namespace {
 
@@ -81,4 +81,4 @@ Eigen::VectorXd low_crest_phases(const std::vector<double>& frequencies_hz, doub
   return best;
 }
 
-}  // namespace stillframe::floor
+}  // namespace stillframe

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace stillframe::fitting {
+
+/// Commands as they acted.
+struct ActedCommands {
+  Eigen::MatrixXd command;  ///< n x m, N
+  Eigen::Index n_late = 0;  ///< samples at which the one before acted still
+};
+
+/// The commands of a recording, put right where what amplifiers report shows that one came too late
+/// for its sample: the one before acted on then. A machine that is loaded has one in 1e5 of them,
+/// which makes as much noise as all sensors together, and no clock of the host tells it for
+/// certain. The way from a command to its report is taken from the record itself, as 16 weights of
+/// past commands, so no model has a part in it. command: n x m, N, sent in answer to each sample.
+/// applied: n x m, N, as reported with it. missing: of each row, whether the sample did not come;
+/// empty: all came. Set-up.
+ActedCommands acted_commands(const Eigen::MatrixXd& command, const Eigen::MatrixXd& applied,
+                             const std::vector<bool>& missing);
+
+}  // namespace stillframe::fitting
