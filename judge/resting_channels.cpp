@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "judge/loop_between.hpp"
-#include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 
 namespace stillframe::judge {
@@ -124,8 +124,8 @@ RestingChannel resting(const RunAnalysis& run, std::string name, const ChannelCo
   if (course.rests()) return {std::move(name)};
   const double rate_hz = run.data.scan.info.sample_rate_hz;
   return {std::move(name),
-          report::cell("from %.6g to %.6g s", static_cast<double>(course.rest.first_seq) / rate_hz,
-                       static_cast<double>(course.rest.last_seq) / rate_hz)};
+          formatted("from %.6g to %.6g s", static_cast<double>(course.rest.first_seq) / rate_hz,
+                    static_cast<double>(course.rest.last_seq) / rate_hz)};
 }
 
 void add_frame(const RunAnalysis& run, std::vector<RestingChannel>& result) {

@@ -5,6 +5,7 @@
 
 #include "controller/policy.hpp"
 #include "controller/start_check.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_design.hpp"
@@ -15,7 +16,6 @@
 #include "plant_sim/plant.hpp"
 #include "plant_sim/run_length.hpp"
 #include "report/page/write_page.hpp"
-#include "report/table.hpp"
 #include "tools/exit_code.hpp"
 #include "tools/run/judge.hpp"
 #include "tools/run/phase.hpp"
@@ -94,7 +94,7 @@ void require_clocked(const RunOptions& options, const judge::LoopDesign& design,
                      const controller::Policy& policy) {
   if (design.gains.delay_samples < 1) {
     throw InputError(design.scene.controller->place + ": delay_samples: found " +
-                     report::cell("%g", design.gains.delay_samples) +
+                     formatted("%g", design.gains.delay_samples) +
                      ", allowed is 1 or more in wall-clock mode: the command of a sample is known "
                      "at the next");
   }
