@@ -10,6 +10,7 @@
 #include "core/cli/command.hpp"
 #include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "judge/loop_design.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor_motion.hpp"
@@ -58,7 +59,7 @@ class Study {
                                       floor_input_names(design_.scene))),
         plan_(std::get<MultisinePlan>(spec_.kind)) {
     for (const double f : plan_.frequencies_hz) {
-      exact_.push_back(transfer(design_.closed, 2 * std::numbers::pi * f));
+      exact_.push_back(transfer(design_.closed, two_pi * f));
     }
     sigma_ = report::singular_values(exact_);
   }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "core/errors/formatted.hpp"
+#include "core/numerics/infinity.hpp"
 #include "judge/verdict_of.hpp"
 #include "report/verdict/motion_level.hpp"
 
@@ -45,8 +45,7 @@ MultisineGain gain_of(const report::FrequencyResponse& open,
   MultisineGain gain{.passive = passive, .active = active};
   gain.found = active / passive;
   gain.least = (active - of_active) / (passive + of_passive);
-  gain.most = passive > of_passive ? (active + of_active) / (passive - of_passive)
-                                   : std::numeric_limits<double>::infinity();
+  gain.most = passive > of_passive ? (active + of_active) / (passive - of_passive) : infinity;
   return gain;
 }
 
@@ -132,7 +131,7 @@ std::optional<Check> multisine_motion(const SceneAcceptance& accept, const RunAn
     return f >= judged.lowest_hz && f <= judged.highest_hz;
   });
   const double from_hz = levels ? judged.lowest_hz : 0,
-               to_hz = levels ? judged.highest_hz : std::numeric_limits<double>::infinity();
+               to_hz = levels ? judged.highest_hz : infinity;
   const auto& design = runs.any().run.design;
   std::vector<MultisineGain> gains;
   double largest = 0;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "judge/loop_between.hpp"
 #include "report/verdict/acceptance.hpp"
@@ -195,7 +195,7 @@ std::vector<RestingChannel> resting_channels(const RunAnalysis& run) {
   const report::SampleFaults& faults = run.data.scan.faults;
   const auto& legs = run.data.scan.info.leg_names;
   const std::size_t first = faults.floor.size() + 2 * faults.sigma.size() + faults.frame.size();
-  double range = std::numeric_limits<double>::infinity();
+  double range = infinity;
   if (run.run.design && run.run.design->scene.instruments.force_sensors) {
     // The steps of its converter may end short of it.
     const auto& sensors = *run.run.design->scene.instruments.force_sensors;

@@ -1,11 +1,11 @@
 #include "tools/design_remedies.hpp"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/control/design/price_of_sampling.hpp"
 #include "core/errors/formatted.hpp"
+#include "core/numerics/infinity.hpp"
 #include "tools/design_trade.hpp"
 
 namespace stillframe::tools {
@@ -100,7 +100,7 @@ std::string what_widens(const judge::LoopDesign& design, double disk) {
 std::string why_none_recommended(const judge::LoopDesign& design) {
   constexpr double highest = 1e5;
   const double target = design.scene.controller->lowest_target_hz();
-  double price = std::numeric_limits<double>::infinity(), disk = 0, disk_hz = 0;
+  double price = infinity, disk = 0, disk_hz = 0;
   bool stable = false, meets = false;
   for (const double times : tried_roll_offs) {
     const LoopSettings settings = tuned(at_rate(design.settings, highest), target, times);

@@ -14,6 +14,7 @@
 #include "core/errors/formatted.hpp"
 #include "core/numerics/decibels.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/singular_values.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/yaml/reader.hpp"
@@ -109,7 +110,7 @@ double softening(const judge::LoopDesign& design) {
       (K + K.transpose()) / 2, Eigen::EigenvaluesOnly);
   const double stiffest = pencil.eigenvalues().cwiseAbs().maxCoeff();
   const double softest = pencil.eigenvalues().minCoeff();
-  return softest > 1e-9 * stiffest ? 1 / softest : std::numeric_limits<double>::infinity();
+  return softest > 1e-9 * stiffest ? 1 / softest : infinity;
 }
 
 /// The leak (rad/s) from which on it alone holds the frame at standstill, to a thousandth; 0 if the
@@ -125,7 +126,7 @@ double least_leak(const judge::LoopDesign& design) {
   while (!holds(high)) {
     low = high;
     high *= 4;
-    if (high > 1e6 * omega_d) return std::numeric_limits<double>::infinity();
+    if (high > 1e6 * omega_d) return infinity;
   }
   while (high > 1.001 * low) {
     const double middle = std::sqrt(low * high);
@@ -172,7 +173,7 @@ std::optional<Window> leaks_that_hold(const judge::LoopDesign& design, double fr
       return window;
     }
   }
-  if (window) window->to = std::numeric_limits<double>::infinity();
+  if (window) window->to = infinity;
   return window;
 }
 
@@ -313,7 +314,7 @@ void warn_of_aim(const judge::LoopDesign& design, const DesignAnalysis& analysis
   const double to = forward ? block.feed_forward->to_hz : up_to_targets * target_hz;
   const ControlLoop aim = judge::aim_of(design);
   const auto worst = [&](double from, double until, auto&& allowed) {
-    std::pair<double, double> found{-std::numeric_limits<double>::infinity(), 0};
+    std::pair<double, double> found{-infinity, 0};
     if (!(from < until)) return found;
     for (int i = 0; i <= points; ++i) {
       const double hz = from * std::pow(until / from, i / points);

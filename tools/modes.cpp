@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -15,6 +14,7 @@
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 #include "tools/largest_parts.hpp"
@@ -90,7 +90,7 @@ void print_eigenvalues(const Modes& result) {
 /// slowest that is known: else nothing is meant by 0 but what moves freely.
 Index n_in_doubt(const Modes& modes) {
   Index n = 0;
-  double hidden = 0, slowest = std::numeric_limits<double>::infinity();
+  double hidden = 0, slowest = infinity;
   for (Index i = 0; i < modes.eigenvalues.size(); ++i) {
     const double size = std::abs(modes.eigenvalues(i));
     if (!(modes.known_to(i) > 1e-3 * size)) {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/infinity.hpp"
 #include "report/verdict/acceptance.hpp"
 
 namespace stillframe::report {
@@ -96,8 +96,8 @@ class FloorResponse {
  private:
   LoopResponse response_;
   Eigen::RowVectorXd last_;
-  double settling_ = std::numeric_limits<double>::infinity();  ///< samples
-  double unknown_ = 0;                                         ///< samples still to come
+  double settling_ = infinity;  ///< samples
+  double unknown_ = 0;          ///< samples still to come
 };
 
 /// An identified response and what the same estimate makes of the forces' part alone: where their

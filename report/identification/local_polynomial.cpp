@@ -10,6 +10,7 @@
 
 #include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/infinity.hpp"
 #include "report/spectra/fourier.hpp"
 
 namespace stillframe::report {
@@ -324,7 +325,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
   FrequencyResponse response;
   response.frequencies_hz = plan_.frequencies_hz;
   response.dof = VectorXd::Zero(n_f);
-  response.input_condition = VectorXd::Constant(n_f, std::numeric_limits<double>::infinity());
+  response.input_condition = VectorXd::Constant(n_f, infinity);
   for (Index l = 0; l < n_f; ++l) {
     const Equations& e = equations_[static_cast<std::size_t>(l)];
     const double missing = std::numeric_limits<double>::quiet_NaN();
@@ -338,7 +339,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
     response.input_condition(l) = condition_of(e);
     if (!(response.input_condition(l) < largest_condition)) continue;
     if (!(filling_share(e) < largest_filling_share)) {
-      response.input_condition(l) = std::numeric_limits<double>::infinity();  // as without motion
+      response.input_condition(l) = infinity;  // as without motion
       continue;
     }
     const MatrixXcd theta = R.solve(e.factor.topRightCorner(p, n_y));
