@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <limits>
-#include <sstream>
 
 #include "core/errors/formatted.hpp"
+#include "core/files/bytes_of_file.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -203,12 +202,6 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
   return lines;
 }
 
-std::string text_of_file(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
 std::vector<double> list(const VectorXd& values) { return {values.begin(), values.end()}; }
 
 page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
@@ -375,7 +368,9 @@ page::PageData page_of(const Commissioning& all) {
                            .rows = parameter_rows(*all.found)});
     data.texts.push_back({"Corrections", judge::corrections_block(*all.found)});
     data.texts.push_back({"What is left to doubt", judge::uncertainty_left(*all.found)});
-    if (all.files.rig) data.texts.push_back({"Rig file", text_of_file(*all.files.rig)});
+    if (all.files.rig) {
+      data.texts.push_back({"Rig file", bytes_of_file(*all.files.rig).value_or("")});
+    }
   }
   return data;
 }
