@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "core/cli/command.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "judge/loop_design.hpp"
 #include "plant_sim/floor/floor_block.hpp"
 #include "plant_sim/floor_motion.hpp"
@@ -57,7 +59,7 @@ class Study {
                                       floor_input_names(design_.scene))),
         plan_(std::get<MultisinePlan>(spec_.kind)) {
     for (const double f : plan_.frequencies_hz) {
-      exact_.push_back(transfer(design_.closed, 2 * std::numbers::pi * f));
+      exact_.push_back(transfer(design_.closed, two_pi * f));
     }
     sigma_ = report::singular_values(exact_);
   }
@@ -176,17 +178,17 @@ int main(int argc, char** argv) {
     }
     report::Table table({"bands of", "held", "of"}, 1);
     const auto add = [&](const char* what, const Tally& tally) {
-      table.add({what, report::cell("%.4f", tally.share()), std::to_string(tally.n)});
+      table.add({what, formatted("%.4f", tally.share()), std::to_string(tally.n)});
     };
     add("entries of T", result.entries);
     add("singular values", result.values);
     add("those that are compared", result.compared);
-    std::cout << report::cell("%d runs, %g %% bands, %g N/sqrt(Hz) and %g m/s^2/sqrt(Hz)\n",
-                              options.runs, 100 * options.level, options.sensor_noise,
-                              options.floor_noise)
+    std::cout << formatted("%d runs, %g %% bands, %g N/sqrt(Hz) and %g m/s^2/sqrt(Hz)\n",
+                           options.runs, 100 * options.level, options.sensor_noise,
+                           options.floor_noise)
               << table.print()
-              << report::cell("largest error of a singular value that is compared: %.4f dB\n",
-                              result.largest_db);
+              << formatted("largest error of a singular value that is compared: %.4f dB\n",
+                           result.largest_db);
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "bench_band_coverage: " << error.what() << "\n";

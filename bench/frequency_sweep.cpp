@@ -10,10 +10,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <numbers>
 
 #include "bench/machine.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "tests/support/frame_state_space.hpp"
 #include "tests/support/quadruple.hpp"
 
@@ -32,7 +32,7 @@ constexpr const char* plant_names[] = {"accelerations and stresses (rank 6)",
 
 Eigen::VectorXd frequencies() {
   const Eigen::ArrayXd exponent = Eigen::ArrayXd::LinSpaced(1000, -1, 3);
-  return 2 * std::numbers::pi * (exponent * std::log(10.0)).exp();
+  return two_pi * (exponent * std::log(10.0)).exp();
 }
 
 void transfer_functions(benchmark::State& state) {

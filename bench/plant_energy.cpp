@@ -6,6 +6,7 @@
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
 #include "core/cli/command.hpp"
+#include "core/errors/formatted.hpp"
 #include "report/table.hpp"
 #include "tests/plant_sim/motion_rig.hpp"
 
@@ -33,7 +34,7 @@ void run(const Options& options) {
   const double start = rig.energy();
   const auto n = static_cast<std::int64_t>(options.periods / slowest_hz / options.part_s);
   std::cout << machine_line(STILLFRAME_FLAGS) << "\n"
-            << "energy after the push " << report::cell("%.6g J", start) << "\n";
+            << "energy after the push " << formatted("%.6g J", start) << "\n";
   report::Table table({"periods", "parts", "energy / first - 1", "largest on the way", "cpu s"}, 0);
   double largest = 0, next = 1;
   const double begin = thread_seconds();
@@ -44,8 +45,8 @@ void run(const Options& options) {
     largest = std::max(largest, std::abs(drift));
     const double periods = static_cast<double>(k) * options.part_s * slowest_hz;
     if (periods < next && k != n) continue;
-    table.add({report::cell("%.3g", periods), std::to_string(k), report::cell("%.2e", drift),
-               report::cell("%.2e", largest), report::cell("%.1f", thread_seconds() - begin)});
+    table.add({formatted("%.3g", periods), std::to_string(k), formatted("%.2e", drift),
+               formatted("%.2e", largest), formatted("%.1f", thread_seconds() - begin)});
     next *= 10;
   }
   std::cout << table.print();

@@ -8,8 +8,8 @@
 #include "bench/machine.hpp"
 #include "bench/plant_run.hpp"
 #include "core/cli/command.hpp"
+#include "core/errors/formatted.hpp"
 #include "judge/loop_design.hpp"
-#include "report/table.hpp"
 #include "tools/run/closed_loop.hpp"
 
 namespace {
@@ -185,24 +185,24 @@ json fidelity(Index samples, int repeats) {
 }
 
 std::string markdown(const json& all) {
-  using report::cell;
   const json& loop = all.at("closed_loop");
   std::string text =
       "| method | tolerance | us a sample | times real time at 1 kHz | error of accelerations | "
       "error of sigma |\n|---|---|---|---|---|---|\n";
   for (const json& row : loop.at("rows")) {
-    text += "| `" + row.at("method").get<std::string>() + "` | " +
-            cell("%g | %.3g | %.0f | %.1e | %.1e |\n", row.at("tolerance").get<double>(),
-                 row.at("us_per_sample").get<double>(), row.at("times_real_time").get<double>(),
-                 row.at("error_acceleration").get<double>(), row.at("error_sigma").get<double>());
+    text +=
+        "| `" + row.at("method").get<std::string>() + "` | " +
+        formatted("%g | %.3g | %.0f | %.1e | %.1e |\n", row.at("tolerance").get<double>(),
+                  row.at("us_per_sample").get<double>(), row.at("times_real_time").get<double>(),
+                  row.at("error_acceleration").get<double>(), row.at("error_sigma").get<double>());
   }
-  text +=
-      cell("\nReference and check differ by %.1e.\n\n", loop.at("reference_check").get<double>());
+  text += formatted("\nReference and check differ by %.1e.\n\n",
+                    loop.at("reference_check").get<double>());
   text += "| option | us a sample | over the bare frame |\n|---|---|---|\n";
   for (const json& row : all.at("fidelity")) {
     text += "| " + row.at("option").get<std::string>() +
-            cell(" | %.3g | %.2f |\n", row.at("us_per_sample").get<double>(),
-                 row.at("over_bare").get<double>());
+            formatted(" | %.3g | %.2f |\n", row.at("us_per_sample").get<double>(),
+                      row.at("over_bare").get<double>());
   }
   return text;
 }

@@ -9,6 +9,7 @@
 
 #include "bench/chain_of_beams.hpp"
 #include "bench/machine.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/linearisation/linearisation.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/state_space.hpp"
@@ -52,7 +53,7 @@ Times measure(int n, bool by_deformations) {
 }  // namespace
 
 int main() {
-  using stillframe::report::cell;
+  using stillframe::formatted;
   std::cout << "# " << stillframe::machine_line(STILLFRAME_FLAGS) << "\n";
   for (const bool by_deformations : {false, true}) {
     stillframe::report::Table table({"beams", "dofs", "model s", "linearise s", "A s",
@@ -65,9 +66,10 @@ int main() {
       const Times t = measure(n, by_deformations);
       const double exponent =
           last ? std::log(t.total() / last_total) / std::log(double(n) / last) : 0;
-      table.add({cell("%d", n), cell("%d", 6 * n), cell("%.4f", t.model), cell("%.4f", t.linearise),
-                 cell("%.4f", t.A), cell("%.4f", t.frequencies), cell("%.3f", t.total()),
-                 last ? cell("%.2f", exponent) : "", cell("%.1e", t.first_error)});
+      table.add({formatted("%d", n), formatted("%d", 6 * n), formatted("%.4f", t.model),
+                 formatted("%.4f", t.linearise), formatted("%.4f", t.A),
+                 formatted("%.4f", t.frequencies), formatted("%.3f", t.total()),
+                 last ? formatted("%.2f", exponent) : "", formatted("%.1e", t.first_error)});
       last = n;
       last_total = t.total();
     }

@@ -11,6 +11,7 @@
 #include "bench/plant_run.hpp"
 #include "bench/work_precision_page.hpp"
 #include "core/cli/command.hpp"
+#include "core/numerics/two_pi.hpp"
 #include "plant_sim/floor/sources.hpp"
 
 namespace {
@@ -192,7 +193,7 @@ json honesty(Scene scene, double floor, Index samples) {
   for (Index k = 0; k < samples; ++k) {
     const double t = static_cast<double>(k) / scene.controller->sample_rate_hz;
     courses.col(k) = 0.3 * floor * forces_of_sample(n_inputs, k + 1000, 1.0);
-    courses.col(k).array() += floor * std::sin(2 * M_PI * 2 * t);
+    courses.col(k).array() += floor * std::sin(two_pi * 2 * t);
   }
   const auto run = [&](PlantMethod method, double tolerance) {
     scene.simulation.method = method;

@@ -4,15 +4,14 @@
 #include <cmath>
 #include <vector>
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/scene/plant_methods.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_style.hpp"
-#include "report/table.hpp"
 
 namespace stillframe {
 
 using nlohmann::json;
-using report::cell;
 
 namespace {
 
@@ -41,13 +40,13 @@ std::string envelope_line(const json& scene) {
     if (best == nullptr || point.at("us_per_sample") < best->at("us_per_sample")) best = &point;
   }
   const double time = standard->at("us_per_sample");
-  std::string line = "Default: " + cell("%.3g", time) + " us a sample at an error of " +
-                     cell("%.1e", error_of(*standard)) + ". ";
+  std::string line = "Default: " + formatted("%.3g", time) + " us a sample at an error of " +
+                     formatted("%.1e", error_of(*standard)) + ". ";
   if (best == nullptr) return line + "Nothing else is as accurate.\n";
   return line + "The cheapest that is at least as accurate is " +
          best->at("method").get<std::string>() + " at " +
-         cell("%g", best->at("setting").get<double>()) + ", with " +
-         cell("%.2f", best->at("us_per_sample").get<double>() / time) + " of its time.\n";
+         formatted("%g", best->at("setting").get<double>()) + ", with " +
+         formatted("%.2f", best->at("us_per_sample").get<double>() / time) + " of its time.\n";
 }
 
 std::string file_name(const std::string& scene) {
@@ -63,23 +62,23 @@ std::string scene_markdown(const json& scene) {
       scene.at("file").get<std::string>() + ".yaml`, " +
       std::to_string(scene.at("samples").get<int>()) + " samples. The references, `" +
       method_name(PlantMethod::nodal) + "` and `" + scene.at("minimal").get<std::string>() +
-      "`, differ by " + cell("%.1e", scene.at("known_acceleration").get<double>()) +
-      " in the accelerations and " + cell("%.1e", scene.at("known_sigma").get<double>()) +
+      "`, differ by " + formatted("%.1e", scene.at("known_acceleration").get<double>()) +
+      " in the accelerations and " + formatted("%.1e", scene.at("known_sigma").get<double>()) +
       " in sigma: no error below is known. " + envelope_line(scene) +
       "\n![Error against time](images/" + file_name(name) +
       ")\n\n| method | tolerance | us a sample | evaluations | error of "
       "accelerations | error of sigma |\n|---|---|---|---|---|---|\n";
   for (const json& point : scene.at("points")) {
     text += "| `" + point.at("method").get<std::string>() + "` | " +
-            cell("%g", point.at("setting").get<double>()) + " | ";
+            formatted("%g", point.at("setting").get<double>()) + " | ";
     if (point.contains("skipped")) {
       text += point.at("skipped").get<std::string>() + " | | | |\n";
       continue;
     }
-    text += cell("%.3g", point.at("us_per_sample").get<double>()) + " | " +
-            cell("%.1f", point.at("evaluations_per_sample").get<double>()) + " | " +
-            cell("%.1e", point.at("error_acceleration").get<double>()) + " | " +
-            cell("%.1e", point.at("error_sigma").get<double>()) + " |\n";
+    text += formatted("%.3g", point.at("us_per_sample").get<double>()) + " | " +
+            formatted("%.1f", point.at("evaluations_per_sample").get<double>()) + " | " +
+            formatted("%.1e", point.at("error_acceleration").get<double>()) + " | " +
+            formatted("%.1e", point.at("error_sigma").get<double>()) + " |\n";
   }
   return text + "\n";
 }
@@ -141,17 +140,17 @@ std::string honesty_markdown(const json& rows) {
   text += "\n" + rule + "\n";
   for (const json& row : rows) {
     text += "| " + row.at("scene").get<std::string>() + " | " +
-            cell("%g", row.at("floor").get<double>()) + " | ";
+            formatted("%g", row.at("floor").get<double>()) + " | ";
     if (row.contains("skipped")) {
       text += row.at("skipped").get<std::string>() + " |";
       for (size_t i = 0; i < methods.size(); ++i) text += " |";
       text += "\n";
       continue;
     }
-    text += cell("%.0e", row.at("known").get<double>()) + " | ";
+    text += formatted("%.0e", row.at("known").get<double>()) + " | ";
     for (const auto& method : methods) {
-      text += cell("%.2g", row.at(method).at(0).get<double>()) + ", " +
-              cell("%.2g", row.at(method).at(1).get<double>()) + " | ";
+      text += formatted("%.2g", row.at(method).at(0).get<double>()) + ", " +
+              formatted("%.2g", row.at(method).at(1).get<double>()) + " | ";
     }
     text.pop_back();
     text += "\n";

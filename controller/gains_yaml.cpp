@@ -1,10 +1,10 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
-#include <cstdio>
 
 #include "controller/gains.hpp"
 #include "controller/law_block.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/yaml/quoted.hpp"
 
 namespace stillframe::controller {
@@ -64,9 +64,7 @@ std::string plant_hash(const Gains& gains) {
   }
   std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
   for (const unsigned char byte : text) hash = (hash ^ byte) * 1099511628211ULL;
-  char hex[17];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(hash));
-  return hex;
+  return formatted("%016llx", static_cast<unsigned long long>(hash));
 }
 
 std::string law_block(const NamedLaw& law, const std::string& indent) {

@@ -1,7 +1,6 @@
 #include "controller/handshake.hpp"
 
-#include <cstdio>
-
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/stop_signal.hpp"
@@ -23,11 +22,7 @@ std::string joined(const std::vector<std::string>& names) {
   return "[" + text + "]";
 }
 
-std::string shown(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.17g", value);
-  return buffer;
-}
+std::string shown(double value) { return formatted("%.17g", value); }
 
 std::string differs(const std::string& what, const std::string& gains, const std::string& plant) {
   return what + ": the gains file says " + gains + ", the plant says " + plant;

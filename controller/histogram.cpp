@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "core/errors/formatted.hpp"
 
 namespace stillframe::controller {
 
@@ -40,18 +41,15 @@ double Histogram::quantile(double part) const noexcept {
 }
 
 std::string Histogram::to_json() const {
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "{\"n_times\": %lld, \"p50_ns\": %.0f, \"p99_ns\": %.0f, \"p999_ns\": %.0f, "
-                "\"worst_ns\": %lld, ",
-                static_cast<long long>(count_), quantile(0.5), quantile(0.99), quantile(0.999),
-                static_cast<long long>(worst_));
+  const std::string text = formatted(
+      "{\"n_times\": %lld, \"p50_ns\": %.0f, \"p99_ns\": %.0f, \"p999_ns\": %.0f, "
+      "\"worst_ns\": %lld, ",
+      static_cast<long long>(count_), quantile(0.5), quantile(0.99), quantile(0.999),
+      static_cast<long long>(worst_));
   std::string edges, counts;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     if (counts_[i] == 0) continue;
-    char number[40];
-    std::snprintf(number, sizeof number, "%s%.6g", edges.empty() ? "" : ", ", upper_edge_ns(i));
-    edges += number;
+    edges += formatted("%s%.6g", edges.empty() ? "" : ", ", upper_edge_ns(i));
     counts += (counts.empty() ? "" : ", ") + std::to_string(counts_[i]);
   }
   return text + ("\"edges_ns\": [" + edges + "], \"counts\": [" + counts + "]}");

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe::controller {
 
@@ -15,7 +16,7 @@ using Eigen::VectorXd;
 namespace {
 
 double checked(const char* what, std::optional<double> value) {
-  if (!value) return std::numeric_limits<double>::infinity();
+  if (!value) return infinity;
   if (*value > 0) return *value;
   throw std::invalid_argument(std::string("Limits: ") + what + " must be positive, got " +
                               std::to_string(*value));

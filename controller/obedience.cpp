@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "controller/law.hpp"
 #include "controller/slow_loops.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 
 namespace stillframe::controller {
@@ -51,7 +51,7 @@ Obedience::Obedience(const Gains& gains, double part)
 
 void Obedience::restart() noexcept {
   n_listened_ = 0;
-  step_.setConstant(std::numeric_limits<double>::infinity());
+  step_.setConstant(infinity);
   begin();
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "controller/slow_loops.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/smooth_step.hpp"
 #include "core/numerics/worst.hpp"
 
@@ -113,7 +114,7 @@ Pace::Pace(const Gains& gains, const Settings& settings)
     scales_.emplace_back(m, p, keep);
   }
   const double slowest_hz = gains.target_hz.empty()
-                                ? std::numeric_limits<double>::infinity()
+                                ? infinity
                                 : *std::min_element(gains.target_hz.begin(), gains.target_hz.end());
   const auto piece = std::max<Index>(
       1, static_cast<Index>(std::min<double>(
@@ -280,7 +281,7 @@ void Pace::lose_track() noexcept {
 
 const VectorXd& Pace::most(std::int64_t n) noexcept {
   if (!knows_noise()) {
-    most_.setConstant(std::numeric_limits<double>::infinity());
+    most_.setConstant(infinity);
     return most_;
   }
   // What a loop that lost samples has to catch up with; in a longer gap it has begun to let go.
@@ -304,7 +305,7 @@ Index Pace::command(std::int64_t n, const Ref<const VectorXd>& change) noexcept 
       part = std::max(part, scales_[j].part(i, largest_));
     }
     // What is no number is beyond everything.
-    if (std::isnan(part)) part = std::numeric_limits<double>::infinity();
+    if (std::isnan(part)) part = infinity;
     if (part <= furthest) continue;
     furthest = part;
     leg = i;

@@ -2,12 +2,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "controller/designed_loop.hpp"
 #include "controller/gains.hpp"
 #include "controller/pace_scale.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe::controller {
 
@@ -44,11 +44,11 @@ class Pace {
   struct Settings {
     double free = 0;  ///< N a sample, that is always allowed
     /// m/s^2: but no more of `free` than F_i of a floor of this acceleration.
-    double beside = std::numeric_limits<double>::infinity();
-    double ramp_in_s = 1;   ///< s, in which the gain comes up
-    double ramp_out_s = 1;  ///< s, in which it goes down
-    double force_limit = std::numeric_limits<double>::infinity();  ///< N
-    bool excited = false;                                          ///< excite will be called
+    double beside = infinity;
+    double ramp_in_s = 1;           ///< s, in which the gain comes up
+    double ramp_out_s = 1;          ///< s, in which it goes down
+    double force_limit = infinity;  ///< N
+    bool excited = false;           ///< excite will be called
   };
   /// Errors: as law_from_gains and sample_and_hold.
   Pace(const Gains& gains, const Settings& settings);

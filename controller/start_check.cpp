@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <functional>
 #include <utility>
 
 #include "controller/law.hpp"
 #include "core/control/close_loop.hpp"
 #include "core/control/loop_settings.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -29,13 +29,7 @@ struct Change {
   std::function<void(Gains&)> apply;
 };
 
-std::string printed(double value, const char* format = "%.4g") {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
-
-std::string shown_radius(double radius) { return printed(radius, radius < 2 ? "%.9f" : "%.4g"); }
+std::string shown_radius(double radius) { return formatted(radius < 2 ? "%.9f" : "%.4g", radius); }
 
 /// Leaks worth a try, Hz: from 0.05 up in steps to what the slowest mode of the law bears, 2 zeta
 /// omega_d, the eigenvalues of (I + K_P)^-1 K_I; and a tenth of the present one.
@@ -69,18 +63,19 @@ std::vector<Change> candidate_changes(const Gains& gains) {
   const double lead = std::round(1e3 * matched_lead(gains.sampling(), roll_off)) / 1e3;
   if (gains.lead_samples > 0 && std::abs(gains.lead_samples - lead) > 0.01 * lead) {
     changes.push_back(
-        {"lead_samples: " + printed(lead), [lead](Gains& g) { g.lead_samples = lead; }});
+        {"lead_samples: " + formatted("%.4g", lead), [lead](Gains& g) { g.lead_samples = lead; }});
   }
   if (gains.delay_samples > 0) {
     changes.push_back({"delay_samples: 0", [](Gains& g) { g.delay_samples = 0; }});
   }
   for (const double leak : candidate_leaks(gains)) {
-    changes.push_back({"leak_hz: " + printed(leak), [leak](Gains& g) { g.leak_hz = leak; }});
+    changes.push_back(
+        {"leak_hz: " + formatted("%.4g", leak), [leak](Gains& g) { g.leak_hz = leak; }});
   }
   for (const double factor : {2.0, 4.0, 10.0}) {
     const double rate = gains.sample_rate_hz * factor;
-    changes.push_back(
-        {"sample_rate_hz: " + printed(rate, "%g"), [rate](Gains& g) { g.sample_rate_hz = rate; }});
+    changes.push_back({"sample_rate_hz: " + formatted("%g", rate),
+                       [rate](Gains& g) { g.sample_rate_hz = rate; }});
   }
   if (gains.lead_samples > 0) {
     changes.push_back({"no lead_samples", [](Gains& g) { g.lead_samples = 0; }});
@@ -90,8 +85,8 @@ std::vector<Change> candidate_changes(const Gains& gains) {
   }
   for (const double corner : {200.0, 20.0}) {
     if (gains.roll_off_hz && *gains.roll_off_hz <= corner) continue;
-    changes.push_back(
-        {"roll_off_hz: " + printed(corner), [corner](Gains& g) { g.roll_off_hz = corner; }});
+    changes.push_back({"roll_off_hz: " + formatted("%.4g", corner),
+                       [corner](Gains& g) { g.roll_off_hz = corner; }});
   }
   return changes;
 }
@@ -166,7 +161,7 @@ std::string of_unreached(const std::vector<double>& motions_hz) {
   constexpr size_t most_named = 4;
   std::string text;
   for (size_t i = 0; i < std::min(motions_hz.size(), most_named); ++i) {
-    text += (i > 0 ? ", " : "") + printed(motions_hz[i]);
+    text += (i > 0 ? ", " : "") + formatted("%.4g", motions_hz[i]);
   }
   if (motions_hz.size() > most_named) {
     text += " and " + std::to_string(motions_hz.size() - most_named) + " more";
@@ -181,7 +176,7 @@ std::string of_unreached(const std::vector<double>& motions_hz) {
 std::string of_the_law(const Gains& gains, const Causes& causes) {
   if (gains.law) {
     return "Plant, the law that was brought, delay and instruments together, sampled at " +
-           printed(gains.sample_rate_hz, "%g") + " Hz, do not settle.";
+           formatted("%g", gains.sample_rate_hz) + " Hz, do not settle.";
   }
   if (gains.realisation == Realisation::naive_pi) {
     const double gain = spectral_radius(gains.K_P);
@@ -189,7 +184,7 @@ std::string of_the_law(const Gains& gains, const Causes& causes) {
       return "The actuator pushes on its own force sensor, so the sampled PI of `naive_pi` is a "
              "loop "
              "of gain K_P (largest eigenvalue " +
-             printed(gain) + ") around " +
+             formatted("%.4g", gain) + ") around " +
              (gains.delay_samples == 0 ? "one sample" : "two samples") + ", at every sample rate.";
     }
   }
@@ -199,7 +194,7 @@ std::string of_the_law(const Gains& gains, const Causes& causes) {
            "makes the frame drift for ever, which is a pole at 1.";
   }
   return "Plant, law, leak, roll-off and delay together, sampled at " +
-         printed(gains.sample_rate_hz, "%g") + " Hz, do not settle.";
+         formatted("%g", gains.sample_rate_hz) + " Hz, do not settle.";
 }
 
 /// What is left where no change of a setting that was tried makes the loop stable.
@@ -259,7 +254,7 @@ double require_stable_ramp(const Gains& gains) {
 
 void require_clocked_delay(const Gains& gains, const std::string& source) {
   if (gains.delay_samples >= 1) return;
-  throw InputError(source + ": delay_samples: found " + printed(gains.delay_samples, "%g") +
+  throw InputError(source + ": delay_samples: found " + formatted("%g", gains.delay_samples) +
                    ", allowed in wall-clock mode and on a rig is 1 or more: the command of a "
                    "sample is known at the next");
 }
@@ -312,8 +307,8 @@ std::string too_slow_to_tell(const Gains& gains, double radius) {
   // A pole at 1 comes out within 1e-13 of it: this one decays, but far too slowly to be sure of.
   if (radius < largest_stable_radius || !(radius < 1 - 1e-11)) return "";
   return "whether the sampled closed loop is stable cannot be told: its spectral radius is " +
-         printed(radius, "%.11f") + ", and what takes longer than " +
-         printed(gains.sample_time() / (1 - largest_stable_radius)) +
+         formatted("%.11f", radius) + ", and what takes longer than " +
+         formatted("%.4g", gains.sample_time() / (1 - largest_stable_radius)) +
          " s to settle cannot be told from what drifts at this sample rate";
 }
 

@@ -10,6 +10,7 @@
 #include "controller/rig/scaled_io.hpp"
 #include "core/control/fitting/acted_commands.hpp"
 #include "core/control/fitting/rig_model.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
@@ -410,11 +411,9 @@ std::string corrections_block(const Commissioned& found) {
   for (std::size_t i = 0; i < found.question.parameters.size(); ++i) {
     const Parameter& parameter = found.question.parameters[i];
     // To two digits of its doubt: what is rounded off is in no band.
-    char digits[32];
     const double unit = std::pow(10, std::floor(std::log10(found_doubt(found, i))) - 1);
     const double value = unit * std::round(found_deviation(found, i) / unit);
-    std::snprintf(digits, sizeof digits, "%.12g", value);
-    const double rounded = std::strtod(digits, nullptr);
+    const double rounded = std::strtod(formatted("%.12g", value).c_str(), nullptr);
     if (parameter.kind == Kind::actuator_gain || parameter.kind == Kind::sensor_gain) {
       continue;  // of the rig file
     }
@@ -450,9 +449,7 @@ std::string uncertainty_left(const Commissioned& found) {
   }
   std::string text;
   for (const auto& [key, value] : keys) {
-    char line[80];
-    std::snprintf(line, sizeof line, "%s: %.2g\n", key.c_str(), value);
-    text += line;
+    text += formatted("%s: %.2g\n", key.c_str(), value);
   }
   return text;
 }

@@ -5,12 +5,12 @@
 #include <string>
 
 #include "controller/arming.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/message_fit.hpp"
 #include "report/log/event_file.hpp"
-#include "report/table.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
@@ -157,7 +157,7 @@ class HoldSearch {
   void never_held() {
     report::Takeover& takeover = found_.takeover;
     const auto seconds = [&](std::int64_t seq) {
-      return report::cell("%.4g s", static_cast<double>(seq) / info_.sample_rate_hz);
+      return formatted("%.4g s", static_cast<double>(seq) / info_.sample_rate_hz);
     };
     if (takeover.from != never) {
       takeover.full = takeover.from + std::llround(policy_.ramp_in_s * info_.sample_rate_hz);

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
+#include "core/errors/formatted.hpp"
+#include "core/numerics/infinity.hpp"
 #include "judge/verdict_of.hpp"
-#include "report/table.hpp"
 #include "report/verdict/motion_level.hpp"
 
 namespace stillframe::judge {
 
-using report::cell;
 using report::Check;
 using report::Outcome;
 using report::Subject;
@@ -46,8 +45,7 @@ MultisineGain gain_of(const report::FrequencyResponse& open,
   MultisineGain gain{.passive = passive, .active = active};
   gain.found = active / passive;
   gain.least = (active - of_active) / (passive + of_passive);
-  gain.most = passive > of_passive ? (active + of_active) / (passive - of_passive)
-                                   : std::numeric_limits<double>::infinity();
+  gain.most = passive > of_passive ? (active + of_active) / (passive - of_passive) : infinity;
   return gain;
 }
 
@@ -133,7 +131,7 @@ std::optional<Check> multisine_motion(const SceneAcceptance& accept, const RunAn
     return f >= judged.lowest_hz && f <= judged.highest_hz;
   });
   const double from_hz = levels ? judged.lowest_hz : 0,
-               to_hz = levels ? judged.highest_hz : std::numeric_limits<double>::infinity();
+               to_hz = levels ? judged.highest_hz : infinity;
   const auto& design = runs.any().run.design;
   std::vector<MultisineGain> gains;
   double largest = 0;
@@ -159,23 +157,24 @@ std::optional<Check> multisine_motion(const SceneAcceptance& accept, const RunAn
     of = open.signals.outputs[i];
   }
   if (!worst) return std::nullopt;
-  const std::string range = levels ? cell("%g to %g Hz", from_hz, to_hz)
+  const std::string range = levels ? formatted("%g to %g Hz", from_hz, to_hz)
                                    : "all " + std::to_string(lines.size()) + " lines";
   Check check{
       .subject = Subject::motion,
       .what = "output " + of + ", active to passive frame, lines of the multisine, " + range,
       .asked = "at most 1",
-      .found = cell("%.4g", worst->found),
+      .found = formatted("%.4g", worst->found),
       .outcome = report::at_most(worst->found, 1),
-      .reason = "Output " + of + ": the active frame makes " + cell("%.4g", worst->found) +
+      .reason = "Output " + of + ": the active frame makes " + formatted("%.4g", worst->found) +
                 " times as much of the multisine as the passive one (" + range + "), allowed is 1.",
       .by_scene = false};
   if (worst->found <= 1 ? worst->most > 1 : worst->least <= 1) {
     check.outcome = Outcome::not_judged;
-    check.reason = "Output " + of + ": the active frame makes " + cell("%.4g", worst->found) +
+    check.reason = "Output " + of + ": the active frame makes " + formatted("%.4g", worst->found) +
                    " times as much of the multisine as the passive one (" + range +
-                   "), which noise leaves known from " + cell("%.3g", std::max(worst->least, 0.0)) +
-                   " to " + cell("%.3g", worst->most) + " only.";
+                   "), which noise leaves known from " +
+                   formatted("%.3g", std::max(worst->least, 0.0)) + " to " +
+                   formatted("%.3g", worst->most) + " only.";
   }
   return check;
 }

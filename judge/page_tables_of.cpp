@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "core/errors/formatted.hpp"
 #include "report/page/html.hpp"
 #include "report/said_once.hpp"
 #include "report/table.hpp"
@@ -13,7 +14,6 @@ namespace stillframe::judge {
 
 using page::number_text;
 using page::Severity;
-using report::cell;
 
 namespace {
 
@@ -105,7 +105,7 @@ void warn_of_log(const RunAnalysis& run, std::vector<page::Warning>& warnings,
   }
   if (scan.n_clock_steps > 0) {
     warn(Severity::note, "the logger's clock stepped " + count(scan.n_clock_steps) + " times, by " +
-                             cell("%.3g", scan.largest_clock_step_s) + " s at most.");
+                             formatted("%.3g", scan.largest_clock_step_s) + " s at most.");
   }
   if (scan.n_saturated > 0) {
     warn(Severity::warning, "forces were limited in " + count(scan.n_saturated) + " of " +
@@ -119,8 +119,9 @@ void warn_of_log(const RunAnalysis& run, std::vector<page::Warning>& warnings,
   for (const auto* response : {&run.matrix, &run.axes}) {
     if (!*response || (response == &run.matrix && axes)) continue;
     const auto& measured = (*response)->measured;
-    const std::string what = cell("the response of %zu outputs to %zu inputs",
-                                  measured.signals.outputs.size(), measured.signals.inputs.size());
+    const std::string what =
+        formatted("the response of %zu outputs to %zu inputs", measured.signals.outputs.size(),
+                  measured.signals.inputs.size());
     if (!measured.missing.empty()) {
       unidentified.add(run.log.filename().string() + ", " + what, measured.missing);
     } else if (!(*response)->unpredicted.empty() && run.run.design) {
@@ -184,9 +185,9 @@ page::Table shock_table(const std::vector<report::ShockSummary>& shocks) {
   constexpr std::size_t most = 50;
   for (std::size_t i = 0; i < std::min(shocks.size(), most); ++i) {
     const report::ShockSummary& s = shocks[i];
-    table.rows.push_back({s.axis, s.loop, cell("%.1f", s.time_s), milli(s.floor_level),
+    table.rows.push_back({s.axis, s.loop, formatted("%.1f", s.time_s), milli(s.floor_level),
                           milli(s.frame_level),
-                          s.settling_s ? cell("%.1f", *s.settling_s) : "never"});
+                          s.settling_s ? formatted("%.1f", *s.settling_s) : "never"});
   }
   if (shocks.size() > most) {
     table.rows.push_back({"and " + std::to_string(shocks.size() - most) + " more"});
@@ -350,8 +351,8 @@ void add_log_tables(const RunAnalyses& runs, page::PageData& page) {
     table.rows.push_back(
         {(*run)->log.filename().string(), count(scan.measurements.n_received),
          (*run)->data.n_judged > 0
-             ? cell("%.4g", static_cast<double>((*run)->data.judged_from) / rate_hz) +
-                   cell(" to %.4g", static_cast<double>((*run)->data.judged_until) / rate_hz)
+             ? formatted("%.4g", static_cast<double>((*run)->data.judged_from) / rate_hz) +
+                   formatted(" to %.4g", static_cast<double>((*run)->data.judged_until) / rate_hz)
              : "none",
          count(scan.measurements.n_lost),
          count(static_cast<std::int64_t>(scan.measurements.gaps.size())),

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
+#include "core/errors/formatted.hpp"
 #include "core/numerics/worst.hpp"
-#include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 
 namespace stillframe::judge {
 
-using report::cell;
 using report::Check;
 using report::Outcome;
 using report::Subject;
@@ -18,13 +17,15 @@ namespace {
 /// Where the closed loop lies below the open one: known nowhere is not predicted nowhere.
 std::string reduction_in_words(const report::IdentificationSummary& id) {
   if (id.n_reduction_frequencies > 0) {
-    return cell("the closed loop lies below the open one at %d of %d frequencies where it is to",
-                id.n_closed_below_open, id.n_reduction_frequencies) +
-           (id.n_reduction_unknown > 0 ? cell(" (not known at %d more)", id.n_reduction_unknown)
-                                       : "");
+    return formatted(
+               "the closed loop lies below the open one at %d of %d frequencies where it is to",
+               id.n_closed_below_open, id.n_reduction_frequencies) +
+           (id.n_reduction_unknown > 0
+                ? formatted(" (not known at %d more)", id.n_reduction_unknown)
+                : "");
   }
   if (id.n_reduction_unknown > 0) {
-    return cell(
+    return formatted(
         "whether the closed loop lies below the open one is known at none of the %d frequencies "
         "above %.3g Hz where it is to",
         id.n_reduction_unknown, id.reduction_above_hz);
@@ -34,9 +35,9 @@ std::string reduction_in_words(const report::IdentificationSummary& id) {
 }
 
 std::string found_in_words(const report::IdentificationSummary& id) {
-  std::string found = cell("%.3g dB beyond, reduced at ", id.beyond_db);
+  std::string found = formatted("%.3g dB beyond, reduced at ", id.beyond_db);
   if (id.n_reduction_frequencies > 0) {
-    found += cell("%d of %d", id.n_closed_below_open, id.n_reduction_frequencies);
+    found += formatted("%d of %d", id.n_closed_below_open, id.n_reduction_frequencies);
   } else {
     found += id.n_reduction_unknown > 0 ? "none that is known" : "none";
   }
@@ -50,11 +51,12 @@ std::string reason_of(const report::IdentificationSummary& id) {
   const double largest = worst_of(id.open_largest_db, id.closed_largest_db);
   std::string none;
   if (id.n_open_compared == 0 || id.n_closed_compared == 0) {
-    none = cell("No singular value of the %s loop is known to 1 dB, so that none is compared. ",
-                id.n_open_compared == 0 ? "passive" : "active");
+    none =
+        formatted("No singular value of the %s loop is known to 1 dB, so that none is compared. ",
+                  id.n_open_compared == 0 ? "passive" : "active");
   }
   return none +
-         cell(
+         formatted(
              "%d measured singular values lie within %.3g dB of the prediction, at most %.3g dB "
              "beyond their bands (allowed: %.3g dB), and ",
              id.n_compared(), largest, id.beyond_db, id.allowed_db) +
@@ -66,8 +68,8 @@ Check check_of(report::IdentificationSummary id, std::optional<double> predictio
   id.forces_unknown = false;  // prediction_checks says so of all
   return {.subject = Subject::prediction,
           .what = "singular values of both loops against the prediction",
-          .asked = cell("within their bands and %.3g dB, reduced above %.3g Hz", id.allowed_db,
-                        id.reduction_above_hz),
+          .asked = formatted("within their bands and %.3g dB, reduced above %.3g Hz", id.allowed_db,
+                             id.reduction_above_hz),
           .found = found_in_words(id),
           .outcome = id.outcome(),
           .reason = reason_of(id),
@@ -79,15 +81,15 @@ Check check_of(const report::ResponseSummary& response, double allowed_db) {
   Check check{
       .subject = Subject::prediction,
       .what = response.loop + ", " + response.what + " against the prediction",
-      .asked = cell("within its bands and %.3g dB", allowed_db),
+      .asked = formatted("within its bands and %.3g dB", allowed_db),
       .found = "",
       .outcome = Outcome::not_judged,
       .reason = "The " + response.loop + " loop, " + response.what + ": " + response.missing + ".",
       .by_scene = true};
   if (response.n_compared > 0) {
-    check.found = cell("%.3g dB beyond", response.beyond_db);
+    check.found = formatted("%.3g dB beyond", response.beyond_db);
     check.outcome = report::at_most(response.beyond_db, allowed_db);
-    check.reason = cell(
+    check.reason = formatted(
         "The %s loop, %s, lies within %.3g dB of its prediction (at %.4g Hz) in %d singular "
         "values, at most %.3g dB beyond their bands (allowed: %.3g dB).",
         response.loop.c_str(), response.what.c_str(), response.sampled_largest_db,
@@ -127,30 +129,31 @@ Check default_check_of(const report::ResponseSummary& response) {
   if (outcome == report::Outcome::passed && response.n_compared < 10) {
     return {.subject = Subject::prediction,
             .what = of_broadly(response),
-            .asked = cell("nine in ten values within their bands and %.3g dB", allowed_db),
-            .found = cell("%d values", response.n_compared),
+            .asked = formatted("nine in ten values within their bands and %.3g dB", allowed_db),
+            .found = formatted("%d values", response.n_compared),
             .outcome = report::Outcome::not_judged,
-            .reason = cell("The %s loop, %s: only %d singular values are known.",
-                           response.loop.c_str(), response.what.c_str(), response.n_compared),
+            .reason = formatted("The %s loop, %s: only %d singular values are known.",
+                                response.loop.c_str(), response.what.c_str(), response.n_compared),
             .is_proof = false};
   }
   return {
       .subject = Subject::prediction,
       .what = of_broadly(response),
-      .asked = cell("nine in ten values within their bands and %.3g dB", allowed_db),
-      .found = cell("%.3g dB beyond", response.broadly_beyond_db),
+      .asked = formatted("nine in ten values within their bands and %.3g dB", allowed_db),
+      .found = formatted("%.3g dB beyond", response.broadly_beyond_db),
       .outcome = outcome,
-      .reason = outcome == Outcome::passed
-                    ? cell("The %s loop, %s, is broadly the predicted one: nine in ten of the %d "
-                           "singular values that are known lie at most %.3g dB beyond their bands "
-                           "(allowed: %.3g dB).",
-                           response.loop.c_str(), response.what.c_str(), response.n_compared,
-                           response.broadly_beyond_db, allowed_db)
-                    : cell("The %s loop, %s, is not the predicted one: a tenth of the %d singular "
-                           "values that are known lie %.3g dB or more beyond their bands (allowed: "
-                           "%.3g dB).",
-                           response.loop.c_str(), response.what.c_str(), response.n_compared,
-                           response.broadly_beyond_db, allowed_db),
+      .reason =
+          outcome == Outcome::passed
+              ? formatted("The %s loop, %s, is broadly the predicted one: nine in ten of the %d "
+                          "singular values that are known lie at most %.3g dB beyond their bands "
+                          "(allowed: %.3g dB).",
+                          response.loop.c_str(), response.what.c_str(), response.n_compared,
+                          response.broadly_beyond_db, allowed_db)
+              : formatted("The %s loop, %s, is not the predicted one: a tenth of the %d singular "
+                          "values that are known lie %.3g dB or more beyond their bands (allowed: "
+                          "%.3g dB).",
+                          response.loop.c_str(), response.what.c_str(), response.n_compared,
+                          response.broadly_beyond_db, allowed_db),
       .is_proof = false};
 }
 
@@ -175,8 +178,8 @@ std::vector<Check> comparisons(const RunAnalyses& runs, const report::Verdict& v
       checks.push_back(
           {.subject = Subject::prediction,
            .what = of_broadly(response),
-           .asked = cell("nine in ten values within their bands and %.3g dB",
-                         report::default_broad_prediction_db),
+           .asked = formatted("nine in ten values within their bands and %.3g dB",
+                              report::default_broad_prediction_db),
            .found = "",
            .outcome = Outcome::not_judged,
            .reason = "The " + response.loop + " loop, " + response.what +

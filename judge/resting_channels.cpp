@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "judge/loop_between.hpp"
-#include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 
 namespace stillframe::judge {
@@ -124,8 +124,8 @@ RestingChannel resting(const RunAnalysis& run, std::string name, const ChannelCo
   if (course.rests()) return {std::move(name)};
   const double rate_hz = run.data.scan.info.sample_rate_hz;
   return {std::move(name),
-          report::cell("from %.6g to %.6g s", static_cast<double>(course.rest.first_seq) / rate_hz,
-                       static_cast<double>(course.rest.last_seq) / rate_hz)};
+          formatted("from %.6g to %.6g s", static_cast<double>(course.rest.first_seq) / rate_hz,
+                    static_cast<double>(course.rest.last_seq) / rate_hz)};
 }
 
 void add_frame(const RunAnalysis& run, std::vector<RestingChannel>& result) {
@@ -195,7 +195,7 @@ std::vector<RestingChannel> resting_channels(const RunAnalysis& run) {
   const report::SampleFaults& faults = run.data.scan.faults;
   const auto& legs = run.data.scan.info.leg_names;
   const std::size_t first = faults.floor.size() + 2 * faults.sigma.size() + faults.frame.size();
-  double range = std::numeric_limits<double>::infinity();
+  double range = infinity;
   if (run.run.design && run.run.design->scene.instruments.force_sensors) {
     // The steps of its converter may end short of it.
     const auto& sensors = *run.run.design->scene.instruments.force_sensors;

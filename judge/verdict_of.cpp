@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors/formatted.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_comparison.hpp"
 #include "judge/loop_target.hpp"
@@ -11,7 +12,6 @@
 #include "judge/resting_channels.hpp"
 #include "judge/unmeasured_floor.hpp"
 #include "report/analysis/summaries.hpp"
-#include "report/table.hpp"
 #include "report/verdict/acceptance.hpp"
 #include "report/verdict/motion_level.hpp"
 
@@ -163,7 +163,7 @@ void add_warnings(report::Verdict& verdict) {
         response.beyond_db <= response.tolerance_db) {
       continue;
     }
-    std::string text = report::cell(
+    std::string text = formatted(
         "The %s loop, %s, is not what the model says: a measured singular value lies %.3g dB "
         "beyond its band, allowed are %.3g dB.",
         response.loop.c_str(), response.what.c_str(), response.beyond_db, response.tolerance_db);
@@ -171,7 +171,7 @@ void add_warnings(report::Verdict& verdict) {
       text += " The floor's nodes can also move in " + std::to_string(response.n_unmeasured) +
               (response.n_unmeasured == 1 ? " direction" : " directions") +
               " that no input measures: " +
-              report::cell(
+              formatted(
                   "as much motion there as along the inputs "
                   "would shift a value by up to %.3g dB.",
                   response.unmeasured_largest_db);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
@@ -11,7 +12,7 @@ using Eigen::Index;
 
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double never = infinity;
 
 }  // namespace
 

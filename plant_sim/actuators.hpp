@@ -1,8 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <limits>
 
+#include "core/numerics/infinity.hpp"
 #include "core/systems/bouc_wen.hpp"
 #include "core/systems/instruments.hpp"
 
@@ -58,7 +58,7 @@ class Actuators {
   double fastest_rate(Eigen::Index leg) const noexcept;
 
  private:
-  bool slews() const noexcept { return rate_limit_ < std::numeric_limits<double>::infinity(); }
+  bool slews() const noexcept { return rate_limit_ < infinity; }
   /// c - f.
   double way(Eigen::Index leg) const noexcept { return command_(leg) - force_(leg); }
   /// By how much f of a leg has moved a time t (s) after the command.

@@ -1,10 +1,10 @@
 #include "plant_sim/plant.hpp"
 
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 #include "core/control/design/control_loop.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -22,7 +22,7 @@ std::vector<Index> rows_of(const std::vector<std::string>& legs, const Model& mo
 }
 
 double force_limit(const Scene& scene) {
-  return scene.controller->force_limit_n.value_or(std::numeric_limits<double>::infinity());
+  return scene.controller->force_limit_n.value_or(infinity);
 }
 
 Drive make_drive(const Scene& scene, const Model& model,

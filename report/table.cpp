@@ -1,22 +1,8 @@
 #include "report/table.hpp"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 
 namespace stillframe::report {
-
-std::string cell(const char* format, ...) {
-  va_list arguments, again;
-  va_start(arguments, format);
-  va_copy(again, arguments);
-  std::string text(static_cast<size_t>(std::max(std::vsnprintf(nullptr, 0, format, arguments), 0)),
-                   ' ');
-  std::vsnprintf(text.data(), text.size() + 1, format, again);
-  va_end(again);
-  va_end(arguments);
-  return text;
-}
 
 Table::Table(std::vector<std::string> header, std::size_t n_text_columns)
     : rows_{std::move(header)}, n_text_columns_(n_text_columns) {}

@@ -7,10 +7,7 @@
 
 namespace stillframe::report {
 
-/// printf to a string.
-[[gnu::format(printf, 1, 2)]] std::string cell(const char* format, ...);
-
-/// A number of things, as %lld takes it.
+/// A number of things, as the %lld of formatted() takes it.
 inline long long count(std::int64_t n) { return n; }
 
 /// Rows of cells under a header; the first n_text_columns stand to the left, the others to the

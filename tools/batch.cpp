@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "core/errors/formatted.hpp"
 #include "report/table.hpp"
 #include "tools/batch_rows.hpp"
 #include "tools/given_files.hpp"
@@ -56,12 +57,11 @@ std::optional<std::filesystem::path> file_of(const Json& row, const char* key) {
 }
 
 std::string table_of(const BatchOptions& options, const std::vector<Json>& rows) {
-  using report::cell;
   report::Table table({"scene", "controller", "floor", "axis", "floor um/s^2", "passive", "active",
                        "class", "verdict", "peak N", "real time x"},
                       4);
   const auto micro = [](const Json& rms) {
-    return rms.is_number() ? cell("%.4g", 1e6 * rms.get<double>()) : "-";
+    return rms.is_number() ? formatted("%.4g", 1e6 * rms.get<double>()) : "-";
   };
   for (const Json& row : rows) {
     std::string scene = label(file_of(row, "scene_file"), options.scenes),
@@ -71,8 +71,9 @@ std::string table_of(const BatchOptions& options, const std::vector<Json>& rows)
       table.add({scene, controller, floor, "", "", "", "", "", "did not run", "", ""});
       continue;
     }
-    std::string outcome = row["outcome"], peak = cell("%.3g", row["peak_force_n"].get<double>()),
-                speed = cell("%.0f", row["real_time_factor"].get<double>());
+    std::string outcome = row["outcome"],
+                peak = formatted("%.3g", row["peak_force_n"].get<double>()),
+                speed = formatted("%.0f", row["real_time_factor"].get<double>());
     for (const Json& axis : row["axes"]) {
       table.add({scene, controller, floor, axis["axis"], micro(axis["floor_rms_m_s2"]),
                  micro(axis["passive_rms_m_s2"]), micro(axis["active_rms_m_s2"]),

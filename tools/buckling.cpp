@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/sparse/sparse_buckling.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
@@ -30,15 +31,15 @@ void print_page(const Scene& scene, const Buckling& result, Index shown) {
     return;
   }
   std::cout << scene.title
-            << report::cell(": it buckles at %.6g times the load\n", result.load_multipliers(0));
+            << formatted(": it buckles at %.6g times the load\n", result.load_multipliers(0));
   report::Table table({"shape", "load multiplier", "largest parts"}, 3);
   for (Index i = 0; i < shown; ++i) {
-    table.add({report::cell("%5td", i + 1), report::cell("%15.6g", result.load_multipliers(i)),
+    table.add({formatted("%5td", i + 1), formatted("%15.6g", result.load_multipliers(i)),
                largest_parts(result.q_names, result.shapes.col(i))});
   }
   std::cout << table.print();
   if (shown < result.load_multipliers.size()) {
-    std::cout << report::cell("%td more: see --count\n", result.load_multipliers.size() - shown);
+    std::cout << formatted("%td more: see --count\n", result.load_multipliers.size() - shown);
   }
 }
 

@@ -7,7 +7,6 @@
 #include "plant_sim/floor_motion.hpp"
 #include "plant_sim/run_length.hpp"
 #include "report/plots/plot_budget.hpp"
-#include "report/table.hpp"
 #include "tools/budget_text.hpp"
 #include "tools/given_files.hpp"
 #include "tools/patience.hpp"

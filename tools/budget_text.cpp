@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/errors/formatted.hpp"
 #include "report/spectra/spectra.hpp"
 #include "report/table.hpp"
 
@@ -9,7 +10,6 @@ namespace stillframe::tools {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-using report::cell;
 
 namespace {
 
@@ -17,11 +17,11 @@ const char* words_of(judge::BudgetMethod method) {
   return method == judge::BudgetMethod::feed_forward ? "feed-forward" : judge::name_of(method);
 }
 
-std::string mm_s2(double rms) { return rms > 0 ? cell("%.4g", 1e3 * rms) : "0"; }
+std::string mm_s2(double rms) { return rms > 0 ? formatted("%.4g", 1e3 * rms) : "0"; }
 
 std::string percent(double share, double total) {
   // Adding 0 takes the sign off what is rounded to nothing.
-  return total > 0 ? cell("%.2f", std::round(1e4 * share / total) / 100 + 0.0) : "-";
+  return total > 0 ? formatted("%.2f", std::round(1e4 * share / total) / 100 + 0.0) : "-";
 }
 
 /// The largest of the third octaves, um/s and Hz.
@@ -32,8 +32,8 @@ std::string largest_band(const VectorXd& velocity) {
     if (at < 0 || velocity(i) > velocity(at)) at = i;
   }
   if (at < 0) return "-";
-  return cell("%.4g at %g", 1e6 * velocity(at),
-              report::third_octave_bands()[static_cast<std::size_t>(at)].nominal_hz);
+  return formatted("%.4g at %g", 1e6 * velocity(at),
+                   report::third_octave_bands()[static_cast<std::size_t>(at)].nominal_hz);
 }
 
 /// Below what half of the mean square is.
@@ -42,7 +42,7 @@ std::string middle_hz(const judge::Budget& budget, const judge::BudgetPart& tota
   double below = 0;
   for (Index i = 0; i < total.power.size(); ++i) {
     below += total.power(i);
-    if (below >= half && half > 0) return cell("%.3g", budget.edges_hz(i + 1));
+    if (below >= half && half > 0) return formatted("%.3g", budget.edges_hz(i + 1));
   }
   return "-";
 }
@@ -90,7 +90,7 @@ report::Table table_of(const std::vector<judge::BudgetCheck>& checks, double wit
                       2);
   for (const judge::BudgetCheck& check : checks) {
     table.add({check.axis, words_of(check.method), mm_s2(check.predicted), mm_s2(check.scatter),
-               mm_s2(check.measured), cell("%.2f", 100 * check.difference()),
+               mm_s2(check.measured), formatted("%.2f", 100 * check.difference()),
                check.met(within) ? "" : "beyond"});
   }
   return table;
@@ -137,7 +137,8 @@ std::string budget_text(const std::string& title, const judge::Budget& budget,
                         const std::vector<judge::BudgetRun>& runs, double within) {
   const double seconds = static_cast<double>(budget.n_samples - 1) / budget.sample_rate_hz;
   std::string text =
-      title + cell(": error budget of %g s at %g Hz, from rest\n", seconds, budget.sample_rate_hz) +
+      title +
+      formatted(": error budget of %g s at %g Hz, from rest\n", seconds, budget.sample_rate_hz) +
       "mm/s^2 rms of each source by itself, and its share of the mean square of "
       "all\n" +
       table_of(budget).print();
@@ -146,8 +147,8 @@ std::string budget_text(const std::string& title, const judge::Budget& budget,
   }
   const std::vector<judge::BudgetCheck> checks = judge::checks_of(budget, runs);
   if (!checks.empty()) {
-    text += cell("Held against runs, within %g %% and two of +-, the scatter of one run:\n",
-                 100 * within) +
+    text += formatted("Held against runs, within %g %% and two of +-, the scatter of one run:\n",
+                      100 * within) +
             table_of(checks, within).print();
   }
   return text;

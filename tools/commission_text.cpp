@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <limits>
-#include <sstream>
 
+#include "core/errors/formatted.hpp"
+#include "core/files/bytes_of_file.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -19,7 +19,6 @@ using judge::found_deviation;
 using judge::found_doubt;
 using judge::is_told;
 using judge::known_before;
-using report::cell;
 
 namespace {
 
@@ -109,7 +108,7 @@ std::vector<std::vector<std::string>> parameter_rows(const Commissioned& found) 
     const auto others = alike(found, i);
     std::string note;
     if (others.size() == 1) note = "or " + name_of(parameters[others[0]]);
-    if (others.size() > 1) note = cell("or with %zu others", others.size());
+    if (others.size() > 1) note = formatted("or with %zu others", others.size());
     if (!is_told(found, i)) note = "not told" + (note.empty() ? "" : ", " + note);
     const auto without_sign = [&](double deviation) {
       return with_unit(parameters[i], deviation).substr(1);
@@ -128,7 +127,7 @@ std::vector<std::string> parameter_columns() {
 std::string recorded_line(const Commissioned& found) {
   const std::string late =
       found.n_late > 0 ? ", " + std::to_string(found.n_late) + " commands a sample late" : "";
-  return cell(
+  return formatted(
       "%lld samples, %lld lost%s, clock %+.1f ppm; driven by %.3g N, the least output reads %.0f "
       "dB more than at rest",
       report::count(found.recording.n_samples), report::count(found.recording.n_lost), late.c_str(),
@@ -140,13 +139,14 @@ std::vector<std::string> fit_lines(const Commissioning& all) {
   const Commissioned& found = *all.found;
   std::vector<std::string> lines;
   if (found.disturbance_db < clear_of_rest_db) {
-    lines.push_back(cell("That is little: with a larger --force, bands are narrower."));
+    lines.push_back(formatted("That is little: with a larger --force, bands are narrower."));
   }
-  lines.push_back(
-      cell("What is left is %.2f times the power of the noise at rest.", found.fit.over_noise));
+  lines.push_back(formatted("What is left is %.2f times the power of the noise at rest.",
+                            found.fit.over_noise));
   if (found.fit.n_left_out > 0) {
-    lines.push_back(cell("%d windows were left out: something happened in each (a knock, say).",
-                         found.fit.n_left_out));
+    lines.push_back(
+        formatted("%d windows were left out: something happened in each (a knock, say).",
+                  found.fit.n_left_out));
   }
   if (!found.fit.is_noise()) {
     lines.push_back(
@@ -154,7 +154,7 @@ std::vector<std::string> fit_lines(const Commissioning& all) {
   }
   if (!anything_told(found)) lines.push_back("The rig tells nothing of what was asked.");
   if (!found.fit.converged) lines.push_back("The fit has not settled.");
-  lines.push_back(cell(
+  lines.push_back(formatted(
       "Spectral radius on what was found: %.6f with the gains of before, %.6f with those of the "
       "updated scene.",
       all.loops->before, all.loops->after));
@@ -172,51 +172,45 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
                       ". Take a larger --force, or more --windows.");
       continue;
     }
-    std::string line = cell(
+    std::string line = formatted(
         "Closed, from added forces to %s: told at %lld of %lld frequencies, furthest off its "
         "prediction at %.3g Hz, by %+.2f dB (noise: %.2f dB); ",
         what.c_str(), report::count(response.n_told()),
         report::count(response.frequencies_hz.size()), response.frequencies_hz(worst),
         response.off_db(worst), response.doubt_db(worst));
     line += response.n_acting() > 0
-                ? cell("the law is seen to act at %lld.", report::count(response.n_acting()))
+                ? formatted("the law is seen to act at %lld.", report::count(response.n_acting()))
                 : "the law is not seen to act: take a larger --force, or more --windows.";
     if (!response.is_as_predicted() && response.n_acting() > 0) {
-      line += cell(" That is more than %g dB: the rig is not as the updated scene says.",
-                   judge::ClosedResponse::most_db);
+      line += formatted(" That is more than %g dB: the rig is not as the updated scene says.",
+                        judge::ClosedResponse::most_db);
     }
     lines.push_back(line);
   }
-  std::string peaks = cell("%.3g N were added at most; largest command %.3g N",
-                           closed.run.added_force, closed.run.force_peak);
+  std::string peaks = formatted("%.3g N were added at most; largest command %.3g N",
+                                closed.run.added_force, closed.run.force_peak);
   if (closed.run.frame_peak.size() > 0) {
-    peaks +=
-        cell("; largest acceleration of the frame %.3g m/s^2", closed.run.frame_peak.maxCoeff());
+    peaks += formatted("; largest acceleration of the frame %.3g m/s^2",
+                       closed.run.frame_peak.maxCoeff());
     if (all.found) {
-      peaks += cell(", %.3g m/s^2 while it was driven without the loop",
-                    judge::frame_peak(*all.found).maxCoeff());
+      peaks += formatted(", %.3g m/s^2 while it was driven without the loop",
+                         judge::frame_peak(*all.found).maxCoeff());
     }
   }
   lines.push_back(peaks + ".");
   if (all.is_shaken_harder()) {
     lines.push_back(
-        cell("That is more than %g times as much: the loop shakes the frame.", most_shaken));
+        formatted("That is more than %g times as much: the loop shakes the frame.", most_shaken));
   }
   if (closed.run.n_faults > 0) {
-    lines.push_back(cell("Faults that passed: %lld (%s).", report::count(closed.run.n_faults),
-                         closed.run.last_fault.c_str()));
+    lines.push_back(formatted("Faults that passed: %lld (%s).", report::count(closed.run.n_faults),
+                              closed.run.last_fault.c_str()));
   }
   if (closed.run.n_saturated > 0) {
     lines.push_back(
-        cell("Commands that met a limit: %lld.", report::count(closed.run.n_saturated)));
+        formatted("Commands that met a limit: %lld.", report::count(closed.run.n_saturated)));
   }
   return lines;
-}
-
-std::string text_of_file(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 std::vector<double> list(const VectorXd& values) { return {values.begin(), values.end()}; }
@@ -252,10 +246,11 @@ page::Table table_of(const judge::ClosedResponse& response) {
       .columns = {"Hz", "measured", "\u00b1", "predicted", "without the law", "dB off"},
       .rows = {}};
   for (Index l = 0; l < response.measured.size(); ++l) {
-    table.rows.push_back({cell("%.4g", response.frequencies_hz(l)),
-                          cell("%.3g", response.measured(l)), cell("%.2g", 2 * response.noise(l)),
-                          cell("%.3g", response.predicted(l)), cell("%.3g", response.passive(l)),
-                          response.is_told(l) ? cell("%+.2f", response.off_db(l)) : "hidden"});
+    table.rows.push_back(
+        {formatted("%.4g", response.frequencies_hz(l)), formatted("%.3g", response.measured(l)),
+         formatted("%.2g", 2 * response.noise(l)), formatted("%.3g", response.predicted(l)),
+         formatted("%.3g", response.passive(l)),
+         response.is_told(l) ? formatted("%+.2f", response.off_db(l)) : "hidden"});
   }
   return table;
 }
@@ -375,8 +370,8 @@ page::PageData page_of(const Commissioning& all) {
                          ? std::vector<std::string>{"rig", all.rig.title + ", " + all.rig.driver}
                          : std::vector<std::string>{"rig", "none: played by " + all.how.played});
   how.rows.push_back({"scene", all.how.scene});
-  how.rows.push_back({"force", cell("%g N", all.how.force_n)});
-  how.rows.push_back({"windows", cell("%d of %g s", all.how.windows, all.how.window_s)});
+  how.rows.push_back({"force", formatted("%g N", all.how.force_n)});
+  how.rows.push_back({"windows", formatted("%d of %g s", all.how.windows, all.how.window_s)});
   data.checks.push_back(how);
   if (all.found) {
     page::Table wiring{.caption = "Wiring, as it was", .columns = {"leg", "what"}, .rows = {}};
@@ -392,7 +387,9 @@ page::PageData page_of(const Commissioning& all) {
                            .rows = parameter_rows(*all.found)});
     data.texts.push_back({"Corrections", judge::corrections_block(*all.found)});
     data.texts.push_back({"What is left to doubt", judge::uncertainty_left(*all.found)});
-    if (all.files.rig) data.texts.push_back({"Rig file", text_of_file(*all.files.rig)});
+    if (all.files.rig) {
+      data.texts.push_back({"Rig file", bytes_of_file(*all.files.rig).value_or("")});
+    }
   }
   return data;
 }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "controller/supervisor.hpp"
+#include "core/errors/formatted.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
@@ -71,7 +72,7 @@ std::int32_t number_of(const std::string& action) {
 }
 
 std::string nobody(const CtlOptions& options, const std::string& url, const Listener& listener) {
-  const std::string within = report::cell(" within %g s", options.timeout_s);
+  const std::string within = formatted(" within %g s", options.timeout_s);
   if (!listener.other()) {
     return "no controller heard" + within + " on " + url +
            "; a controller says something of itself in wall-clock runs only, and must be in the "
@@ -157,26 +158,27 @@ Json to_json(const controller_status_t& status) {
 }
 
 std::string to_text(const controller_status_t& status) {
-  using report::cell;
   const auto count = [](std::int64_t n) { return static_cast<long long>(n); };
-  std::string text = cell("run %lld, controller process %d\n", count(status.run_id), status.pid);
+  std::string text =
+      formatted("run %lld, controller process %d\n", count(status.run_id), status.pid);
   text += "state        " + state_of(status) + "\n";
   text += "last fault   " + fault_of(status) +
           (status.latched ? ", latched until `stillframe ctl reset`" : "") + "\n";
   if (!status.text.empty() && status.text != state_of(status))
     text += "in words     " + status.text + "\n";
-  text += cell("periods      %lld, %lld late, %lld without a measurement, %lld limited\n",
-               count(status.n_periods), count(status.n_late), count(status.n_missing),
-               count(status.n_saturated));
-  text += cell("samples      %lld lost, %lld duplicate, %lld bad messages\n", count(status.n_lost),
-               count(status.n_duplicate), count(status.n_bad_messages));
+  text += formatted("periods      %lld, %lld late, %lld without a measurement, %lld limited\n",
+                    count(status.n_periods), count(status.n_late), count(status.n_missing),
+                    count(status.n_saturated));
+  text += formatted("samples      %lld lost, %lld duplicate, %lld bad messages\n",
+                    count(status.n_lost), count(status.n_duplicate), count(status.n_bad_messages));
+  text += formatted("faults       %lld, %lld rejoined\n", count(status.n_faults),
+                    count(status.n_rejoins));
+  text += formatted("dropped      %lld commands, %lld records\n", count(status.n_commands_dropped),
+                    count(status.n_records_dropped));
   text +=
-      cell("faults       %lld, %lld rejoined\n", count(status.n_faults), count(status.n_rejoins));
-  text += cell("dropped      %lld commands, %lld records\n", count(status.n_commands_dropped),
-               count(status.n_records_dropped));
-  text += cell("worst        wake-up %.1f us, compute %.1f us, %lld page faults\n",
-               static_cast<double>(status.worst_wake_up_ns) / 1e3,
-               static_cast<double>(status.worst_compute_ns) / 1e3, count(status.n_page_faults));
+      formatted("worst        wake-up %.1f us, compute %.1f us, %lld page faults\n",
+                static_cast<double>(status.worst_wake_up_ns) / 1e3,
+                static_cast<double>(status.worst_compute_ns) / 1e3, count(status.n_page_faults));
   return text;
 }
 

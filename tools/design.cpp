@@ -3,11 +3,11 @@
 #include <optional>
 
 #include "controller/start_check.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
 #include "judge/loop_design.hpp"
 #include "report/plots/plot_trade.hpp"
-#include "report/table.hpp"
 #include "tools/design_page.hpp"
 #include "tools/design_trade.hpp"
 #include "tools/given_files.hpp"
@@ -35,12 +35,12 @@ void plot_trade(const judge::LoopDesign& design, const std::filesystem::path& pa
                          .rates_hz = trade.rates_hz,
                          .columns = {}};
   for (const TradeCurve& curve : trade.curves) {
-    const std::string title = report::cell("delay %g sample(s)", curve.delay_samples);
+    const std::string title = formatted("delay %g sample(s)", curve.delay_samples);
     if (plot.columns.empty() || plot.columns.back().title != title) {
       plot.columns.push_back({title, {}});
     }
     plot.columns.back().curves.push_back(
-        {report::cell("%g Hz", curve.target_hz), curve.disk, curve.price_db});
+        {formatted("%g Hz", curve.target_hz), curve.disk, curve.price_db});
   }
   report::plot_trade(plot, path);
 }

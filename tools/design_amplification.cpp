@@ -4,17 +4,16 @@
 #include <cmath>
 
 #include "core/control/continuous_loop.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/numerics/decibels.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
-#include "report/table.hpp"
 
 namespace stillframe::tools {
 
 namespace {
 
-using report::cell;
 using Complex = std::complex<double>;
 using Eigen::Index;
 
@@ -31,7 +30,7 @@ struct Range {
 
 /// How much is left where it counts, for a note.
 std::string at_most_db(double largest) {
-  return cell(", but no more than %.1f dB of its floor", decibels(largest));
+  return formatted(", but no more than %.1f dB of its floor", decibels(largest));
 }
 
 /// Takes frequencies in rising order, with the factor where it counts and 0 where it does not.
@@ -54,11 +53,12 @@ class Ranges {
 
   std::string text() const {
     const auto [from, to, factor] = worst();
-    std::string text = cell(
+    std::string text = formatted(
         "between %.3g and %.3g Hz the controlled frame moves up to %.1f dB more than the "
         "passive one",
         from, to, decibels(factor));
-    if (found_.size() > 1) text += cell(" (and less so in %zu other range(s))", found_.size() - 1);
+    if (found_.size() > 1)
+      text += formatted(" (and less so in %zu other range(s))", found_.size() - 1);
     return text;
   }
 
@@ -79,8 +79,9 @@ std::string cause(const Range& range, const Eigen::VectorXcd& poles) {
     ratio = -pole.real() / std::abs(pole);
   }
   if (least == Complex(0)) return "the design, which no rate mends";
-  return cell("the law leaves a motion at %.4g Hz to a damping ratio of %.2g, which no rate mends",
-              least.imag() / two_pi, ratio);
+  return formatted(
+      "the law leaves a motion at %.4g Hz to a damping ratio of %.2g, which no rate mends",
+      least.imag() / two_pi, ratio);
 }
 
 /// Where the controlled frame moves more than the passive one: ranges that matter, and those where

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/errors/formatted.hpp"
 #include "core/numerics/decibels.hpp"
 #include "report/table.hpp"
 #include "tools/matrix_table.hpp"
@@ -11,25 +12,23 @@
 
 namespace stillframe::tools {
 
-using report::cell;
-
 namespace {
 
 std::string listed(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "" : ", ") + cell("%g", value);
+  for (const double value : values) text += (text.empty() ? "" : ", ") + formatted("%g", value);
   return text;
 }
 
 std::string instruments_line(const Instruments& has) {
   if (has.ideal()) return "";
   std::string text = "Instruments:";
-  if (has.actuator_lag_hz > 0) text += cell(" actuators of %g Hz;", has.actuator_lag_hz);
-  if (has.sensor_filter_hz > 0) text += cell(" sensor filter of %g Hz;", has.sensor_filter_hz);
-  if (has.actuator_gain != 1) text += cell(" actuator gain %g;", has.actuator_gain);
+  if (has.actuator_lag_hz > 0) text += formatted(" actuators of %g Hz;", has.actuator_lag_hz);
+  if (has.sensor_filter_hz > 0) text += formatted(" sensor filter of %g Hz;", has.sensor_filter_hz);
+  if (has.actuator_gain != 1) text += formatted(" actuator gain %g;", has.actuator_gain);
   text += has.report == Instruments::Report::measured ? " applied force measured"
                                                       : " applied force taken from the command";
-  if (has.report_age_samples > 0) text += cell(", %d sample(s) old", has.report_age_samples);
+  if (has.report_age_samples > 0) text += formatted(", %d sample(s) old", has.report_age_samples);
   return text + "\n";
 }
 
@@ -40,9 +39,9 @@ std::string feed_forward_line(const judge::LoopDesign& design) {
     return "Feed-forward: none is designed on a feedback that is not stable\n";
   }
   std::string of;
-  if (block->target_hz) of += cell(" of target %g Hz", *block->target_hz);
-  if (block->damping_ratio) of += cell(" of damping %g", *block->damping_ratio);
-  return cell(
+  if (block->target_hz) of += formatted(" of target %g Hz", *block->target_hz);
+  if (block->damping_ratio) of += formatted(" of damping %g", *block->damping_ratio);
+  return formatted(
       "Feed-forward from %td accelerations of the floor: the continuous law's T%s is aimed at from "
       "%g to %g Hz,\n%g dB from %g Hz on; %d taps; \"closed\" below has it, margins are the "
       "feedback's\n",
@@ -59,7 +58,7 @@ std::string heard(const NamedLaw& law) {
         std::pair(floor_prefix, "accelerations of the floor")}) {
     const auto n = std::count_if(law.inputs.begin(), law.inputs.end(),
                                  [&](const std::string& name) { return name.starts_with(prefix); });
-    if (n > 0) text += (text.empty() ? "" : ", ") + cell("%td %s", n, what);
+    if (n > 0) text += (text.empty() ? "" : ", ") + formatted("%td %s", n, what);
   }
   return text;
 }
@@ -67,7 +66,7 @@ std::string heard(const NamedLaw& law) {
 std::string own_law_lines(const judge::LoopDesign& design) {
   const SceneController& block = *design.scene.controller;
   const NamedLaw& law = design.gains.law->matrices;
-  return cell(
+  return formatted(
       "Law of %s: %td states, hears %s\n"
       "Held against (\"continuous\") the PI of target %s Hz, damping %s, without sampling\n"
       "Sampled at %g Hz, a command acts %g sample(s) after its measurement\n",
@@ -84,14 +83,14 @@ std::string heading(const judge::LoopDesign& design) {
   }
   const std::string origin = design.has_own_gains()
                                  ? "K_P and K_I of " + block.law->file
-                                 : cell("order %s: X = I + K_P = %s / omega_d^2",
-                                        block.order == GainOrder::exact ? "exact" : "deck",
-                                        block.order == GainOrder::exact ? "K M^-1" : "M^-1 K");
-  text += cell("Target %s Hz, damping %s; %s; leak %g Hz", listed(block.target_hz).c_str(),
-               listed(block.damping_ratio).c_str(), origin.c_str(), block.leak_hz);
-  if (block.high_pass_hz > 0) text += cell(", high-pass %g Hz", block.high_pass_hz);
-  if (block.roll_off_hz) text += cell(", roll-off %g Hz", *block.roll_off_hz);
-  text += cell(
+                                 : formatted("order %s: X = I + K_P = %s / omega_d^2",
+                                             block.order == GainOrder::exact ? "exact" : "deck",
+                                             block.order == GainOrder::exact ? "K M^-1" : "M^-1 K");
+  text += formatted("Target %s Hz, damping %s; %s; leak %g Hz", listed(block.target_hz).c_str(),
+                    listed(block.damping_ratio).c_str(), origin.c_str(), block.leak_hz);
+  if (block.high_pass_hz > 0) text += formatted(", high-pass %g Hz", block.high_pass_hz);
+  if (block.roll_off_hz) text += formatted(", roll-off %g Hz", *block.roll_off_hz);
+  text += formatted(
       "\nSampled at %g Hz, a command acts %g sample(s) after its measurement, lead %g "
       "sample(s)\n",
       block.sample_rate_hz, block.delay_samples, block.lead_samples);
@@ -112,13 +111,13 @@ std::string poles_text(const judge::LoopDesign& design, const DesignAnalysis& an
   const bool exact = design.scene.controller->order == GainOrder::exact;
   std::string text;
   if (const auto& used = exact ? analysis.exact : analysis.deck) {
-    text = cell(
+    text = formatted(
         "Design model, no leak: poles at %.6f to %.6f of what their targets ask for, largest real "
         "part %.4g 1/s\n",
         used->lowest, used->highest, used->largest_real);
   }
-  text += cell("Poles of the continuous law on the whole plant, all %td (rad/s):\n ",
-               analysis.poles.size());
+  text += formatted("Poles of the continuous law on the whole plant, all %td (rad/s):\n ",
+                    analysis.poles.size());
   size_t column = 0;
   for (const auto& pole : analysis.poles) {
     if (pole.imag() < 0) continue;  // of a pair, one is shown
@@ -127,8 +126,8 @@ std::string poles_text(const judge::LoopDesign& design, const DesignAnalysis& an
       column = 0;
     }
     ++column;
-    text += pole.imag() > 0 ? cell("  %10.4g +-%9.4gj", pole.real(), pole.imag())
-                            : cell("  %10.4g %12s", pole.real(), "");
+    text += pole.imag() > 0 ? formatted("  %10.4g +-%9.4gj", pole.real(), pole.imag())
+                            : formatted("  %10.4g %12s", pole.real(), "");
   }
   return text + "\n";
 }
@@ -168,22 +167,22 @@ std::string transfer_text(const DesignAnalysis& analysis) {
     // At its own pole an undamped response has no value.
     const auto gain = [&, peak = peak](double value, judge::PeakRow::Of of) {
       const bool unbounded = peak && peak->of == of && std::isinf(peak->peak.value);
-      return unbounded ? "inf" : cell("%.1f", decibels(value));
+      return unbounded ? "inf" : formatted("%.1f", decibels(value));
     };
     const double force = decibels(line.compliance / line.passive_compliance);
     const bool passive_unbounded =
         peak && peak->of == judge::PeakRow::Of::open && std::isinf(peak->peak.value);
-    std::vector<std::string> row{cell(peak ? "%.4g" : "%g", line.hz),
+    std::vector<std::string> row{formatted(peak ? "%.4g" : "%g", line.hz),
                                  gain(line.open(0), judge::PeakRow::Of::open),
                                  gain(line.closed(0), judge::PeakRow::Of::closed),
-                                 passive_unbounded ? "-" : cell("%.1f", force),
-                                 cell("%.4g", 1e6 * line.noise),
+                                 passive_unbounded ? "-" : formatted("%.1f", force),
+                                 formatted("%.4g", 1e6 * line.noise),
                                  gain(line.continuous(0), judge::PeakRow::Of::continuous)};
     if (line.decoupling) {
-      row.push_back(cell("%.2f", line.decoupling->spread_db));
+      row.push_back(formatted("%.2f", line.decoupling->spread_db));
       // Nothing reaches another output, and there may be no other.
       const double crosstalk = line.decoupling->crosstalk_db;
-      row.push_back(std::isinf(crosstalk) ? "-" : cell("%.1f", crosstalk));
+      row.push_back(std::isinf(crosstalk) ? "-" : formatted("%.1f", crosstalk));
     }
     if (!analysis.peaks.empty()) row.push_back(peak ? judge::name_of(peak->of) : "");
     table.add(row);
@@ -198,12 +197,12 @@ std::string transfer_text(const DesignAnalysis& analysis) {
 }
 
 std::string factor(double value) {
-  return value == 0 || std::isinf(value) ? "no limit" : cell("%.3g", value);
+  return value == 0 || std::isinf(value) ? "no limit" : formatted("%.3g", value);
 }
 
 std::string milliseconds(double seconds, double sample_time) {
-  return std::isinf(seconds) ? cell("> %.3g", 1e3 * longest_delay * sample_time)
-                             : cell("%.3g", 1e3 * seconds);
+  return std::isinf(seconds) ? formatted("> %.3g", 1e3 * longest_delay * sample_time)
+                             : formatted("%.3g", 1e3 * seconds);
 }
 
 std::string margins_text(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
@@ -218,8 +217,8 @@ std::string margins_text(const judge::LoopDesign& design, const DesignAnalysis& 
     const bool known = !std::isnan(disk);
     table.add({name, factor(gain.lowest), factor(gain.highest),
                milliseconds(delay, design.gains.sample_time()),
-               known ? cell("%.3f", disk) : "not known",
-               known ? cell("%.1f", 2 * std::atan(disk / 2) * 180 / std::numbers::pi) : ""});
+               known ? formatted("%.3f", disk) : "not known",
+               known ? formatted("%.1f", 2 * std::atan(disk / 2) * 180 / std::numbers::pi) : ""});
   };
   for (size_t i = 0; i < margins.leg_gain.size(); ++i) {
     const auto j = static_cast<Index>(i);
@@ -235,21 +234,24 @@ std::string margins_text(const judge::LoopDesign& design, const DesignAnalysis& 
 }
 
 std::string limits_text(const judge::LoopDesign& design, const DesignAnalysis& analysis) {
-  std::string text = cell(
+  std::string text = formatted(
       "Sampled closed loop: spectral radius %.9f; with the applied force "
       "reported one sample late %.9f\n",
       analysis.radius, analysis.misaligned_radius);
   if (design.runs_own_law()) return text;
   text += "Stable rates:";
   for (const auto& [slowest, fastest] : analysis.rates) {
-    text += cell(" %.4g Hz to %.4g Hz%s;", slowest, fastest, fastest >= 2e5 ? " and more" : "");
+    text +=
+        formatted(" %.4g Hz to %.4g Hz%s;", slowest, fastest, fastest >= 2e5 ? " and more" : "");
   }
   if (analysis.rates.empty()) text += " none;";
   if (analysis.recommended) {
     const Recommendation& best = *analysis.recommended;
-    text += cell(" recommended: %g Hz with lead_samples: %.3g", best.rate_hz, best.lead_samples);
-    text += best.roll_off_hz ? cell(" and roll_off_hz: %g", *best.roll_off_hz) : " and no roll-off";
-    text += cell(
+    text +=
+        formatted(" recommended: %g Hz with lead_samples: %.3g", best.rate_hz, best.lead_samples);
+    text += best.roll_off_hz ? formatted(" and roll_off_hz: %g", *best.roll_off_hz)
+                             : " and no roll-off";
+    text += formatted(
         " (up to four targets within %.1f dB of the law without sampling, disk margin "
         "%.2f)\n",
         std::max(best.price_db, 0.0), best.disk);

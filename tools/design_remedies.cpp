@@ -1,18 +1,16 @@
 #include "tools/design_remedies.hpp"
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "core/control/design/price_of_sampling.hpp"
-#include "report/table.hpp"
+#include "core/errors/formatted.hpp"
+#include "core/numerics/infinity.hpp"
 #include "tools/design_trade.hpp"
 
 namespace stillframe::tools {
 
 namespace {
-
-using report::cell;
 
 struct Trial {
   std::string what;  ///< the settings that differ, as a scene has them
@@ -30,7 +28,7 @@ std::vector<Trial> slow_trials(const judge::LoopDesign& design) {
   const auto leak = [&](Trial& trial, double times) {
     if (own.feedback.leak == 0) return;
     trial.settings.feedback.leak *= times;
-    add_to(trial.what, cell("leak_hz: %.3g", times * block.leak_hz));
+    add_to(trial.what, formatted("leak_hz: %.3g", times * block.leak_hz));
   };
   std::vector<Trial> trials{{"", own}};
   for (const double times : {1.5, 2.0, 4.0}) {
@@ -40,8 +38,9 @@ std::vector<Trial> slow_trials(const judge::LoopDesign& design) {
   }
   for (const double times : {1.5, 2.0, 3.0}) {
     if (block.law) break;  // its gains are numbers, of no target
-    Trial trial{block.target_hz.size() == 1 ? cell("target_hz: %g", times * block.target_hz.front())
-                                            : cell("%g times target_hz", times),
+    Trial trial{block.target_hz.size() == 1
+                    ? formatted("target_hz: %g", times * block.target_hz.front())
+                    : formatted("%g times target_hz", times),
                 own};
     const ForceFeedback gains = retargeted(design, times).gains;
     trial.settings.feedback.K_P = gains.K_P;
@@ -62,15 +61,15 @@ std::vector<Trial> trials_of(const judge::LoopDesign& design) {
     for (const double times : tried_roll_offs) {
       if (times == 0 || times * target > 0.4 * rate) continue;
       Trial trial{slow.what, tuned(slow.settings, target, times)};
-      add_to(trial.what, cell("roll_off_hz: %g", times * target));
-      add_to(trial.what, cell("lead_samples: %.3g", trial.settings.law.lead_samples));
+      add_to(trial.what, formatted("roll_off_hz: %g", times * target));
+      add_to(trial.what, formatted("lead_samples: %.3g", trial.settings.law.lead_samples));
       trials.push_back(trial);
     }
     for (const double part : {0.5, 0.0}) {
       if (slow.settings.law.lead_samples == 0) continue;
       Trial trial = slow;
       trial.settings.law.lead_samples *= part;
-      add_to(trial.what, cell("lead_samples: %.3g", trial.settings.law.lead_samples));
+      add_to(trial.what, formatted("lead_samples: %.3g", trial.settings.law.lead_samples));
       trials.push_back(trial);
     }
   }
@@ -87,7 +86,7 @@ std::string what_widens(const judge::LoopDesign& design, double disk) {
     if (!(spectral_radius(trial.settings) < largest_stable_radius)) continue;
     const double found = all_leg_disk_margin(trial.settings, noted).first;
     if (!(found > widest)) continue;
-    best = trial.what + cell(" makes it %.2f", found);
+    best = trial.what + formatted(" makes it %.2f", found);
     widest = found;
     if (found >= least_disk_margin) break;
   }
@@ -101,7 +100,7 @@ std::string what_widens(const judge::LoopDesign& design, double disk) {
 std::string why_none_recommended(const judge::LoopDesign& design) {
   constexpr double highest = 1e5;
   const double target = design.scene.controller->lowest_target_hz();
-  double price = std::numeric_limits<double>::infinity(), disk = 0, disk_hz = 0;
+  double price = infinity, disk = 0, disk_hz = 0;
   bool stable = false, meets = false;
   for (const double times : tried_roll_offs) {
     const LoopSettings settings = tuned(at_rate(design.settings, highest), target, times);
@@ -119,11 +118,11 @@ std::string why_none_recommended(const judge::LoopDesign& design) {
     why = "at that rate the loop is not stable, with any roll-off that was tried";
   } else if (!(price <= most_price_db)) {
     const bool ideal = design.settings.sampling.instruments.ideal();
-    why = cell("at that rate %s %.1f dB up to four targets, and %g are allowed",
-               ideal ? "sampling costs" : "the instruments, and sampling a little, cost", price,
-               most_price_db);
+    why = formatted("at that rate %s %.1f dB up to four targets, and %g are allowed",
+                    ideal ? "sampling costs" : "the instruments, and sampling a little, cost",
+                    price, most_price_db);
   } else if (!meets) {
-    why = cell(
+    why = formatted(
         "at that rate, with any roll-off that was tried, the disk margin is %.2f (at %.3g "
         "Hz), and %g is asked for",
         disk, disk_hz, least_disk_margin);
@@ -134,8 +133,8 @@ std::string why_none_recommended(const judge::LoopDesign& design) {
   LoopSettings prompt = design.settings;
   prompt.sampling.delay_samples = 0;
   const auto found = recommend(design, prompt);
-  return why +
-         (found ? cell("; without delay %g Hz could be", found->rate_hz) : "; nor without delay");
+  return why + (found ? formatted("; without delay %g Hz could be", found->rate_hz)
+                      : "; nor without delay");
 }
 
 }  // namespace stillframe::tools

@@ -11,13 +11,14 @@
 
 #include "controller/start_check.hpp"
 #include "core/control/continuous_loop.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/numerics/decibels.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/singular_values.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/yaml/reader.hpp"
 #include "judge/aim.hpp"
-#include "report/table.hpp"
 #include "tools/design_amplification.hpp"
 #include "tools/design_analysis.hpp"
 
@@ -25,10 +26,8 @@ namespace stillframe::tools {
 
 namespace {
 
-using report::cell;
-
 std::string spread(const PoleSpread& poles) {
-  return cell("%.2f-%.2f of their targets", poles.lowest, poles.highest);
+  return formatted("%.2f-%.2f of their targets", poles.lowest, poles.highest);
 }
 
 void warn_of_stability(const judge::LoopDesign& design, const DesignAnalysis& analysis,
@@ -36,7 +35,8 @@ void warn_of_stability(const judge::LoopDesign& design, const DesignAnalysis& an
   if (analysis.radius < largest_stable_radius) return;
   const std::string slow = controller::too_slow_to_tell(design.gains, analysis.radius);
   if (!slow.empty()) return out.push_back(slow);
-  std::string text = cell("the sampled loop is not stable (spectral radius %.9g)", analysis.radius);
+  std::string text =
+      formatted("the sampled loop is not stable (spectral radius %.9g)", analysis.radius);
   if (design.runs_own_law()) {
     out.push_back(text);
     const std::string unreached = controller::unreached_in_words(design.gains);
@@ -47,7 +47,7 @@ void warn_of_stability(const judge::LoopDesign& design, const DesignAnalysis& an
   const double real = poles.real().maxCoeff();
   const double rounding = 1e-9 * two_pi * design.scene.controller->lowest_target_hz();
   if (real > rounding) {
-    text += cell(", nor is the continuous one (largest real part %.3g 1/s)", real);
+    text += formatted(", nor is the continuous one (largest real part %.3g 1/s)", real);
   } else if (real > -rounding) {
     text += ", nor does the continuous one settle";
   } else {
@@ -70,8 +70,8 @@ void warn_of_order(const judge::LoopDesign& design, const DesignAnalysis& analys
   const bool exact = design.scene.controller->order == GainOrder::exact;
   const bool unstable = deck.largest_real > 0;
   const std::string what =
-      unstable ? cell("be unstable here (largest real part %+.1f 1/s)", deck.largest_real)
-               : cell("spread the poles over %s here", spread(deck).c_str());
+      unstable ? formatted("be unstable here (largest real part %+.1f 1/s)", deck.largest_real)
+               : formatted("spread the poles over %s here", spread(deck).c_str());
   const std::string order = "the deck's order of the matrices (M^-1 K in place of K M^-1)";
   if (exact) {
     out.push_back(order + " would " + what + "; the exact order, which is used, " +
@@ -110,7 +110,7 @@ double softening(const judge::LoopDesign& design) {
       (K + K.transpose()) / 2, Eigen::EigenvaluesOnly);
   const double stiffest = pencil.eigenvalues().cwiseAbs().maxCoeff();
   const double softest = pencil.eigenvalues().minCoeff();
-  return softest > 1e-9 * stiffest ? 1 / softest : std::numeric_limits<double>::infinity();
+  return softest > 1e-9 * stiffest ? 1 / softest : infinity;
 }
 
 /// The leak (rad/s) from which on it alone holds the frame at standstill, to a thousandth; 0 if the
@@ -126,7 +126,7 @@ double least_leak(const judge::LoopDesign& design) {
   while (!holds(high)) {
     low = high;
     high *= 4;
-    if (high > 1e6 * omega_d) return std::numeric_limits<double>::infinity();
+    if (high > 1e6 * omega_d) return infinity;
   }
   while (high > 1.001 * low) {
     const double middle = std::sqrt(low * high);
@@ -173,7 +173,7 @@ std::optional<Window> leaks_that_hold(const judge::LoopDesign& design, double fr
       return window;
     }
   }
-  if (window) window->to = std::numeric_limits<double>::infinity();
+  if (window) window->to = infinity;
   return window;
 }
 
@@ -194,31 +194,33 @@ void warn_of_standstill(const judge::LoopDesign& design, std::vector<std::string
       // has to hold 2 zeta omega_d g / (omega_d^2 m) against it (docs/design.md).
       const double omega_d = two_pi * block.lowest_target_hz();
       const double taken = needed / (2 * block.damping_ratio.front() * omega_d);
-      const std::string much = cell(
+      const std::string much = formatted(
           "the weight and preload on the legs take up to %.1f %% off the stiffness that the loop "
           "leaves; ",
           100 * taken);
       const std::optional<Window> window = leaks_that_hold(design, needed);
       if (!window) {
         out.push_back(much + "no leak alone holds the frame" +
-                      (taken > 1 ? cell("; a target above about %.2g Hz leaves more than they take",
-                                        block.lowest_target_hz() * std::sqrt(taken))
-                                 : ""));
+                      (taken > 1
+                           ? formatted("; a target above about %.2g Hz leaves more than they take",
+                                       block.lowest_target_hz() * std::sqrt(taken))
+                           : ""));
       } else {
         out.push_back(
-            much + cell("a leak alone holds the frame from about %.2g Hz", window->from / two_pi) +
-            (std::isinf(window->to) ? " on" : cell(" to %.2g Hz", window->to / two_pi)) +
-            cell(" (with a high-pass beside it see docs/design_cases.md), here leak_hz is "
-                 "%.2g",
-                 block.leak_hz));
+            much +
+            formatted("a leak alone holds the frame from about %.2g Hz", window->from / two_pi) +
+            (std::isinf(window->to) ? " on" : formatted(" to %.2g Hz", window->to / two_pi)) +
+            formatted(" (with a high-pass beside it see docs/design_cases.md), here leak_hz is "
+                      "%.2g",
+                      block.leak_hz));
       }
     }
   }
   if (softer > 1.05 && std::isfinite(softer)) {
     out.push_back(
-        cell("at standstill the frame gives way up to %.3g times as far as without "
-             "control; high_pass_hz beside a leak would give its stiffness back",
-             softer));
+        formatted("at standstill the frame gives way up to %.3g times as far as without "
+                  "control; high_pass_hz beside a leak would give its stiffness back",
+                  softer));
   }
 }
 
@@ -233,13 +235,13 @@ std::string hardly_damped(const Eigen::VectorXcd& poles, double ratio) {
     const double found = -pole.real() / std::abs(pole), hz = pole.imag() / two_pi;
     if (hz <= 0 || found < -1e-9 || found >= ratio) continue;
     if (n < n_named) {
-      text += cell(n == 0 ? "%.4g Hz (damping ratio %.2g)" : ", %.4g Hz (%.2g)", hz,
-                   std::max(found, 0.0));
+      text += formatted(n == 0 ? "%.4g Hz (damping ratio %.2g)" : ", %.4g Hz (%.2g)", hz,
+                        std::max(found, 0.0));
     }
     highest = hz;
     ++n;
   }
-  if (n > n_named) text += cell(" and %zu more, up to %.4g Hz", n - n_named, highest);
+  if (n > n_named) text += formatted(" and %zu more, up to %.4g Hz", n - n_named, highest);
   return text;
 }
 
@@ -250,15 +252,15 @@ void warn_of_motions(const judge::LoopDesign& design, const DesignAnalysis& anal
   const double ratio = 0.1 * *std::min_element(targets.begin(), targets.end());
   const std::string left = hardly_damped(analysis.poles, ratio);
   std::string text;
-  if (n > m) text = cell("%td leg(s) act on as many of the frame's %td motions; ", m, n);
+  if (n > m) text = formatted("%td leg(s) act on as many of the frame's %td motions; ", m, n);
   if (!left.empty()) {
     out.push_back(text + "hardly damped by the law, without sampling: " + left);
   } else if (n > m) {
-    out.push_back(text + cell("the law leaves none with a damping ratio below %.2g", ratio));
+    out.push_back(text + formatted("the law leaves none with a damping ratio below %.2g", ratio));
   }
   if (m > n) {
     out.push_back(
-        cell("%td legs share the force on %td motions with the least sum of squares", m, n));
+        formatted("%td legs share the force on %td motions with the least sum of squares", m, n));
   }
 }
 
@@ -287,15 +289,16 @@ void warn_of_targets(const judge::LoopDesign& design, const std::vector<double>&
   if (targets.size() == 1) {
     const double slowest = slowest_on_legs(design.loop);
     if (targets.front() <= slowest) return;
-    return out.push_back(cell("the target %g Hz is above the slowest mode on the legs, %.4g Hz%s",
-                              targets.front(), slowest, stiffened));
+    return out.push_back(
+        formatted("the target %g Hz is above the slowest mode on the legs, %.4g Hz%s",
+                  targets.front(), slowest, stiffened));
   }
   const Eigen::VectorXd modes = virtual_frequencies(design.loop.design.legs) / two_pi;
   for (size_t i = 0; i < targets.size(); ++i) {
     const double mode = modes(static_cast<Index>(i));
     if (targets[i] <= mode) continue;
-    out.push_back(cell("the target %g Hz is above virtual mode %zu, %.4g Hz%s", targets[i], i + 1,
-                       mode, stiffened));
+    out.push_back(formatted("the target %g Hz is above virtual mode %zu, %.4g Hz%s", targets[i],
+                            i + 1, mode, stiffened));
   }
 }
 
@@ -311,7 +314,7 @@ void warn_of_aim(const judge::LoopDesign& design, const DesignAnalysis& analysis
   const double to = forward ? block.feed_forward->to_hz : up_to_targets * target_hz;
   const ControlLoop aim = judge::aim_of(design);
   const auto worst = [&](double from, double until, auto&& allowed) {
-    std::pair<double, double> found{-std::numeric_limits<double>::infinity(), 0};
+    std::pair<double, double> found{-infinity, 0};
     if (!(from < until)) return found;
     for (int i = 0; i <= points; ++i) {
       const double hz = from * std::pow(until / from, i / points);
@@ -327,18 +330,18 @@ void warn_of_aim(const judge::LoopDesign& design, const DesignAnalysis& analysis
                                         });
   if (over_db > (forward ? near_db : noted_db)) {
     out.push_back(
-        cell("up to %.4g Hz the frame moves up to %.1f dB more than what is aimed at, "
-             "the target %g Hz without sampling and roll-off (at %.3g Hz)",
-             to, over_db, target_hz, over_hz));
+        formatted("up to %.4g Hz the frame moves up to %.1f dB more than what is aimed at, "
+                  "the target %g Hz without sampling and roll-off (at %.3g Hz)",
+                  to, over_db, target_hz, over_hz));
   }
   if (!forward) return;
   const auto [above_db, above_hz] = worst(
       1.5 * to, half, [&](double) { return std::pow(10, block.feed_forward->at_most_db / 20); });
   if (above_db > near_db) {
     out.push_back(
-        cell("from %.4g Hz on the frame moves up to %.1f dB more than the at_most_db: %g "
-             "that the feed-forward is to keep (at %.3g Hz)",
-             1.5 * to, above_db, block.feed_forward->at_most_db, above_hz));
+        formatted("from %.4g Hz on the frame moves up to %.1f dB more than the at_most_db: %g "
+                  "that the feed-forward is to keep (at %.3g Hz)",
+                  1.5 * to, above_db, block.feed_forward->at_most_db, above_hz));
   }
 }
 
@@ -368,10 +371,10 @@ void warn_of_inputs(const judge::LoopDesign& design, std::vector<std::string>& o
 void warn_of_own_states(const judge::LoopDesign& design, std::vector<std::string>& out) {
   const double radius = spectral_radius(law_of(design.settings).A);
   if (radius < largest_stable_radius) return;
-  out.push_back(
-      cell("the law's own states do not decay (spectral radius %.9g): while a force is limited "
-           "they run on, and what they have grown to is asked for when it no longer is",
-           radius));
+  out.push_back(formatted(
+      "the law's own states do not decay (spectral radius %.9g): while a force is limited "
+      "they run on, and what they have grown to is asked for when it no longer is",
+      radius));
 }
 
 void warn_of_margins(const DesignAnalysis& analysis, std::vector<std::string>& out) {
@@ -380,21 +383,22 @@ void warn_of_margins(const DesignAnalysis& analysis, std::vector<std::string>& o
   if (std::isnan(margins.all_disk)) {
     out.push_back("the disk margin of all legs could not be computed: it is not known");
   } else if (margins.all_disk < least_disk_margin) {
-    out.push_back(cell("thin margin: the disk margin of all legs is %.2f (at %.3g Hz); forces off "
-                       "by factors of %.2f to %.2f, or %.0f degrees, each in the worst way, make "
-                       "the loop unstable",
-                       margins.all_disk, margins.all_disk_hz,
-                       (2 - margins.all_disk) / (2 + margins.all_disk),
-                       (2 + margins.all_disk) / (2 - margins.all_disk),
-                       2 * std::atan(margins.all_disk / 2) * 180 / std::numbers::pi) +
-                  (analysis.widened.empty() ? "" : "; " + analysis.widened));
+    out.push_back(
+        formatted("thin margin: the disk margin of all legs is %.2f (at %.3g Hz); forces off "
+                  "by factors of %.2f to %.2f, or %.0f degrees, each in the worst way, make "
+                  "the loop unstable",
+                  margins.all_disk, margins.all_disk_hz,
+                  (2 - margins.all_disk) / (2 + margins.all_disk),
+                  (2 + margins.all_disk) / (2 - margins.all_disk),
+                  2 * std::atan(margins.all_disk / 2) * 180 / std::numbers::pi) +
+        (analysis.widened.empty() ? "" : "; " + analysis.widened));
   }
 }
 
 std::string of_late_reports(const LoopSettings& settings, bool age_is_stated,
                             const DesignAnalysis& analysis) {
   if (analysis.misaligned_radius < largest_stable_radius) return "";
-  return cell(
+  return formatted(
       "if the applied force were reported one sample late%s, the loop would be "
       "unstable (radius %.4g)%s%s",
       age_is_stated ? ", which the scene says it is not" : "", analysis.misaligned_radius,
@@ -409,7 +413,7 @@ void warn_of_rates(double rate, double target_hz, const DesignAnalysis& analysis
   for (const auto& [slowest, fastest] : analysis.rates) {
     if (rate < slowest || rate > fastest) continue;
     if (rate > fastest / 2 && fastest < 1e5) {
-      out.push_back(cell("the loop is unstable again above %.4g Hz", fastest));
+      out.push_back(formatted("the loop is unstable again above %.4g Hz", fastest));
     }
   }
   if (target_hz > rate / 20) {

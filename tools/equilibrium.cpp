@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/model/prescribed.hpp"
 #include "core/mechanics/node_moves.hpp"
@@ -185,10 +186,10 @@ void print_elements(const Page& page, const WithoutRounding& shown) {
   report::Table table({"element", "mode", "deformation", "stress resultant"}, 1);
   for (const auto& [element, e, sigma] : page.elements) {
     for (Index i = 0; i < e.size(); ++i) {
-      table.add({i == 0 ? element->name : "", report::cell("%td", i + 1),
-                 element->zero[static_cast<size_t>(i)] ? "rigid"
-                                                       : report::cell("%.6g", shown.either(e(i))),
-                 report::cell("%.6g", sigma(i))});
+      table.add(
+          {i == 0 ? element->name : "", formatted("%td", i + 1),
+           element->zero[static_cast<size_t>(i)] ? "rigid" : formatted("%.6g", shown.either(e(i))),
+           formatted("%.6g", sigma(i))});
     }
   }
   std::cout << "\nElements (m, rad; N, N m), stresses of rigid deformations from the balance\n"
@@ -199,19 +200,18 @@ void print_dofs(const Page& page, const WithoutRounding& shown) {
   report::Table dofs({"dof", "unit", "value"}, 2);
   for (size_t i = 0; i < page.coordinates.size(); ++i) {
     const double value = page.q(static_cast<Index>(i));
-    dofs.add(
-        {page.coordinates[i], page.units[i],
-         report::cell("%.9g", page.units[i] == "m" ? shown.length(value) : shown.turn(value))});
+    dofs.add({page.coordinates[i], page.units[i],
+              formatted("%.9g", page.units[i] == "m" ? shown.length(value) : shown.turn(value))});
   }
   std::cout << dofs.print() << "\n";
 }
 
 void print_page(const Page& page) {
   std::cout << page.scene.title << ": " << (page.moving ? "stationary motion" : "equilibrium")
-            << report::cell(" found in %d iterations, %d load step(s)\n", page.iterations,
-                            page.load_steps)
-            << report::cell("Largest force out of balance %.3g, of %.6g\n\n", page.residual,
-                            page.reference);
+            << formatted(" found in %d iterations, %d load step(s)\n", page.iterations,
+                         page.load_steps)
+            << formatted("Largest force out of balance %.3g, of %.6g\n\n", page.residual,
+                         page.reference);
   const WithoutRounding shown(page);
   if (!page.large) print_dofs(page, shown);
   std::vector<NodeDisplacement> nodes = node_displacements(*page.model, page.x);
@@ -224,7 +224,7 @@ void print_page(const Page& page) {
   report::Table reactions({"node", "along or about", "unit", "reaction"}, 3);
   for (size_t i = 0; i < page.held.size(); ++i) {
     reactions.add({page.held[i].node, page.held[i].name, unit_of(*page.model, page.held[i]),
-                   report::cell("%.6g", page.reactions(static_cast<Index>(i)))});
+                   formatted("%.6g", page.reactions(static_cast<Index>(i)))});
   }
   if (!page.held.empty()) std::cout << "\nWhat supports and drives exert\n" << reactions.print();
 }

@@ -1,9 +1,9 @@
 #include <iostream>
 #include <memory>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "report/export/log_export.hpp"
-#include "report/table.hpp"
 #include "tools/given_files.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
@@ -48,11 +48,10 @@ Json to_json(const report::ExportSummary& summary, const std::filesystem::path& 
 void print_page(const report::ExportSummary& summary, const std::filesystem::path& file) {
   const report::LogScan& scan = summary.scan;
   std::cout << file.string() << ": "
-            << report::cell("%lld samples of %zu signals, %.6g to %.6g s of run %lld (%s), %.3g MB",
-                            static_cast<long long>(summary.n_rows), summary.columns.size(),
-                            summary.first_s, summary.last_s,
-                            static_cast<long long>(scan.info.run_id), scan.info.loop.c_str(),
-                            1e-6 * static_cast<double>(summary.n_bytes))
+            << formatted("%lld samples of %zu signals, %.6g to %.6g s of run %lld (%s), %.3g MB",
+                         static_cast<long long>(summary.n_rows), summary.columns.size(),
+                         summary.first_s, summary.last_s, static_cast<long long>(scan.info.run_id),
+                         scan.info.loop.c_str(), 1e-6 * static_cast<double>(summary.n_bytes))
             << "\n";
   if (scan.measurements.n_lost > 0) {
     std::cout << "The whole run has lost " << scan.measurements.n_lost

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
 #include "core/numerics/decibels.hpp"
@@ -19,8 +20,6 @@ namespace stillframe::tools {
 
 namespace {
 
-using report::cell;
-
 struct FeedbackOptions {
   std::filesystem::path scene;
   std::optional<std::filesystem::path> controller, plot, h2, minimax;
@@ -31,18 +30,18 @@ struct FeedbackOptions {
 std::string db_cell(double ratio) {
   const double db = decibels(ratio);
   // No minus before nothing.
-  return cell("%.1f", std::abs(db) < 0.05 ? 0.0 : db);
+  return formatted("%.1f", std::abs(db) < 0.05 ? 0.0 : db);
 }
 
 std::string page(const judge::LoopDesign& design, const FeedbackStudy& study) {
   std::string text =
       design.scene.title + "\n" +
-      cell(
+      formatted(
           "%g Hz, delay %g samples, feedback alone; wished: disk margin %g, isolation to %g Hz\n\n",
           design.gains.sample_rate_hz, design.gains.delay_samples, study.disk, study.to_hz);
   text += "Largest singular value of T, dB, on the whole plant as it is sampled\n";
   std::vector<std::string> header{"method", "lead", "states", "disk", "holds", "peak", "at Hz"};
-  for (const double hz : study.frequencies_hz) header.push_back(cell("%g Hz", hz));
+  for (const double hz : study.frequencies_hz) header.push_back(formatted("%g Hz", hz));
   report::Table table(header, 1);
   const auto add = [&](std::vector<std::string> row, const Eigen::VectorXd& values) {
     for (const double value : values) row.push_back(db_cell(value));
@@ -53,14 +52,14 @@ std::string page(const judge::LoopDesign& design, const FeedbackStudy& study) {
   add({"passive", none, none, none, none, none, none}, study.passive);
   add({"target", none, none, none, none, none, none}, study.target);
   for (const FeedbackRow& row : study.rows) {
-    const std::string lead = row.lead_samples ? cell("%g", *row.lead_samples) : none;
+    const std::string lead = row.lead_samples ? formatted("%g", *row.lead_samples) : none;
     if (!row.why_none.empty()) {
       add({row.method, lead}, {});
       continue;
     }
-    add({row.method, lead, cell("%td", row.n_states), cell("%.3f", row.disk),
+    add({row.method, lead, formatted("%td", row.n_states), formatted("%.3f", row.disk),
          row.radius_off < largest_stable_radius ? "yes" : "no", db_cell(row.peak),
-         cell("%.3g", row.peak_hz)},
+         formatted("%.3g", row.peak_hz)},
         row.largest);
   }
   text += table.print();
@@ -70,14 +69,14 @@ std::string page(const judge::LoopDesign& design, const FeedbackStudy& study) {
   text +=
       "disk: margin of all legs; holds: stable with forces of 0.75 and 1.25, and a sample later\n";
   if (study.curve.empty()) return text;
-  text += cell(
+  text += formatted(
       "\nMode of %.4g Hz: largest T over the target's from 1.5 targets to %g Hz, against "
       "margin\n",
       study.stiffest_hz, study.to_hz);
   report::Table curve({"method", "disk", "level dB", "bound dB"}, 1);
   for (const MarginPoint& point : study.curve) {
-    curve.add({point.method, cell("%.3f", point.disk), cell("%.1f", point.level_db),
-               std::isfinite(point.bound_db) ? cell("%.1f", point.bound_db) : none});
+    curve.add({point.method, formatted("%.3f", point.disk), formatted("%.1f", point.level_db),
+               std::isfinite(point.bound_db) ? formatted("%.1f", point.bound_db) : none});
   }
   return text + curve.print() +
          "bound: no feedback of that margin and 40 free terms has less; infinite: not known\n";
@@ -126,10 +125,10 @@ Json json_of(const judge::LoopDesign& design, const FeedbackStudy& study) {
 void draw(const judge::LoopDesign& design, const FeedbackStudy& study,
           const std::filesystem::path& path) {
   report::MarginPlot plot{
-      .title = design.scene.title +
-               cell(": mode of %.4g Hz at %g Hz", study.stiffest_hz, design.gains.sample_rate_hz),
-      .quantity = cell("largest T over the target's, %.3g to %g Hz",
-                       1.5 * design.scene.controller->lowest_target_hz(), study.to_hz),
+      .title = design.scene.title + formatted(": mode of %.4g Hz at %g Hz", study.stiffest_hz,
+                                              design.gains.sample_rate_hz),
+      .quantity = formatted("largest T over the target's, %.3g to %g Hz",
+                            1.5 * design.scene.controller->lowest_target_hz(), study.to_hz),
       .wished_disk = study.disk,
       .curves = {}};
   const auto curve = [&](const char* label, const char* method, double MarginPoint::*value) {

@@ -12,6 +12,7 @@
 #include "core/control/own_law.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/singular_values.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/resonances.hpp"
@@ -78,7 +79,7 @@ void judge_loop(const LoopSettings& settings, const SampledLoop& closed, double 
 /// The lead with which a PI keeps a margin and isolates best at a frequency, if there is one.
 std::optional<double> lead_for(LoopSettings settings, double disk, double at_hz) {
   std::optional<double> best;
-  double lowest = std::numeric_limits<double>::infinity();
+  double lowest = infinity;
   constexpr int steps = 100;
   const double most = std::max(2.0, 1.25 * settings.law.lead_samples);
   for (int i = 0; i <= steps; ++i) {
@@ -169,7 +170,7 @@ std::vector<MarginPoint> margin_curve(const judge::LoopDesign& design, const Sam
     curve.push_back({"pi", mode.disk_margin(F), level_of(goal, at.hz, at.T(at.of(F))), nan});
   }
   // From wide margins to thin ones: a law that keeps more than is asked for is one as well.
-  double of_h2 = std::numeric_limits<double>::infinity(), of_minimax = of_h2;
+  double of_h2 = infinity, of_minimax = of_h2;
   const auto add = [&](const char* method, const ModeLaw& law, double bound_db, double& lowest) {
     if (!(law.level_db < lowest)) return;
     lowest = law.level_db;

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "judge/loop_comparison.hpp"
 #include "report/export/mat_file.hpp"
@@ -18,7 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
-using report::cell;
 
 struct IdentifyOptions {
   std::filesystem::path log;
@@ -123,7 +123,7 @@ Json json_of(const judge::JudgedResponse& judged, double level) {
 std::string largest_in(const MatrixXd& values, Index row) {
   double found = -1;
   for (Index i = 0; i < values.cols(); ++i) found = std::max(found, std::abs(values(row, i)));
-  return found >= 0 ? cell("%.4f", found) : "-";
+  return found >= 0 ? formatted("%.4f", found) : "-";
 }
 
 /// Why rows of the table have no values.
@@ -134,32 +134,33 @@ void print_reasons(const report::FrequencyResponse& response) {
     ++(std::isinf(response.input_condition(l)) ? still : together);
   }
   if (still > 0) {
-    std::cout << cell(
+    std::cout << formatted(
         "-, at %td frequencies: the floor moves too little there, or the record is too short for "
         "bins so narrow\n",
         still);
   }
   if (together > 0) {
-    std::cout << cell("-, at %td frequencies: the inputs do not move independently there\n",
-                      together);
+    std::cout << formatted("-, at %td frequencies: the inputs do not move independently there\n",
+                           together);
   }
 }
 
 void print_table(const Shown& item, double level) {
   const report::IdentifiedResponse& measured = item.response->measured;
   std::cout << item.title << ": "
-            << cell("%zu x %zu, %s", measured.signals.outputs.size(),
-                    measured.signals.inputs.size(), measured.method.c_str());
+            << formatted("%zu x %zu, %s", measured.signals.outputs.size(),
+                         measured.signals.inputs.size(), measured.method.c_str());
   if (!measured.response) {
     std::cout << ": not identified: " << measured.missing << "\n\n";
     return;
   }
-  std::cout << cell(", resolution %.3g Hz, %lld %s", measured.resolution_hz,
-                    static_cast<long long>(measured.n_segments),
-                    measured.method == "multisine" ? "steady part" : "segment")
+  std::cout << formatted(", resolution %.3g Hz, %lld %s", measured.resolution_hz,
+                         static_cast<long long>(measured.n_segments),
+                         measured.method == "multisine" ? "steady part" : "segment")
             << (measured.n_segments == 1 ? "" : "s");
   if (measured.n_filled > 0) {
-    std::cout << cell(", %lld lost samples filled in", static_cast<long long>(measured.n_filled));
+    std::cout << formatted(", %lld lost samples filled in",
+                           static_cast<long long>(measured.n_filled));
   }
   std::cout << "\n";
   const report::FrequencyResponse& response = *measured.response;
@@ -171,13 +172,13 @@ void print_table(const Shown& item, double level) {
   const Index last = response.singular_values.cols() - 1;
   for (Index l = 0; l < response.n_frequencies(); ++l) {
     const auto value = [&](const MatrixXd& values, Index i) {
-      return std::isnan(values(l, i)) ? "-" : cell("%.4e", values(l, i));
+      return std::isnan(values(l, i)) ? "-" : formatted("%.4e", values(l, i));
     };
     const double coherence = response.directional_coherence.row(l).minCoeff();
-    table.add({cell("%.4g", response.frequencies_hz[static_cast<std::size_t>(l)]),
+    table.add({formatted("%.4g", response.frequencies_hz[static_cast<std::size_t>(l)]),
                value(response.singular_values, 0), value(bands.lower, 0), value(bands.upper, 0),
                value(response.singular_values, last), value(bands.lower, last),
-               value(bands.upper, last), std::isnan(coherence) ? "-" : cell("%.5f", coherence),
+               value(bands.upper, last), std::isnan(coherence) ? "-" : formatted("%.5f", coherence),
                errors ? largest_in(errors->sampled.difference_db, l) : "-",
                errors ? largest_in(errors->continuous.difference_db, l) : "-"});
   }
@@ -188,13 +189,13 @@ void print_table(const Shown& item, double level) {
                  "within 1 dB\n\n";
   } else if (errors) {
     const report::PredictionError& sampled = errors->sampled;
-    std::cout << cell(
+    std::cout << formatted(
         "%td of %td singular values are known well enough to be compared, to 1 dB. Largest error "
         "%.4f dB of the sampled prediction at %.4g Hz, %.4f dB beyond its band%s; %.4f dB of the "
         "continuous one at %.4g Hz\n\n",
         sampled.n_compared, sampled.n_compared + sampled.n_left_out, sampled.largest_db,
         sampled.at_frequency_hz, sampled.beyond_db,
-        sampled.beyond_db > 0 ? cell(" (at %.4g Hz)", sampled.beyond_at_hz).c_str() : "",
+        sampled.beyond_db > 0 ? formatted(" (at %.4g Hz)", sampled.beyond_at_hz).c_str() : "",
         errors->continuous.largest_db, errors->continuous.at_frequency_hz);
   } else {
     std::cout << "No prediction: " << item.response->unpredicted << "\n\n";
@@ -232,7 +233,8 @@ int run(const IdentifyOptions& options) {
   if (!plants.empty()) document["warnings"].push_back(plants);
   if (!options.json) {
     std::cout << analysis.data.scan.info.scene_name << ", " << analysis.data.scan.info.loop
-              << " loop: singular values with " << cell("%g", 100 * options.level) << " % bands\n";
+              << " loop: singular values with " << formatted("%g", 100 * options.level)
+              << " % bands\n";
     if (!plants.empty()) std::cout << "Warning: " << plants << "\n";
     std::cout << "\n";
   }

@@ -1,9 +1,9 @@
 #include <iostream>
 #include <memory>
 
+#include "core/errors/formatted.hpp"
 #include "core/files/whole_file.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
-#include "report/table.hpp"
 #include "tools/json.hpp"
 #include "tools/spacar/dat_reader.hpp"
 #include "tools/spacar/light_reader.hpp"
@@ -80,9 +80,9 @@ int run(const ImportOptions& options) {
            {"approximated", to_json(remarks.approximated)},
            {"no_part", to_json(remarks.no_part)}});
   } else {
-    std::cout << model.title << report::cell(": %d statements become", model.n_statements)
-              << report::cell(" %zu nodes and", model.nodes.size())
-              << report::cell(" %zu elements\n", model.elements.size());
+    std::cout << model.title << formatted(": %d statements become", model.n_statements)
+              << formatted(" %zu nodes and", model.nodes.size())
+              << formatted(" %zu elements\n", model.elements.size());
     print_remarks("Not in the scene:", remarks.left_out);
     print_remarks("In another form:", remarks.approximated);
     print_remarks("No part of a model:", remarks.no_part);

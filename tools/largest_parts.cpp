@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "report/table.hpp"
+#include "core/errors/formatted.hpp"
 
 namespace stillframe::tools {
 
@@ -21,7 +21,7 @@ std::string largest_parts(const std::vector<std::string>& names, const Eigen::Ve
     // What is a thousandth of the largest is not seen in the shape; nor is 0 / 0.
     if (!(std::abs(part) >= 1e-3)) break;
     text += (text.empty() ? "" : ", ") + names[static_cast<std::size_t>(order[k])] +
-            report::cell(" %.3g", part);
+            formatted(" %.3g", part);
   }
   return text;
 }

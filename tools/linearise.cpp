@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/certificate.hpp"
 #include "core/mechanics/frequency_response.hpp"
@@ -38,8 +39,8 @@ void print_signals(const LinearModel& linear, const StateSpace& system) {
   report::Table dofs({"dof", "unit", "q0", "dq0/dt"}, 2);
   for (size_t i = 0; i < linear.q_names.size(); ++i) {
     const auto k = static_cast<Index>(i);
-    dofs.add({linear.q_names[i], linear.q_units[i], report::cell("%.6g", linear.q_0(k)),
-              report::cell("%.6g", linear.q_dot_0(k))});
+    dofs.add({linear.q_names[i], linear.q_units[i], formatted("%.6g", linear.q_0(k)),
+              formatted("%.6g", linear.q_dot_0(k))});
   }
   std::cout << dofs.print();
   const std::vector<ColumnInfo> columns = columns_of(system);
@@ -49,15 +50,15 @@ void print_signals(const LinearModel& linear, const StateSpace& system) {
     const Index last = input.first + input.width();
     const std::string which =
         input.width() == 1
-            ? report::cell("%td", last)
-            : report::cell("%td-%td: acceleration, velocity, position", input.first + 1, last);
+            ? formatted("%td", last)
+            : formatted("%td-%td: acceleration, velocity, position", input.first + 1, last);
     inputs.add({system.inputs[j].name, system.inputs[j].unit, which,
-                report::cell("%.6g", system.u0(static_cast<Index>(j)))});
+                formatted("%.6g", system.u0(static_cast<Index>(j)))});
   }
   report::Table outputs({"output", "unit", "y0"}, 2);
   for (size_t i = 0; i < system.outputs.size(); ++i) {
     outputs.add({system.outputs[i].name, system.outputs[i].unit,
-                 report::cell("%.6g", system.y0(static_cast<Index>(i)))});
+                 formatted("%.6g", system.y0(static_cast<Index>(i)))});
   }
   if (!system.inputs.empty()) std::cout << inputs.print();
   if (!system.outputs.empty()) std::cout << outputs.print();
@@ -65,7 +66,7 @@ void print_signals(const LinearModel& linear, const StateSpace& system) {
 
 void print_matrix(const std::string& title, const Eigen::MatrixXd& matrix,
                   Units units = Units::as_they_stand) {
-  const std::string size = report::cell(" (%td x %td)", matrix.rows(), matrix.cols());
+  const std::string size = formatted(" (%td x %td)", matrix.rows(), matrix.cols());
   if (matrix.size() == 0) return;
   if (matrix.isZero(0)) {
     std::cout << title << size << " = 0\n";
@@ -78,8 +79,8 @@ void print_matrix(const std::string& title, const Eigen::MatrixXd& matrix,
 
 void print_page(const Scene& scene, const LinearModel& linear, const StateSpace& system) {
   std::cout << scene.title << ": linearised about " << operating_point_in_words(scene) << "\n"
-            << report::cell("degrees of freedom: %zu, inputs: %zu, outputs: %zu\n\n",
-                            linear.q_names.size(), system.inputs.size(), system.outputs.size());
+            << formatted("degrees of freedom: %zu, inputs: %zu, outputs: %zu\n\n",
+                         linear.q_names.size(), system.inputs.size(), system.outputs.size());
   print_signals(linear, system);
   std::cout << "\nM q'' + (C + D) q' + (K + N + G) q = forces of the inputs\n";
   const auto matrices = second_order_matrices(linear);
@@ -108,8 +109,8 @@ void print_certificates(const std::vector<BlockCertificate>& certificates) {
   std::cout << "\nAgainst differences of the nonlinear equations\n";
   report::Table table({"block", "largest entry", "largest relative difference", "known to"}, 0);
   for (const BlockCertificate& c : certificates) {
-    table.add({c.block, report::cell("%.3g", c.size), report::cell("%.1e", c.difference),
-               report::cell("%.1e", c.known_to)});
+    table.add({c.block, formatted("%.3g", c.size), formatted("%.1e", c.difference),
+               formatted("%.1e", c.known_to)});
   }
   std::cout << table.print();
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/errors/formatted.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -32,7 +33,7 @@ std::string matrix_table(const std::string& title, const Eigen::MatrixXd& matrix
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
     std::vector<std::string> row;
     for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
-      row.push_back(report::cell("%.6g", sizes(i, j) < 1e-12 ? 0.0 : matrix(i, j)));
+      row.push_back(formatted("%.6g", sizes(i, j) < 1e-12 ? 0.0 : matrix(i, j)));
     }
     table.add(row);
   }

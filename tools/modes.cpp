@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/partition/free_model.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "core/mechanics/sparse/damped_modes.hpp"
@@ -14,6 +14,7 @@
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/mechanics/unsymmetric_load.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "report/table.hpp"
 #include "tools/largest_parts.hpp"
@@ -51,8 +52,7 @@ void print_frequencies(const Found& found) {
   const Index n_modes = result.natural_frequencies_hz.size();
   report::Table table({"mode", "frequency Hz", "largest parts"}, 3);
   for (Index i = 0; i < n_modes; ++i) {
-    table.add({report::cell("%4td", i + 1),
-               report::cell("%12.6g", result.natural_frequencies_hz(i)),
+    table.add({formatted("%4td", i + 1), formatted("%12.6g", result.natural_frequencies_hz(i)),
                i < most_shapes
                    ? largest_parts(parts.names, parts.of_displacements * found.displacements.col(i))
                    : ""});
@@ -61,7 +61,7 @@ void print_frequencies(const Found& found) {
             << "; nodes with mass, m and rad over the largest\n"
             << table.print();
   if (n_modes > most_shapes) {
-    std::cout << report::cell("Shapes of %td more: see --json\n", n_modes - most_shapes);
+    std::cout << formatted("Shapes of %td more: see --json\n", n_modes - most_shapes);
   }
 }
 
@@ -72,16 +72,16 @@ void print_eigenvalues(const Modes& result) {
     // A complex pair is one line, with its positive frequency.
     if (value.imag() < 0) continue;
     if (std::isnan(value.real())) {
-      if (i % 2 == 0) table.add({report::cell("%td", i / 2 + 1), "not found", "", "", ""});
+      if (i % 2 == 0) table.add({formatted("%td", i / 2 + 1), "not found", "", "", ""});
       continue;
     }
     const double known_to = result.known_to(i);
     const auto shown = [&](double part) { return std::abs(part) <= known_to ? 0.0 : part; };
     const double ratio = result.damping_ratios(i / 2);
-    table.add({i % 2 == 0 ? report::cell("%td", i / 2 + 1) : "",
-               report::cell("%.6g", shown(value.real())), report::cell("%.6g", shown(value.imag())),
-               report::cell("%.6g", shown(value.imag()) / two_pi),
-               report::cell("%.4g", shown(ratio * std::abs(value)) == 0 ? 0.0 : ratio)});
+    table.add({i % 2 == 0 ? formatted("%td", i / 2 + 1) : "",
+               formatted("%.6g", shown(value.real())), formatted("%.6g", shown(value.imag())),
+               formatted("%.6g", shown(value.imag()) / two_pi),
+               formatted("%.4g", shown(ratio * std::abs(value)) == 0 ? 0.0 : ratio)});
   }
   std::cout << "Eigenvalues\n" << table.print();
 }
@@ -90,7 +90,7 @@ void print_eigenvalues(const Modes& result) {
 /// slowest that is known: else nothing is meant by 0 but what moves freely.
 Index n_in_doubt(const Modes& modes) {
   Index n = 0;
-  double hidden = 0, slowest = std::numeric_limits<double>::infinity();
+  double hidden = 0, slowest = infinity;
   for (Index i = 0; i < modes.eigenvalues.size(); ++i) {
     const double size = std::abs(modes.eigenvalues(i));
     if (!(modes.known_to(i) > 1e-3 * size)) {
@@ -106,7 +106,7 @@ Index n_in_doubt(const Modes& modes) {
 void print_doubt(const Modes& modes) {
   const Index n = n_in_doubt(modes);
   if (n == 0) return;
-  std::cout << report::cell(
+  std::cout << formatted(
       "Rounding leaves less than three digits of %td pair(s) of eigenvalues: what is below %.2g Hz "
       "is shown as 0\n",
       n, modes.known_to.maxCoeff() / two_pi);
@@ -128,8 +128,8 @@ void print_page(const Scene& scene, const Found& found) {
   if (!natural || result.moving || found.damped) print_eigenvalues(result);
   print_doubt(result);
   if (result.n_growing > 0) {
-    std::cout << report::cell("NOT STABLE: %td eigenvalue(s) with a positive real part\n",
-                              result.n_growing);
+    std::cout << formatted("NOT STABLE: %td eigenvalue(s) with a positive real part\n",
+                           result.n_growing);
   }
 }
 

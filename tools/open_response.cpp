@@ -10,6 +10,7 @@
 #include "core/mechanics/sparse/sparse_equilibrium.hpp"
 #include "core/mechanics/sparse/sparse_scene.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/frequency_sweep.hpp"
 #include "tools/reduction_text.hpp"
@@ -100,7 +101,7 @@ std::optional<LargestGain> OpenResponse::peaks() const {
 }
 
 double OpenResponse::peaks_to_hz() const {
-  return large_ && reduced_ ? reduced_->first_left_out_hz : std::numeric_limits<double>::infinity();
+  return large_ && reduced_ ? reduced_->first_left_out_hz : infinity;
 }
 
 }  // namespace stillframe::tools

@@ -1,5 +1,6 @@
 #include "tools/operating_point.hpp"
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/model/local.hpp"
 #include "core/mechanics/node_moves.hpp"
 #include "report/table.hpp"
@@ -33,10 +34,10 @@ std::string table_of(const Model& model, const std::vector<NodeDisplacement>& di
   for (const NodeDisplacement& item : displacements) {
     std::vector<std::string> row{item.node};
     for (Index i = 0; i < (model.planar ? 2 : 3); ++i) {
-      row.push_back(report::cell("%.6g", item.displacement(i)));
+      row.push_back(formatted("%.6g", item.displacement(i)));
     }
     for (Index i = model.planar ? 2 : 0; i < 3; ++i) {
-      row.push_back(item.has_rotation ? report::cell("%.6g", item.rotation(i)) : "-");
+      row.push_back(item.has_rotation ? formatted("%.6g", item.rotation(i)) : "-");
     }
     table.add(row);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/state_space.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -54,18 +55,18 @@ Json reduction_json(const ReducedModel& reduced) {
 }
 
 std::string reduction_text(const ReducedModel& reduced) {
-  std::string text = report::cell("Reduced: %td modes and %td corrections, for up to %.4g Hz; ",
-                                  reduced.n_modes, reduced.n_corrections, reduced.to_hz) +
-                     (std::isfinite(reduced.first_left_out_hz)
-                          ? report::cell("the first mode that is left out is at %.4g Hz\n",
-                                         reduced.first_left_out_hz)
-                          : std::string("no mode is left out\n"));
+  std::string text =
+      formatted("Reduced: %td modes and %td corrections, for up to %.4g Hz; ", reduced.n_modes,
+                reduced.n_corrections, reduced.to_hz) +
+      (std::isfinite(reduced.first_left_out_hz)
+           ? formatted("the first mode that is left out is at %.4g Hz\n", reduced.first_left_out_hz)
+           : std::string("no mode is left out\n"));
   const auto bounds = bounds_of(reduced);
   if (!bounds) return text;
   report::Table table({"Hz", "largest singular value", "of the difference, at most"}, 0);
   for (Index i = 0; i < bounds->at_most.size(); ++i) {
-    table.add({report::cell("%.4g", bounds->frequencies_hz(i)),
-               report::cell("%.4e", bounds->largest(i)), report::cell("%.1e", bounds->at_most(i))});
+    table.add({formatted("%.4g", bounds->frequencies_hz(i)), formatted("%.4e", bounds->largest(i)),
+               formatted("%.1e", bounds->at_most(i))});
   }
   return text + table.print();
 }

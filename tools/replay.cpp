@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "report/table.hpp"
 #include "tools/json.hpp"
@@ -57,41 +58,39 @@ Json to_json(const ReplayLog& log, const ReplayResult& result) {
 }
 
 std::string first_in_words(const ReplayDifference& first, bool wall_clock) {
-  using report::cell;
   std::string text =
       "The first that differs: " + first.channel + ", seq " + std::to_string(first.seq);
   if (wall_clock) text += ", period " + std::to_string(first.period);
   if (!first.leg.empty()) text += ", " + first.leg;
-  return text + cell(": %s recorded %.17g, computed %.17g\n", first.field.c_str(), first.recorded,
-                     first.computed);
+  return text + formatted(": %s recorded %.17g, computed %.17g\n", first.field.c_str(),
+                          first.recorded, first.computed);
 }
 
 std::string to_text(const ReplayLog& log, const ReplayResult& result) {
-  using report::cell;
   const auto count = [](std::int64_t n) { return static_cast<long long>(n); };
   const bool wall_clock = log.info.mode == "wall_clock";
   std::string text;
   if (!result.first) {
-    text = cell("%lld commands the same, to the bit\n", count(result.n_commands));
+    text = formatted("%lld commands the same, to the bit\n", count(result.n_commands));
   } else {
-    text =
-        cell("%lld of %lld commands differ\n", count(result.n_different), count(result.n_commands));
+    text = formatted("%lld of %lld commands differ\n", count(result.n_different),
+                     count(result.n_commands));
     text += first_in_words(*result.first, wall_clock);
   }
   if (wall_clock) {
-    text += cell(
+    text += formatted(
         "%lld periods compared, %lld gaps in the records, %lld records without a "
         "checkpoint before them\n",
         count(result.n_periods), count(result.n_gaps), count(result.n_not_computed));
   }
   if (result.n_not_logged > 0 && !log.commands.empty()) {
-    text += cell("%lld more have no command in the log\n", count(result.n_not_logged));
+    text += formatted("%lld more have no command in the log\n", count(result.n_not_logged));
   }
   if (result.n_other > 0) {
-    text += cell("%lld commands of the log have no measurement or record in it\n",
-                 count(result.n_other));
+    text += formatted("%lld commands of the log have no measurement or record in it\n",
+                      count(result.n_other));
   }
-  if (log.n_damaged > 0) text += cell("%lld damaged messages\n", count(log.n_damaged));
+  if (log.n_damaged > 0) text += formatted("%lld damaged messages\n", count(log.n_damaged));
   return text;
 }
 

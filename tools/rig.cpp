@@ -9,6 +9,7 @@
 #include "controller/rig/rig_file.hpp"
 #include "controller/rig/wiring.hpp"
 #include "controller/start_check.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/whole_file.hpp"
 #include "msgs/stop_signal.hpp"
@@ -61,22 +62,22 @@ void print_json(const Wiring& wiring, const Probe& probe, const RigFile& rig, co
 
 void print_page(const Wiring& wiring, const Probe& probe, const RigFile& rig, const Gains& gains) {
   std::cout << rig.title << ": driver " << rig.driver
-            << report::cell(", %lld samples, %lld lost, clock %+.1f ppm\n\n",
-                            static_cast<long long>(probe.n_samples),
-                            static_cast<long long>(probe.n_lost), -1e6 * probe.drift);
+            << formatted(", %lld samples, %lld lost, clock %+.1f ppm\n\n",
+                         static_cast<long long>(probe.n_samples),
+                         static_cast<long long>(probe.n_lost), -1e6 * probe.drift);
   const auto shown = [&](const SignalFinding& signal, const std::string& leg) {
     if (signal.cable < 0) return std::string("silent");
     const std::string& cable = gains.legs[static_cast<std::size_t>(signal.cable)];
-    return report::cell("%+.4f", signal.gain) + (cable == leg ? "" : " on " + cable);
+    return formatted("%+.4f", signal.gain) + (cable == leg ? "" : " on " + cable);
   };
   report::Table table({"leg", "force sensor", "read-back", "amplifier", "+-", "late by samples",
                        "at rest N", "noise N"},
                       1);
   for (const LegFinding& leg : wiring.legs) {
     table.add({leg.leg, shown(leg.sigma, leg.leg), shown(leg.applied, leg.leg),
-               shown(leg.force, leg.leg), report::cell("%.1g", leg.doubt),
-               report::cell("%+.2f", leg.delay_samples), report::cell("%.4g", leg.sigma_mean),
-               report::cell("%.2g", leg.sigma_noise)});
+               shown(leg.force, leg.leg), formatted("%.1g", leg.doubt),
+               formatted("%+.2f", leg.delay_samples), formatted("%.4g", leg.sigma_mean),
+               formatted("%.2g", leg.sigma_noise)});
   }
   std::cout << table.print() << "\n";
   for (const LegFinding& leg : wiring.legs) {

@@ -5,13 +5,13 @@
 #include <map>
 #include <sstream>
 
+#include "core/errors/formatted.hpp"
 #include "core/numerics/decibels.hpp"
 #include "core/numerics/infinity.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
 
-using report::cell;
 using report::Table;
 using robustness::Case;
 using robustness::Extremes;
@@ -30,25 +30,26 @@ constexpr size_t n_worst_shown = 3;
 
 std::string count_lines(const Record& record) {
   const Tally& tally = record.tally;
-  std::string text = cell("%zu parameters, seed %llu, %llu of %llu samples",
-                          record.parameters.size(), static_cast<unsigned long long>(record.seed),
-                          static_cast<unsigned long long>(tally.n_samples()),
-                          static_cast<unsigned long long>(record.samples));
+  std::string text =
+      formatted("%zu parameters, seed %llu, %llu of %llu samples", record.parameters.size(),
+                static_cast<unsigned long long>(record.seed),
+                static_cast<unsigned long long>(tally.n_samples()),
+                static_cast<unsigned long long>(record.samples));
   if (!record.complete()) {
-    text += cell(" (%zu of %llu shards)", record.shards.size(),
-                 static_cast<unsigned long long>(record.n_shards));
+    text += formatted(" (%zu of %llu shards)", record.shards.size(),
+                      static_cast<unsigned long long>(record.n_shards));
   }
-  text += cell("\nStable %llu, unstable %llu, failed %llu\n",
-               static_cast<unsigned long long>(tally.n_stable),
-               static_cast<unsigned long long>(tally.n_unstable),
-               static_cast<unsigned long long>(tally.n_failed()));
+  text += formatted("\nStable %llu, unstable %llu, failed %llu\n",
+                    static_cast<unsigned long long>(tally.n_stable),
+                    static_cast<unsigned long long>(tally.n_unstable),
+                    static_cast<unsigned long long>(tally.n_failed()));
   for (const auto& [why, count] : tally.failures) {
-    text += cell("  failed %llu times: ", static_cast<unsigned long long>(count)) + why + "\n";
+    text += formatted("  failed %llu times: ", static_cast<unsigned long long>(count)) + why + "\n";
   }
   if (tally.n_samples() > 0) {
     const BadShare share = bad_share(tally);
-    text += cell("Unstable or failed: %.4g %%, below %.4g %% with a confidence of 95 %%\n",
-                 100 * share.found, 100 * share.below);
+    text += formatted("Unstable or failed: %.4g %%, below %.4g %% with a confidence of 95 %%\n",
+                      100 * share.found, 100 * share.below);
   }
   return text;
 }
@@ -58,11 +59,11 @@ template <class H>
 void add_spread(Table& table, const std::string& name, double nominal, const H& histogram,
                 const Extremes& extremes, double worst, double (*shown)(double),
                 const char* format) {
-  std::vector<std::string> row{name, cell(format, nominal)};
+  std::vector<std::string> row{name, formatted(format, nominal)};
   for (const double share : shares) {
-    row.push_back(cell(format, shown(quantile_within(histogram, extremes, share))));
+    row.push_back(formatted(format, shown(quantile_within(histogram, extremes, share))));
   }
-  row.push_back(cell(format, worst));
+  row.push_back(formatted(format, worst));
   table.add(row);
 }
 
@@ -86,7 +87,7 @@ std::string spread_table(const Record& record) {
       continue;
     }
     const auto at = static_cast<size_t>(i);
-    add_spread(table, cell("T at %g Hz, dB", f), decibels(record.nominal.gain(i)),
+    add_spread(table, formatted("T at %g Hz, dB", f), decibels(record.nominal.gain(i)),
                tally.gain_db[at], in_decibels(tally.gain[at]), decibels(tally.gain[at].most), same,
                "%.2f");
   }
@@ -98,7 +99,7 @@ std::string spread_table(const Record& record) {
              tally.damping, tally.damping.least, same, "%.3g");
   return "T is the largest singular value from the floor to the frame, of stable loops\n" +
          table.print() +
-         cell(
+         formatted(
              "Under a percentage: the middle of its bin, within what was found. Bins are %g dB, %g "
              "decades of decay and\n%g decades of damping ratio wide\n",
              tally.peak_db.width, tally.decay.width, tally.least_damping.above.width);
@@ -111,9 +112,10 @@ std::string worst_table(const Tally& tally) {
     const auto m = static_cast<size_t>(measure);
     const auto& list = tally.worst[m];
     for (size_t i = 0; i < std::min(n_worst_shown, list.size()); ++i) {
-      table.add({i == 0 ? by[m] : "", cell("%llu", static_cast<unsigned long long>(list[i].index)),
-                 cell("%.6f", list[i].radius), cell("%.3g", list[i].damping),
-                 std::isnan(list[i].peak) ? "unstable" : cell("%.2f", decibels(list[i].peak))});
+      table.add(
+          {i == 0 ? by[m] : "", formatted("%llu", static_cast<unsigned long long>(list[i].index)),
+           formatted("%.6f", list[i].radius), formatted("%.3g", list[i].damping),
+           std::isnan(list[i].peak) ? "unstable" : formatted("%.2f", decibels(list[i].peak))});
     }
   }
   return table.print();
@@ -161,12 +163,12 @@ std::string verdict_text(const Outcome& outcome) {
     case Outcome::Verdict::failed:
       return outcome.failure;
     case Outcome::Verdict::unstable:
-      return cell("unstable, spectral radius %.6f", outcome.radius);
+      return formatted("unstable, spectral radius %.6f", outcome.radius);
     case Outcome::Verdict::stable:
       break;
   }
-  return cell("stable, spectral radius %.6f, damping ratio %.3g, peak of T %.2f dB", outcome.radius,
-              outcome.damping, decibels(outcome.peak));
+  return formatted("stable, spectral radius %.6f, damping ratio %.3g, peak of T %.2f dB",
+                   outcome.radius, outcome.damping, decibels(outcome.peak));
 }
 
 /// "  stiffness +10 %: leg_1, leg_2; -10 %: leg_3", in lines of 100 characters.
@@ -200,13 +202,13 @@ std::string page_of(const robustness::WorstCase& worst, Measure measure,
                     const std::vector<Parameter>& parameters) {
   constexpr const char* by[] = {"spectral radius", "damping", "peak of T"};
   const bool stable = worst.outcome.verdict == Outcome::Verdict::stable;
-  std::string text = cell("By %s, in %llu evaluations: ", by[static_cast<size_t>(measure)],
-                          static_cast<unsigned long long>(worst.evaluations));
+  std::string text = formatted("By %s, in %llu evaluations: ", by[static_cast<size_t>(measure)],
+                               static_cast<unsigned long long>(worst.evaluations));
   if (measure != Measure::radius && !stable) return text + "an unstable loop\n";
   text += verdict_text(worst.outcome) + "\n";
   if (!stable) {
-    text += cell("  up to %.0f %% of these deviations together the loop is stable:\n",
-                 100 * worst.stable_part);
+    text += formatted("  up to %.0f %% of these deviations together the loop is stable:\n",
+                      100 * worst.stable_part);
   }
   for (const auto& [kind, without] : worst.without) {
     text += kind_lines(kind, parameters, worst.values);

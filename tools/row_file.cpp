@@ -9,11 +9,11 @@
 #include <cstring>
 #include <fstream>
 #include <mutex>
-#include <sstream>
 #include <thread>
 
 #include "core/control/robustness/parallel.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/files/bytes_of_file.hpp"
 #include "core/files/whole_file.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "msgs/stop_signal.hpp"
@@ -53,11 +53,9 @@ RowFile::RowFile(std::filesystem::path path, const RowKind& kind)
     throw InputError(path_.string() +
                      ": found something that is no file, allowed is a file that grows by rows");
   }
-  std::ifstream file(path_, std::ios::binary);
-  std::stringstream bytes;
-  bytes << file.rdbuf();
-  if (!file) throw InputError(path_.string() + ": cannot be read");
-  const std::string text = bytes.str();
+  const auto bytes = bytes_of_file(path_);
+  if (!bytes) throw InputError(path_.string() + ": cannot be read");
+  const std::string& text = *bytes;
   const auto refuse = [&](std::size_t number, const std::string& found) {
     throw InputError(path_.string() + ":" + std::to_string(number) + ": found " + found +
                      "; allowed is a file that `" + kind_.verb + " --out` wrote, or a new one");

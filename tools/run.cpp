@@ -5,6 +5,7 @@
 
 #include "controller/policy.hpp"
 #include "controller/start_check.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "judge/loop_between.hpp"
 #include "judge/loop_design.hpp"
@@ -15,7 +16,6 @@
 #include "plant_sim/plant.hpp"
 #include "plant_sim/run_length.hpp"
 #include "report/page/write_page.hpp"
-#include "report/table.hpp"
 #include "tools/exit_code.hpp"
 #include "tools/run/judge.hpp"
 #include "tools/run/phase.hpp"

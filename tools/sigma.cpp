@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
@@ -87,14 +88,13 @@ void print_table(const std::string& title, const Curves& curves,
                  const std::vector<judge::PeakRow>& peaks, double sample_rate_hz) {
   const bool loop = curves.closed.size() > 0;
   std::cout << title << ": singular values, largest first"
-            << (loop ? report::cell("; of the loop that runs, sampled at %g Hz", sample_rate_hz)
-                     : "")
+            << (loop ? formatted("; of the loop that runs, sampled at %g Hz", sample_rate_hz) : "")
             << "\n";
   std::vector<std::string> header{"Hz"};
   for (const char* kind : {"open", "closed"}) {
     if (!loop && kind == std::string("closed")) continue;
     for (Index i = 0; i < curves.open.cols(); ++i)
-      header.push_back(report::cell("%s %td", kind, i + 1));
+      header.push_back(formatted("%s %td", kind, i + 1));
   }
   const bool reduced = curves.difference_at_most.size() > 0;
   if (reduced) header.push_back(loop ? "open off by at most" : "off by at most");
@@ -106,7 +106,7 @@ void print_table(const std::string& title, const Curves& curves,
                                    [hz](const judge::PeakRow& row) { return row.peak.hz == hz; });
     // At its own pole an undamped response has no values.
     const bool undamped = peak != peaks.end() && std::isinf(peak->peak.value);
-    std::vector<std::string> row{report::cell("%.4g", hz)};
+    std::vector<std::string> row{formatted("%.4g", hz)};
     for (const auto* values : {&curves.open, &curves.closed}) {
       if (values->size() == 0) continue;
       const bool closed = values == &curves.closed;
@@ -116,13 +116,13 @@ void print_table(const std::string& title, const Curves& curves,
         if (unbounded) {
           row.push_back(i == 0 ? "no bound" : "-");
         } else {
-          row.push_back(std::isnan(value) ? "-" : report::cell("%.4e", value));
+          row.push_back(std::isnan(value) ? "-" : formatted("%.4e", value));
         }
       }
     }
     if (reduced) {
       const double at_most = curves.difference_at_most(f);
-      row.push_back(std::isfinite(at_most) ? report::cell("%.1e", at_most) : "-");
+      row.push_back(std::isfinite(at_most) ? formatted("%.1e", at_most) : "-");
     }
     if (!peaks.empty()) {
       row.push_back(peak == peaks.end() ? "" : judge::name_of(peak->of) + std::string(" 1"));
@@ -194,7 +194,7 @@ FrequencyRange range_of(const SigmaOptions& options, FrequencyRange range) {
   if (!options.from_hz) range.lowest_hz = std::min(range.lowest_hz, range.highest_hz / 10);
   if (!options.to_hz) range.highest_hz = std::max(range.highest_hz, range.lowest_hz * 10);
   if (!(range.lowest_hz < range.highest_hz)) {
-    throw InputError("--from: found " + report::cell("%g", range.lowest_hz) +
+    throw InputError("--from: found " + formatted("%g", range.lowest_hz) +
                      ", allowed is below --to");
   }
   return range;
@@ -234,7 +234,7 @@ int run(const SigmaOptions& options) {
                   : without_controller(*open, frequencies);
   };
   if (open && open->is_large() && gains && range.highest_hz > open->peaks_to_hz()) {
-    std::cerr << report::cell(
+    std::cerr << formatted(
         "stillframe: note: peaks between the rows are looked for up to %.4g Hz; of so large a "
         "scene not more modes are computed\n",
         open->peaks_to_hz());
@@ -244,7 +244,7 @@ int run(const SigmaOptions& options) {
     if (!left_out.empty()) std::cerr << "stillframe: note: " << left_out << "\n";
   }
   if (design && !(design->radius < largest_stable_radius)) {
-    std::cerr << report::cell(
+    std::cerr << formatted(
         "stillframe: warning: the loop that runs is not stable (spectral radius %.9g), and its "
         "closed "
         "curves are of nothing that lasts; `stillframe design` says what would mend it\n",

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/errors/formatted.hpp"
 #include "core/files/matrix_market.hpp"
 #include "core/files/whole_file.hpp"
 #include "core/mechanics/bodies/reduced_body.hpp"
@@ -91,17 +92,17 @@ void print_page(const FiniteElementBody& mesh, const ReducedBody& reduced, const
   const FlexibleBody& body = reduced.body;
   const RigidProperties rigid = rigid_properties(body);
   std::cout << mesh.name
-            << report::cell(": %td degrees of freedom become %td", mesh.K.rows(), body.M.rows())
-            << report::cell(" (%zu interfaces, %td modes)\n", body.interfaces.size(), body.n_modes)
-            << report::cell("mass %.6g kg, centre of mass %.6g, %.6g, %.6g m\n", rigid.mass,
-                            rigid.centre.x(), rigid.centre.y(), rigid.centre.z());
+            << formatted(": %td degrees of freedom become %td", mesh.K.rows(), body.M.rows())
+            << formatted(" (%zu interfaces, %td modes)\n", body.interfaces.size(), body.n_modes)
+            << formatted("mass %.6g kg, centre of mass %.6g, %.6g, %.6g m\n", rigid.mass,
+                         rigid.centre.x(), rigid.centre.y(), rigid.centre.z());
   report::Table table({"mode", "Hz, free body"}, 0);
   for (Eigen::Index i = 0; i < reduced.frequencies_hz.size(); ++i) {
-    table.add({report::cell("%4td", i + 1), report::cell("%.6g", reduced.frequencies_hz(i))});
+    table.add({formatted("%4td", i + 1), formatted("%.6g", reduced.frequencies_hz(i))});
   }
   if (body.n_modes > 0) std::cout << table.print();
   if (reduced.first_left_out_hz) {
-    std::cout << report::cell("left out from %.6g Hz on", *reduced.first_left_out_hz) << "\n";
+    std::cout << formatted("left out from %.6g Hz on", *reduced.first_left_out_hz) << "\n";
   }
   std::cout << "written: " << files.body.string() << ", " << files.mass.string() << ", "
             << files.stiffness.string() << "\n";
@@ -115,7 +116,7 @@ void hint_at_units(const FiniteElementBody& mesh, const FlexibleBody& body) {
   for (const auto& point : body.points.colwise()) box.extend(Eigen::Vector3d(point));
   const double length = box.sizes().maxCoeff();
   if (length < longest_likely_m) return;
-  std::cerr << report::cell(
+  std::cerr << formatted(
       "stillframe: note: mesh and interfaces are %.4g m long; if that is millimetres, mesh in "
       "metres, kilograms and pascals: every number of a body is in SI units\n",
       length);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/decibels.hpp"
 #include "core/yaml/to_number.hpp"
@@ -43,12 +44,12 @@ SweepQuestion question_of(const SweepOptions& options) {
 }
 
 std::string shown(const Json& value, const char* format) {
-  return value.is_number() ? report::cell(format, value.get<double>()) : "-";
+  return value.is_number() ? formatted(format, value.get<double>()) : "-";
 }
 
 std::string in_decibels(double value) {
   // No sign of what is shown as zero.
-  return report::cell("%.2f", std::abs(value) < 0.005 ? 0.0 : value);
+  return formatted("%.2f", std::abs(value) < 0.005 ? 0.0 : value);
 }
 
 /// Of a singular value.
@@ -62,7 +63,7 @@ void print_table(const std::string& title, const SweepQuestion& question,
   for (const SweptKey& key : question.grid.keys()) header.push_back(key.path);
   const auto n_left = header.size();
   header.insert(header.end(), {"radius", "disk", "at Hz", "price dB", "peak dB", "at Hz"});
-  for (const double hz : question.at_hz) header.push_back(report::cell("%g Hz dB", hz));
+  for (const double hz : question.at_hz) header.push_back(formatted("%g Hz dB", hz));
   report::Table table(header, n_left);
   for (const Json& row : rows) {
     std::vector<std::string> cells;

@@ -3,8 +3,8 @@
 #include <iostream>
 #include <map>
 
+#include "core/errors/formatted.hpp"
 #include "core/files/utf8.hpp"
-#include "report/table.hpp"
 
 namespace stillframe::tools {
 
@@ -22,7 +22,7 @@ void hint_at_units(const Scene& scene) {
   }
   if (longest == nullptr) return;
   std::cerr << "stillframe: note: " << longest->place << ": " << printable(longest->name, 60)
-            << " is " << report::cell("%.4g", length)
+            << " is " << formatted("%.4g", length)
             << " m long; if its nodes are in millimetres, write metres: every number of a scene is "
                "in SI units\n";
 }

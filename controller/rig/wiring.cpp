@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 
+#include "core/errors/formatted.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/sampled_plant.hpp"
 
@@ -106,16 +106,10 @@ Index answering(const MatrixXcd& read, Index i, const VectorXcd& awaited, double
   return largest;
 }
 
-std::string text_of(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 void say_gain(LegFinding& finding, const char* what, double gain, double tolerance) {
   if (gain < 0) finding.wrong.push_back(std::string(what) + ": wired the other way round");
   if (std::abs(std::abs(gain) - 1) > tolerance) {
-    finding.wrong.push_back(std::string(what) + ": reads " + text_of("%.4g", std::abs(gain)) +
+    finding.wrong.push_back(std::string(what) + ": reads " + formatted("%.4g", std::abs(gain)) +
                             " times what it should");
   }
 }
@@ -236,13 +230,14 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     say_gain(finding, "read-back", finding.applied.gain, allowed);
     say_gain(finding, "amplifier", finding.force.gain, allowed);
     if (std::abs(of_sigma.delay) > wrong_delay) {
-      finding.wrong.push_back("answers " + text_of("%+.2f", of_sigma.delay) +
+      finding.wrong.push_back("answers " + formatted("%+.2f", of_sigma.delay) +
                               " samples from when the gains say");
       wiring.mended = false;
     }
     if (std::abs(of_applied.delay - of_sigma.delay) > wrong_delay) {
-      finding.wrong.push_back("read-back: " + text_of("%+.2f", of_applied.delay - of_sigma.delay) +
-                              " samples from the force sensor, other than the gains say");
+      finding.wrong.push_back(
+          "read-back: " + formatted("%+.2f", of_applied.delay - of_sigma.delay) +
+          " samples from the force sensor, other than the gains say");
       wiring.mended = false;
     }
   }

@@ -3,12 +3,12 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "core/errors/input_error.hpp"
 #include "core/numerics/decibels.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -54,7 +54,7 @@ Decoupling decoupling(const MatrixXcd& T) {
   }
   const Eigen::VectorXd values = Eigen::JacobiSVD<MatrixXcd>(T).singularValues();
   Decoupling out{.spread_db = decibels(values(0) / values(values.size() - 1)),
-                 .crosstalk_db = -std::numeric_limits<double>::infinity()};
+                 .crosstalk_db = -infinity};
   for (Index j = 0; j < T.cols(); ++j) {
     const double own = std::norm(T(j, j)), others = T.col(j).squaredNorm() - own;
     if (others > 0) out.crosstalk_db = std::max(out.crosstalk_db, 10 * std::log10(others / own));

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/control/close_loop.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -93,7 +94,7 @@ void DelayCentre::follow(Complex pole, double width) {
   out.width = width;
   out.R = out.H_0 = MatrixXcd::Zero(rows, columns);
   for (int i = 0; i < n; ++i) {
-    out.around.push_back(std::polar(width, 2 * pi * (i + 0.5) / n));
+    out.around.push_back(std::polar(width, two_pi * (i + 0.5) / n));
     sweep_.evaluate(pole + out.around.back(), transposed_);
     out.H_around.push_back(transposed_.transpose());
     out.R += out.around.back() / static_cast<double>(n) * out.H_around.back();

@@ -9,7 +9,9 @@
 
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/golden_section.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/singular_values.hpp"
+#include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
 
@@ -190,7 +192,7 @@ const MatrixXcd& DiskSearch::at(double angle) {
 double DiskSearch::of(Index leg, double angle) { return std::abs(at(angle)(leg, leg)); }
 
 DiskMargin DiskSearch::margin(const Peak& peak) const {
-  return {1 / peak.value, peak.angle / (2 * pi * sample_time_)};
+  return {1 / peak.value, peak.angle / (two_pi * sample_time_)};
 }
 
 DiskSearch::Peak DiskSearch::highest(Index leg) {
@@ -233,7 +235,7 @@ DiskMargin DiskSearch::of_leg(Index leg) {
 
 DiskMargin DiskSearch::of_all(double at_least) {
   if (m_ == 1) return of_leg(0);
-  const double enough = at_least > 0 ? 1 / at_least : std::numeric_limits<double>::infinity();
+  const double enough = at_least > 0 ? 1 / at_least : infinity;
   // Each of the moduli on the diagonal is a lower bound.
   for (size_t i = 0; i < angles_.size(); ++i) {
     const double value = values_[i].diagonal().cwiseAbs().maxCoeff();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/control/mode_design.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/riccati.hpp"
 #include "core/numerics/stein.hpp"
 #include "core/numerics/two_pi.hpp"
@@ -151,7 +152,7 @@ class Lawson {
 
   VectorXd x() const { return R_.triangularView<Eigen::Upper>().solve(y_); }
 
-  double lower = 0, upper = std::numeric_limits<double>::infinity();
+  double lower = 0, upper = infinity;
 
  private:
   VectorXcd r_0_;
@@ -264,8 +265,8 @@ constexpr double lowest_db = 0, highest_db = 60, near_db = 0.4;
 
 /// The lowest level at which the least maximum is one.
 struct LevelSearch {
-  double excluded_db = -std::numeric_limits<double>::infinity();  ///< no Q of the terms is below
-  double reached_db = std::numeric_limits<double>::infinity();
+  double excluded_db = -infinity;  ///< no Q of the terms is below
+  double reached_db = infinity;
   VectorXd x;  ///< that reaches it
 
   LevelSearch(const ModeProblem& problem, const MatrixXcd& terms, double late, double reserve) {

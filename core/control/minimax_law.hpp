@@ -1,9 +1,9 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 
 #include "core/control/mode_responses.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -12,7 +12,7 @@ struct MinimaxLaw {
   std::optional<ModeLaw> law;  ///< nothing: none with the goal's margin and bounds
   /// Of no Q of the basis is the level below this, dB, by disk margin and bounds alone: minus
   /// infinity where nothing is excluded.
-  double bound_db = -std::numeric_limits<double>::infinity();
+  double bound_db = -infinity;
 };
 
 /// The law of least level with the goal's disk margin, peak and bound above. All stabilising laws

@@ -1,10 +1,10 @@
 #include "core/control/own_law.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <optional>
 #include <string_view>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/systems/sampled_loop.hpp"
@@ -192,11 +192,8 @@ DiscreteLaw own_law(const NamedLaw& law, const Names& legs, const Names& floor) 
   out.feed_forward = without_idle_states({law.A, B.rightCols(p), C, D.rightCols(p)});
   const double radius = spectral_radius(out.feed_forward.A);
   if (!(radius < largest_stable_radius)) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.9g", radius);
-    throw InputError(std::string("A: the states between the floor and the forces have a spectral "
-                                 "radius of ") +
-                     text +
+    throw InputError("A: the states between the floor and the forces have a spectral radius of " +
+                     formatted("%.9g", radius) +
                      ", below 1 is needed: what a law does with the floor has to decay by itself, "
                      "as it runs beside the feedback and before that takes hold");
   }

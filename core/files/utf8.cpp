@@ -1,7 +1,8 @@
 #include "core/files/utf8.hpp"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "core/errors/formatted.hpp"
 
 namespace stillframe {
 
@@ -48,10 +49,8 @@ std::string printable(std::string_view text, std::size_t longest) {
     // What is not shown takes four letters a byte.
     if (out.size() + (shown ? 1 : 4) * n_bytes > longest) return out + "...";
     for (std::size_t i = 0; i < n_bytes; ++i) {
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\x%02x",
-                    static_cast<unsigned>(static_cast<unsigned char>(text[i])));
-      out += shown ? std::string(1, text[i]) : escape;
+      const auto byte = static_cast<unsigned char>(text[i]);
+      out += shown ? std::string(1, text[i]) : formatted("\\x%02x", static_cast<unsigned>(byte));
     }
     text.remove_prefix(n_bytes);
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/numerics/infinity.hpp"
+
 namespace stillframe {
 
 struct ConditionFactors::Sparse {
@@ -166,7 +168,7 @@ double ConditionFactors::componentwise_condition() const {
     const Eigen::MatrixXd product = library_factors().inverse().cwiseAbs() * J_.cwiseAbs();
     return product.rowwise().sum().maxCoeff();
   }
-  if (!sparse_->sound) return std::numeric_limits<double>::infinity();
+  if (!sparse_->sound) return infinity;
   const Eigen::VectorXd sizes = sparse_->J.cwiseAbs() * Eigen::VectorXd::Ones(n_);
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(n_);
   for (Index k = 0; k < n_; ++k) {

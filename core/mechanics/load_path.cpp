@@ -1,9 +1,9 @@
 #include "core/mechanics/load_path.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 
 namespace stillframe {
@@ -12,12 +12,10 @@ namespace {
 
 /// A share below 1 in four digits, rounded down: what was not reached is not said to be.
 std::string shown_share(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", share);
-  if (std::strtod(text, nullptr) <= share) return text;
+  const std::string text = formatted("%.4g", share);
+  if (std::strtod(text.c_str(), nullptr) <= share) return text;
   const double digit = std::pow(10, std::floor(std::log10(share)) - 3);
-  std::snprintf(text, sizeof text, "%.4g", share - digit);
-  return text;
+  return formatted("%.4g", share - digit);
 }
 
 }  // namespace

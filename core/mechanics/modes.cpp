@@ -5,8 +5,8 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <complex>
-#include <cstdio>
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/force_balance.hpp"
 #include "core/mechanics/own_values.hpp"
 #include "core/mechanics/state_space.hpp"
@@ -134,9 +134,8 @@ Modes modes(const LinearModel& model) {
     const Shapes shapes = natural_shapes(model, M);
     const bool stable = is_stable(model);
     if (!stable && !result.moving) {
-      char square[32];
-      std::snprintf(square, sizeof square, "%.6g", shapes.squares(0));
-      throw Unstable(std::string("omega^2 = ") + square + " (rad/s)^2 in mode 1", shapes.V.col(0));
+      throw Unstable(formatted("omega^2 = %.6g (rad/s)^2 in mode 1", shapes.squares(0)),
+                     shapes.V.col(0));
     }
     if (stable) {
       const VectorXd omega = shapes.squares.cwiseMax(0.0).cwiseSqrt(),

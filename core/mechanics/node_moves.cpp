@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/elements/rotation.hpp"
 #include "core/mechanics/model/local.hpp"
 #include "core/numerics/worst.hpp"
@@ -71,7 +71,6 @@ double largest_move(const Model& model, const Eigen::VectorXd& displacement, dou
 }
 
 std::string largest_move_in_words(const Model& model, const Eigen::VectorXd& displacement) {
-  char words[64];
   std::string text;
   double most = 0;
   const auto consider = [&](const ModelNode& node, const Eigen::Vector3d& move, double weight,
@@ -80,8 +79,7 @@ std::string largest_move_in_words(const Model& model, const Eigen::VectorXd& dis
     const double part = weight * move.cwiseAbs().maxCoeff(&axis);
     if (!(part > most)) return;
     most = part;
-    std::snprintf(words, sizeof words, format, move(axis), "xyz"[axis]);
-    text = "node " + node.name + words;
+    text = "node " + node.name + formatted(format, move(axis), "xyz"[axis]);
   };
   for (const ModelNode& node : model.nodes) {
     LocalVector local;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/dynamics.hpp"
 #include "core/mechanics/force_balance.hpp"
@@ -119,10 +119,8 @@ std::string motions_in_words(const Model& model, const NominalMotion& nominal) {
     const auto k = static_cast<Index>(i);
     const double v = nominal.state.q_r_dot(k), a = nominal.state.q_r_ddot(k);
     if (v == 0 && a == 0) continue;
-    char numbers[80];
-    std::snprintf(numbers, sizeof numbers, a == 0 ? "rate %.4g" : "rate %.4g, acceleration %.4g", v,
-                  a);
-    text += (text.empty() ? "'" : ", '") + signals[i].name + "' (" + numbers + ")";
+    text += (text.empty() ? "'" : ", '") + signals[i].name +
+            formatted(a == 0 ? "' (rate %.4g)" : "' (rate %.4g, acceleration %.4g)", v, a);
   }
   return text;
 }

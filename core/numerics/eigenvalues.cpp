@@ -1,9 +1,9 @@
 #include "core/numerics/eigenvalues.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <limits>
 
 #include "core/numerics/balance.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -67,7 +67,7 @@ std::optional<RealSchurForm> real_schur_form(const MatrixXd& A) {
 
 double spectral_radius(const MatrixXd& A) {
   const auto values = eigenvalues(A);
-  if (!values) return std::numeric_limits<double>::infinity();
+  if (!values) return infinity;
   return values->size() > 0 ? values->cwiseAbs().maxCoeff() : 0.0;
 }
 

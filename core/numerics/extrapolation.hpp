@@ -3,7 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -27,7 +28,7 @@ Extrapolated extrapolated_derivative(const F& f, double h) {
     row[0] = (ahead - behind) / (2 * h);
     if (i == 0) {
       best = row[0];
-      error = Eigen::VectorXd::Constant(best.size(), std::numeric_limits<double>::infinity());
+      error = Eigen::VectorXd::Constant(best.size(), infinity);
       longer = Eigen::VectorXd::Ones(best.size());
     }
     double factor = 1;

@@ -4,10 +4,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/balance.hpp"
 #include "core/numerics/eigenvalues.hpp"
@@ -37,19 +37,13 @@ void check(const RiccatiProblem& p) {
   }
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 /// One over the square roots of the diagonal of R, which becomes ones.
 VectorXd input_scales(const MatrixXd& R) {
   const VectorXd diagonal = R.diagonal();
   for (Index i = 0; i < diagonal.size(); ++i) {
     if (!(diagonal(i) > 0)) {
       throw Refusal("Riccati equation: R(" + std::to_string(i + 1) + ", " + std::to_string(i + 1) +
-                    ") is " + number(diagonal(i)) +
+                    ") is " + formatted("%.3g", diagonal(i)) +
                     "; every input has to have a cost, so R must be positive definite");
     }
   }
@@ -59,7 +53,8 @@ VectorXd input_scales(const MatrixXd& R) {
   const double least = values.eigenvalues().minCoeff(), most = values.eigenvalues().maxCoeff();
   if (!(least > singular * most)) {
     throw Refusal("Riccati equation: R, scaled to a diagonal of ones, has an eigenvalue of " +
-                  number(least) + " beside " + number(most) + "; it must be positive definite");
+                  formatted("%.3g", least) + " beside " + formatted("%.3g", most) +
+                  "; it must be positive definite");
   }
   return scales;
 }
@@ -185,7 +180,7 @@ RiccatiSolution solve_riccati(const RiccatiProblem& problem) {
   }
   const MatrixXd K = scaled.gain(X);
   found.radius = scaled.radius(K);
-  if (!(found.radius < 1)) refuse("spectral radius " + number(found.radius));
+  if (!(found.radius < 1)) refuse("spectral radius " + formatted("%.3g", found.radius));
   found.X = scaled.unscaled_X(X);
   found.K = scaled.unscaled_K(K);
   return found;

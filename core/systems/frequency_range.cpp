@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -40,7 +41,7 @@ double rounded_up(double x) {
 
 FrequencyRange frequency_range(const Eigen::VectorXd& own_hz, const std::vector<double>& targets_hz,
                                double sample_rate_hz) {
-  double slowest = std::numeric_limits<double>::infinity(), fastest = 0;
+  double slowest = infinity, fastest = 0;
   const auto include = [&](double hz) {
     slowest = std::min(slowest, hz);
     fastest = std::max(fastest, hz);

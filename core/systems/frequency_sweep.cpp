@@ -1,12 +1,12 @@
 #include "core/systems/frequency_sweep.hpp"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "core/errors/input_error.hpp"
 #include "core/numerics/balance.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/row_sums.hpp"
 #include "core/numerics/singular_values.hpp"
 
@@ -165,7 +165,7 @@ void FrequencySweep::residual(Complex s) noexcept {
 
 /// Improves X_0, a solution of (s I - A) X_0 = F, until it stands still.
 void FrequencySweep::refine(Complex s) noexcept {
-  double last = std::numeric_limits<double>::infinity(), first = 1;
+  double last = infinity, first = 1;
   for (int step = 0; step < 10; ++step) {
     residual(s);
     X_.setZero();

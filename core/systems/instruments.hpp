@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
+
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -23,8 +24,8 @@ struct ForceSensorErrors {
   double random_walk = 0;           ///< N/sqrt(s)
   std::vector<double> offset = {};  ///< N
   std::vector<double> drift = {};   ///< N/s
-  double range = std::numeric_limits<double>::infinity();  ///< N
-  double quantisation = 0;                                 ///< N, one step of the converter
+  double range = infinity;          ///< N
+  double quantisation = 0;          ///< N, one step of the converter
   std::uint64_t seed = 1;
 };
 
@@ -47,7 +48,7 @@ struct Instruments {
   int report_age_samples = 0;  ///< samples by which the reported force is older than sigma
 
   /// N/s, fastest change of the force of an amplifier.
-  double force_rate_limit = std::numeric_limits<double>::infinity();
+  double force_rate_limit = infinity;
   std::optional<HysteresisLoop> hysteresis = {};
   std::optional<ForceSensorErrors> force_sensors = {};
   std::optional<FloorSensorErrors> floor_sensors = {};

@@ -5,10 +5,10 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 #include <utility>
 
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 #include "core/systems/frequency_sweep.hpp"
 
@@ -124,7 +124,7 @@ class Spectrum {
   /// Integrals, without and with (2 pi f)^-2: for every kind n_y and n_y numbers, the latter zero
   /// of a part that begins at 0 Hz. At once, or as finely as it takes with errors of `least`.
   ArrayXd at_once(double from_hz, double to_hz) {
-    least_ = ArrayXd::Constant(values_.size(), std::numeric_limits<double>::infinity());
+    least_ = ArrayXd::Constant(values_.size(), infinity);
     return over(from_hz, to_hz, 0);
   }
   ArrayXd finely(double from_hz, double to_hz, const ArrayXd& least) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 
 #include "core/numerics/golden_section.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 
 namespace stillframe {
@@ -127,7 +127,7 @@ std::vector<Peak> peaks_between(const VectorXd& rows_hz, LargestGain& gain) {
     for (const Resonance& resonance : gain.resonances()) {
       const bool inside = resonance.hz > from && resonance.hz < to;
       if (!inside || !resonance.undamped() || !has(gain, resonance)) continue;
-      highest = {resonance.hz, std::numeric_limits<double>::infinity()};
+      highest = {resonance.hz, infinity};
     }
     const double beside = std::max(gain(from), gain(to));
     if (highest.value > missed * beside) peaks.push_back(highest);

@@ -4,11 +4,11 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <set>
 #include <sstream>
 #include <vector>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/utf8.hpp"
 
@@ -17,10 +17,7 @@ namespace stillframe {
 namespace {
 
 std::string hex(char byte) {
-  char digits[8];
-  std::snprintf(digits, sizeof digits, "0x%02x",
-                static_cast<unsigned>(static_cast<unsigned char>(byte)));
-  return digits;
+  return formatted("0x%02x", static_cast<unsigned>(static_cast<unsigned char>(byte)));
 }
 
 /// The place of the first tab in the indentation of a text, which YAML does not allow and yaml-cpp

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 
+#include "core/files/bytes_of_file.hpp"
 #include "core/files/utf8.hpp"
 #include "core/yaml/load.hpp"
 #include "core/yaml/shorthand.hpp"
@@ -60,19 +60,15 @@ YamlReader::YamlReader(std::shared_ptr<const Source> source, const YAML::Node& n
       name_(std::move(name)) {}
 
 YamlReader YamlReader::from_file(const std::filesystem::path& path) {
-  std::ifstream file(path);
   if (std::filesystem::is_directory(path)) {
     throw InputError(path.string() + ": is a folder, a YAML file is needed");
   }
-  // One byte more than is allowed, so that a device without an end is refused as well.
-  std::string text(most_yaml_bytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad() || file.gcount() == 0) {
+  const auto text = bytes_of_file(path, most_yaml_bytes);
+  if (!text || text->empty()) {
     throw InputError(path.string() + ": cannot be read (missing, empty or not allowed)");
   }
-  text.resize(static_cast<std::size_t>(file.gcount()));
   const auto folder = path.parent_path();
-  return from_text(text, path.string(), folder.empty() ? std::filesystem::path(".") : folder);
+  return from_text(*text, path.string(), folder.empty() ? std::filesystem::path(".") : folder);
 }
 
 YamlReader YamlReader::from_text(const std::string& text, const std::string& source_name,
@@ -230,20 +226,14 @@ Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols, double 
 std::pair<std::filesystem::path, std::string> YamlReader::file_bytes(std::size_t most) const {
   const std::filesystem::path path = folder() / text();
   if (std::filesystem::is_directory(path)) fail("'" + path.string() + "' is a folder");
-  std::ifstream file(path, std::ios::binary);
-  // Not beyond what is allowed, so that a device without an end is refused as well.
-  std::string bytes;
-  for (std::vector<char> part(std::size_t{1} << 16); file && bytes.size() <= most;) {
-    file.read(part.data(), static_cast<std::streamsize>(part.size()));
-    bytes.append(part.data(), static_cast<std::size_t>(file.gcount()));
-  }
-  if (file.bad() || bytes.empty()) {
+  auto bytes = bytes_of_file(path, most);
+  if (!bytes || bytes->empty()) {
     fail("the file '" + path.string() + "' cannot be read (missing, empty or not allowed)");
   }
-  if (bytes.size() > most) {
+  if (bytes->size() > most) {
     fail("the file '" + path.string() + "' has more than " + std::to_string(most >> 20) + " MiB");
   }
-  return {path, bytes};
+  return {path, *std::move(bytes)};
 }
 
 void YamlReader::fail(const std::string& message) const {

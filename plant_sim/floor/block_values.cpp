@@ -1,15 +1,12 @@
 #include "plant_sim/floor/block_values.hpp"
 
 #include <cmath>
-#include <cstdio>
+
+#include "core/errors/formatted.hpp"
 
 namespace stillframe::floor {
 
-std::string text_of(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.12g", value);
-  return text;
-}
+std::string text_of(double value) { return formatted("%.12g", value); }
 
 double read_high_pass(const YamlReader& block, double sample_rate_hz, double otherwise) {
   const auto value = block.find("high_pass_hz");

@@ -4,12 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <numeric>
 #include <optional>
 #include <sstream>
 #include <string_view>
 
+#include "core/files/bytes_of_file.hpp"
 #include "core/files/utf8.hpp"
 #include "core/yaml/reader.hpp"
 #include "plant_sim/floor/block_values.hpp"
@@ -34,14 +34,11 @@ struct Cell {
 class Lines {
  public:
   explicit Lines(const std::filesystem::path& path) : path_(path.string()) {
-    std::ifstream file(path, std::ios::binary);
-    std::error_code ignored;
-    if (!file || std::filesystem::is_directory(path, ignored)) {
+    auto text = bytes_of_file(path);
+    if (!text) {
       throw InputError(path_ + ": no such file, or not readable; a recording (CSV) is needed");
     }
-    std::ostringstream all;
-    all << file.rdbuf();
-    text_ = std::move(all).str();
+    text_ = *std::move(text);
     // With this mark some programs begin every UTF-8.
     if (text_.starts_with("\xEF\xBB\xBF")) begin_ = 3;
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/numerics/infinity.hpp"
+
 namespace stillframe::nodal {
 
 namespace {
@@ -38,7 +40,7 @@ bool Consistency::iterate(const NodalState& state, const Errors& errors, const S
     if (!renew(state)) return false;
     fresh = true;
   }
-  double last_step = std::numeric_limits<double>::infinity();
+  double last_step = infinity;
   for (int iteration = 0; iteration < 50; ++iteration) {
     errors();
     equations_.solve(factors_, r_);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
-#include "report/table.hpp"
+#include "core/numerics/infinity.hpp"
 #include "report/verdict/acceptance.hpp"
 
 namespace stillframe::report {
@@ -96,8 +96,8 @@ class FloorResponse {
  private:
   LoopResponse response_;
   Eigen::RowVectorXd last_;
-  double settling_ = std::numeric_limits<double>::infinity();  ///< samples
-  double unknown_ = 0;                                         ///< samples still to come
+  double settling_ = infinity;  ///< samples
+  double unknown_ = 0;          ///< samples still to come
 };
 
 /// An identified response and what the same estimate makes of the forces' part alone: where their
@@ -216,7 +216,7 @@ class Analyser : public LogVisitor {
         (plan_.judged_from > plan_.multisine->window_begin(0) + 1 ||
          plan_.judged_until < plan_.multisine->n_samples())) {
       const auto seconds = [&](std::int64_t seq) {
-        return cell("%.4g s", static_cast<double>(seq) / info_.sample_rate_hz);
+        return formatted("%.4g s", static_cast<double>(seq) / info_.sample_rate_hz);
       };
       result.matrix->response.reset();
       result.matrix->missing =
@@ -427,7 +427,7 @@ class Analyser : public LogVisitor {
     const double allowed = std::pow(10, largest_input_difference_db / 20) - 1;
     const double strayed = std::sqrt(strayed_power_ / floor_power_);
     if (!(strayed > allowed)) return "";
-    return cell(
+    return formatted(
                "the floor turns, or its feet move each on their own: its signals differ by "
                "%.3g %% from a motion without that, and how it moves where no input measures it ",
                100 * strayed) +

@@ -5,11 +5,11 @@
 #include <iterator>
 #include <limits>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "report/identification/confidence.hpp"
 #include "report/identification/input_noise.hpp"
 #include "report/identification/multisine.hpp"
-#include "report/table.hpp"
 
 namespace stillframe::report {
 
@@ -65,9 +65,9 @@ InputDifference input_difference(const FrequencyResponse& residual, Index n_y,
     result.why = channels[static_cast<std::size_t>(channel)] +
                  " is not what the inputs say of a floor that does not turn (the floor does, or "
                  "its feet move each on their own, or that channel is of another one): " +
-                 cell("at %.4g Hz it differs from it by %.3g %%, ", residual.frequencies_hz[at],
-                      100 * largest) +
-                 cell("allowed are %.2g %% beyond its band", 100 * allowed);
+                 formatted("at %.4g Hz it differs from it by %.3g %%, ",
+                           residual.frequencies_hz[at], 100 * largest) +
+                 formatted("allowed are %.2g %% beyond its band", 100 * allowed);
   }
   if (2 * n_shown <= n_known) result.why.clear();
   return result;
@@ -143,7 +143,7 @@ IdentifiedResponse ResponseAnalyser::finish() {
     result.missing =
         "the inputs do not move independently: some are always the same combination of others "
         "(condition " +
-        cell("%.1e", best) + " at best)";
+        formatted("%.1e", best) + " at best)";
     return result;
   }
   for (Eigen::Index l = 0; l < response.n_frequencies(); ++l) {

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <cstdio>
-
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "report/export/log_export.hpp"
 
@@ -42,8 +41,10 @@ class ChosenRows : public LogVisitor {
     }
     summary_.scan = scan_log(log, scan, *this);
     if (summary_.n_rows == 0) {
-      throw InputError(log.string() + ": no sample between --from and --to; the run goes from " +
-                       seconds(run_first_s_) + " to " + seconds(run_last_s_) + " s");
+      throw InputError(
+          log.string() +
+          formatted(": no sample between --from and --to; the run goes from %.6g to %.6g s",
+                    run_first_s_, run_last_s_));
     }
   }
 
@@ -55,12 +56,6 @@ class ChosenRows : public LogVisitor {
   virtual void row(const SampleBlock& /*block*/, Eigen::Index /*k*/) {}
 
  private:
-  static std::string seconds(double time) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", time);
-    return text;
-  }
-
   const ExportSettings& settings_;
   ExportSummary summary_;
   bool run_has_begun_ = false;

@@ -2,20 +2,20 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "core/numerics/infinity.hpp"
 #include "report/export/signal_columns.hpp"
 
 namespace stillframe::report {
 
 /// What of a log is exported.
 struct ExportSettings {
-  std::optional<std::int64_t> run_id;  ///< without it the log must hold exactly one run
-  std::optional<int> plant = {};       ///< as in ScanSettings
-  double from_s = -std::numeric_limits<double>::infinity();  ///< s of plant time, included
-  double to_s = std::numeric_limits<double>::infinity();     ///< s of plant time, included
+  std::optional<std::int64_t> run_id;    ///< without it the log must hold exactly one run
+  std::optional<int> plant = {};         ///< as in ScanSettings
+  double from_s = -infinity;             ///< s of plant time, included
+  double to_s = infinity;                ///< s of plant time, included
   std::vector<std::string> channels;     ///< labels or groups (signal_columns.hpp); empty: all
   std::function<void(double)> progress;  ///< the share of the work that is done, 0 to 1
 };

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/numerics/decibels.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 
 namespace stillframe::report {
@@ -37,7 +38,7 @@ double beyond(double predicted, double lower, double upper) {
   if (lower <= predicted && predicted <= upper) return 0;
   const double distance =
       20 * std::max(std::log10(predicted / upper), std::log10(lower / predicted));
-  return distance > 0 ? distance : std::numeric_limits<double>::infinity();
+  return distance > 0 ? distance : infinity;
 }
 
 void check_size(const MatrixXd& predicted, Index rows, Index cols, const char* caller) {
@@ -79,7 +80,7 @@ PredictionError compare(const FrequencyResponse& measured, const Bands& bands,
   }
   const auto raise = [](double value, double frequency, double& largest, double& at) {
     if (value <= largest) return;
-    largest = std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
+    largest = std::isnan(value) ? infinity : value;
     at = frequency;
   };
   for (Index l = 0; l < values.rows(); ++l) {
@@ -130,7 +131,7 @@ ReductionCheck check_reduction(const std::vector<double>& frequencies_hz,
   const MatrixXd error = open.difference_db - closed.difference_db;  // NaN: not both are compared
   const MatrixXd reduction = decibels(open_predicted) - decibels(closed_predicted);
   ReductionCheck check;
-  check.least_reduction_db = std::numeric_limits<double>::infinity();
+  check.least_reduction_db = infinity;
   const auto all_reduced = [&](Index l) {
     for (Index i = 0; i < n_s; ++i) {
       // Of a value that is zero but for rounding the ratio says nothing.
@@ -144,7 +145,7 @@ ReductionCheck check_reduction(const std::vector<double>& frequencies_hz,
     if (!(frequency > above_hz)) continue;
     Index n = 0;
     bool predicted = true;
-    double least = std::numeric_limits<double>::infinity(), largest_error = 0;
+    double least = infinity, largest_error = 0;
     for (Index i = 0; i < n_s; ++i) {
       if (std::isnan(error(l, i))) continue;
       ++n;

@@ -7,6 +7,8 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <limits>
 
+#include "core/numerics/infinity.hpp"
+
 namespace stillframe::report {
 
 using Eigen::Index;
@@ -71,7 +73,7 @@ VectorXd input_noise_error(const FrequencyResponse& response, Index frequency) {
   VectorXd error = VectorXd::Zero(response.singular_values.cols());
   if (at >= response.input_share.size()) return error;
   const MatrixXcd &S = response.input_share[at], &T = response.T[at];
-  error.setConstant(std::numeric_limits<double>::infinity());
+  error.setConstant(infinity);
   if (!S.allFinite() || !T.allFinite()) return error;
   if (!(Eigen::JacobiSVD<MatrixXcd>(S).singularValues()(0) < largest_noise_share)) return error;
   const MatrixXcd rest = MatrixXcd::Identity(S.rows(), S.cols()) - S;

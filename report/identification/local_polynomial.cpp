@@ -8,9 +8,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/infinity.hpp"
 #include "report/spectra/fourier.hpp"
-#include "report/table.hpp"
 
 namespace stillframe::report {
 
@@ -65,9 +66,9 @@ LocalPolynomial::LocalPolynomial(BroadbandPlan plan) : plan_(std::move(plan)) {
   }
   constexpr double fewest = 2 * n_terms;
   if (!(plan_.segment_s * rate >= fewest)) {
-    throw InputError(cell("a segment of %g s holds %.3g samples at %g Hz, ", plan_.segment_s,
-                          plan_.segment_s * rate, rate) +
-                     cell("%g are the fewest", fewest));
+    throw InputError(formatted("a segment of %g s holds %.3g samples at %g Hz, ", plan_.segment_s,
+                               plan_.segment_s * rate, rate) +
+                     formatted("%g are the fewest", fewest));
   }
   length_ = fast_length(std::llround(plan_.segment_s * rate));
   plan_.segment_s = static_cast<double>(length_) / rate;
@@ -270,8 +271,8 @@ std::string LocalPolynomial::missing(const std::vector<std::string>& inputs) con
         (static_cast<double>(half_width(one)) + 0.5) / std::max(widest_hz, half_width_hz_);
     const double longest_s = static_cast<double>(n_longest_) / plan_.sample_rate_hz;
     return std::string(gap_ ? "the longest stretch of the log without a gap" : "the log") +
-           " has " + cell("%.3g", longest_s) + " s, a response of " +
-           std::to_string(plan_.n_inputs) + " inputs needs " + cell("%.3g", needed_s) + " s";
+           " has " + formatted("%.3g", longest_s) + " s, a response of " +
+           std::to_string(plan_.n_inputs) + " inputs needs " + formatted("%.3g", needed_s) + " s";
   }
   const auto moved = [&](const Equations& e) { return enough(e) && excited(e).all(); };
   if (std::none_of(equations_.begin(), equations_.end(), moved)) return at_rest(inputs);
@@ -286,7 +287,7 @@ std::string LocalPolynomial::missing(const std::vector<std::string>& inputs) con
   };
   if (std::none_of(equations_.begin(), equations_.end(), beside)) {
     return "at each of the frequencies lost samples that were filled in may take more than " +
-           cell("%g %% off the response", 100 * largest_filling_share);
+           formatted("%g %% off the response", 100 * largest_filling_share);
   }
   return {};
 }
@@ -324,7 +325,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
   FrequencyResponse response;
   response.frequencies_hz = plan_.frequencies_hz;
   response.dof = VectorXd::Zero(n_f);
-  response.input_condition = VectorXd::Constant(n_f, std::numeric_limits<double>::infinity());
+  response.input_condition = VectorXd::Constant(n_f, infinity);
   for (Index l = 0; l < n_f; ++l) {
     const Equations& e = equations_[static_cast<std::size_t>(l)];
     const double missing = std::numeric_limits<double>::quiet_NaN();
@@ -338,7 +339,7 @@ FrequencyResponse LocalPolynomial::estimate() const {
     response.input_condition(l) = condition_of(e);
     if (!(response.input_condition(l) < largest_condition)) continue;
     if (!(filling_share(e) < largest_filling_share)) {
-      response.input_condition(l) = std::numeric_limits<double>::infinity();  // as without motion
+      response.input_condition(l) = infinity;  // as without motion
       continue;
     }
     const MatrixXcd theta = R.solve(e.factor.topRightCorner(p, n_y));

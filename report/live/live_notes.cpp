@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors/formatted.hpp"
 #include "report/live/live_view.hpp"
 #include "report/table.hpp"
 
@@ -8,7 +9,6 @@ namespace stillframe::live {
 
 namespace {
 
-using report::cell;
 using report::count;
 
 constexpr double quiet_s = 1;
@@ -38,7 +38,7 @@ class Notes {
 
   void say_of_silence() {
     if (view_.channels.empty()) {
-      say(cell("nothing heard for %.0f s on ", view_.watched_s) + url_ +
+      say(formatted("nothing heard for %.0f s on ", view_.watched_s) + url_ +
           "; is a run going on, and in the same network (scripts/private_network)?");
     } else {
       say("no run heard yet, only other messages");
@@ -50,16 +50,16 @@ class Notes {
     if (watcher_.run()->over()) {
       say("the run is over (" + run.state + "); what is shown was its end");
     } else if (run.seq < 0) {
-      say(cell("no measurement of run %lld yet", count(run.run_id)));
+      say(formatted("no measurement of run %lld yet", count(run.run_id)));
     } else if (run.quiet_s > quiet_s) {
-      say(cell("no measurement for %.0f s: the plant has stopped or is gone", run.quiet_s));
+      say(formatted("no measurement for %.0f s: the plant has stopped or is gone", run.quiet_s));
     }
     const WatchedRun& watched = *watcher_.run();
     if (watched.n_before > 0) {
-      say(
-          cell("the plant of this run came back: %lld samples were heard of the one before and are "
-               "no longer shown, %lld of this one",
-               count(watched.n_before), count(watched.n_measured)));
+      say(formatted(
+          "the plant of this run came back: %lld samples were heard of the one before and are "
+          "no longer shown, %lld of this one",
+          count(watched.n_before), count(watched.n_measured)));
     }
   }
 
@@ -82,10 +82,10 @@ class Notes {
           "); `stillframe ctl reset` clears it");
     }
     if (controller.quiet_s > quiet_s && !watcher_.run()->over()) {
-      say(cell("the controller has said nothing for %.0f s", controller.quiet_s));
+      say(formatted("the controller has said nothing for %.0f s", controller.quiet_s));
     }
     if (controller.n_controllers > 1) {
-      say(cell("%d controllers serve this run", controller.n_controllers));
+      say(formatted("%d controllers serve this run", controller.n_controllers));
     }
   }
 
@@ -94,14 +94,14 @@ class Notes {
     const RunSamples& samples = *watcher_.run()->samples;
     if (samples.missed_lately()) {
       say(
-          cell("%lld measurements never came here; that says nothing of the controller, which "
-               "counts its own",
-               count(samples.n_missed())));
+          formatted("%lld measurements never came here; that says nothing of the controller, which "
+                    "counts its own",
+                    count(samples.n_missed())));
     }
     if (samples.began_anew()) say("a gap in the measurements: the levels begin anew after it");
     if (samples.n_not_finite() > 0) {
-      say(cell("%lld values were not finite, the ones before them stand in for them",
-               count(samples.n_not_finite())));
+      say(formatted("%lld values were not finite, the ones before them stand in for them",
+                    count(samples.n_not_finite())));
     }
     if (samples.sample_rate_hz() == 0 && samples.seq() > 0) {
       say("the sample rate is not known: the times in the measurements do not tell it");
@@ -123,21 +123,23 @@ class Notes {
 
   void say_of_others() {
     if (watcher_.other_run_ns() < 0 || now_ns_ - watcher_.other_run_ns() > 5'000'000'000) return;
-    say(cell("another run is heard as well, %lld (--run-id chooses)", count(watcher_.other_run())));
+    say(formatted("another run is heard as well, %lld (--run-id chooses)",
+                  count(watcher_.other_run())));
   }
 
   void say_of_messages() {
     for (const ChannelView& channel : view_.channels) {
       if (channel.n_broken > 0) {
-        say(cell("%lld damaged messages on ", count(channel.n_broken)) + channel.name);
+        say(formatted("%lld damaged messages on ", count(channel.n_broken)) + channel.name);
       }
       if (channel.n_other_version > 0) {
-        say(cell("%lld messages of another version of the type on ",
-                 count(channel.n_other_version)) +
+        say(formatted("%lld messages of another version of the type on ",
+                      count(channel.n_other_version)) +
             channel.name);
       }
       if (channel.n_wrong_size > 0) {
-        say(cell("%lld messages of another size on ", count(channel.n_wrong_size)) + channel.name);
+        say(formatted("%lld messages of another size on ", count(channel.n_wrong_size)) +
+            channel.name);
       }
     }
   }

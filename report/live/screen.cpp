@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors/formatted.hpp"
 #include "report/live/styled_text.hpp"
 #include "report/spectra/vibration_criteria.hpp"
 #include "report/table.hpp"
@@ -11,10 +12,9 @@ namespace stillframe::live {
 
 namespace {
 
-using report::cell;
 using report::count;
 
-std::string significant(double value) { return cell("%.4g", value); }
+std::string significant(double value) { return formatted("%.4g", value); }
 
 Style style_of_state(const std::string& state) {
   if (state == "active") return Style::good;
@@ -90,10 +90,10 @@ class Screen {
       text_.end_line();
       return;
     }
-    text_.add(cell(", %.1f s", run.time_s));
-    if (run.duration_s) text_.add(cell(" of %.1f s", *run.duration_s));
+    text_.add(formatted(", %.1f s", run.time_s));
+    if (run.duration_s) text_.add(formatted(" of %.1f s", *run.duration_s));
     if (view_.n_missed > 0) {
-      text_.add(cell(", %lld not seen here", count(view_.n_missed)), Style::warning);
+      text_.add(formatted(", %lld not seen here", count(view_.n_missed)), Style::warning);
     }
     text_.end_line();
   }
@@ -113,22 +113,24 @@ class Screen {
     if (c.latched) text_.add(", latched", Style::bad);
     text_.end_line();
     label("periods");
-    text_.add(cell("%lld: ", count(c.n_periods)));
-    text_.add(cell("%lld late", count(c.n_late)), style_of_count(c.n_late));
-    text_.add(cell(", %lld lost", count(c.n_lost)), style_of_count(c.n_lost));
-    text_.add(cell(", %lld without a measurement", count(c.n_missing)),
+    text_.add(formatted("%lld: ", count(c.n_periods)));
+    text_.add(formatted("%lld late", count(c.n_late)), style_of_count(c.n_late));
+    text_.add(formatted(", %lld lost", count(c.n_lost)), style_of_count(c.n_lost));
+    text_.add(formatted(", %lld without a measurement", count(c.n_missing)),
               style_of_count(c.n_missing));
-    text_.add(cell(", %lld limited", count(c.n_saturated)), style_of_count(c.n_saturated));
+    text_.add(formatted(", %lld limited", count(c.n_saturated)), style_of_count(c.n_saturated));
     text_.end_line();
     label("faults");
-    text_.add(cell("%lld, %lld rejoined, %lld messages dropped", count(c.n_faults),
-                   count(c.n_rejoins), count(c.n_dropped)),
+    text_.add(formatted("%lld, %lld rejoined, %lld messages dropped", count(c.n_faults),
+                        count(c.n_rejoins), count(c.n_dropped)),
               style_of_count(c.n_faults + c.n_dropped));
     text_.end_line();
     label("worst");
-    text_.add(cell("wake-up %.1f us, compute %.1f us", c.worst_wake_up_us, c.worst_compute_us));
+    text_.add(
+        formatted("wake-up %.1f us, compute %.1f us", c.worst_wake_up_us, c.worst_compute_us));
     if (c.recent_wake_up_us) {
-      text_.add(cell("; last 10 s %.1f us, %.1f us", *c.recent_wake_up_us, *c.recent_compute_us));
+      text_.add(
+          formatted("; last 10 s %.1f us, %.1f us", *c.recent_wake_up_us, *c.recent_compute_us));
     }
     text_.end_line();
   }
@@ -136,11 +138,11 @@ class Screen {
   void timing() {
     for (const EndView& t : view_.timing) {
       label(t.source);
-      line(
-          cell("in the end: %lld periods, %lld late, %lld lost, worst wake-up %.1f us, compute "
-               "%.1f us",
-               count(t.n_periods), count(t.n_late), count(t.n_lost), t.worst_wake_up_us,
-               t.worst_compute_us));
+      line(formatted(
+          "in the end: %lld periods, %lld late, %lld lost, worst wake-up %.1f us, compute "
+          "%.1f us",
+          count(t.n_periods), count(t.n_late), count(t.n_lost), t.worst_wake_up_us,
+          t.worst_compute_us));
     }
   }
 
@@ -187,9 +189,9 @@ class Screen {
       signal(axis.floor ? "" : axis.axis, axis.floor ? "frame" : "", axis.frame, name, bar_width);
       if (axis.floor) ratio(axis, name);
     }
-    line(cell("over the last %.1f s", view_.window_s) +
+    line(formatted("over the last %.1f s", view_.window_s) +
              (view_.window_s < RunSamples::window_s - 0.01
-                  ? cell(" (%.0f s when there are so many)", RunSamples::window_s)
+                  ? formatted(" (%.0f s when there are so many)", RunSamples::window_s)
                   : ""),
          Style::faint);
   }
@@ -213,7 +215,7 @@ class Screen {
 
   void ratio(const AxisView& axis, int name) {
     const auto over = [](double a, double b) {
-      return b > 0 ? cell("%.4f", a / b) : std::string("-");
+      return b > 0 ? formatted("%.4f", a / b) : std::string("-");
     };
     line(padded("", name) + padded("ratio", 7) +
              padded(over(axis.frame.level.rms_acceleration, axis.floor->level.rms_acceleration), 10,
@@ -235,7 +237,7 @@ class Screen {
       text_.add(padded(leg.leg, 14) + padded(significant(leg.rms), 10, false) +
                 padded(significant(leg.peak), 10, false));
       if (leg.share) {
-        text_.add(padded(cell("%.1f %%", 100 * *leg.share), 10, false),
+        text_.add(padded(formatted("%.1f %%", 100 * *leg.share), 10, false),
                   *leg.share > 0.9 ? Style::warning : Style::plain);
       }
       text_.end_line();
@@ -249,11 +251,12 @@ class Screen {
          Style::faint);
     for (const ChannelView& c : view_.channels) {
       const std::int64_t bad = c.n_broken + c.n_other_version + c.n_wrong_size;
-      text_.add(padded(c.name, 18) + padded(cell("%.1f", c.per_s), 10, false) +
-                padded(cell("%lld", count(c.n)), 12, false));
-      text_.add(padded(cell("%lld", count(bad)), 8, false), style_of_count(bad));
-      text_.add(padded(cell("%lld", count(c.n_other_run)), 11, false));
-      text_.add(padded(c.quiet_s > 1 ? cell("%.0f s", c.quiet_s) : "", 10, false), Style::faint);
+      text_.add(padded(c.name, 18) + padded(formatted("%.1f", c.per_s), 10, false) +
+                padded(formatted("%lld", count(c.n)), 12, false));
+      text_.add(padded(formatted("%lld", count(bad)), 8, false), style_of_count(bad));
+      text_.add(padded(formatted("%lld", count(c.n_other_run)), 11, false));
+      text_.add(padded(c.quiet_s > 1 ? formatted("%.0f s", c.quiet_s) : "", 10, false),
+                Style::faint);
       text_.end_line();
     }
   }

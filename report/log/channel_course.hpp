@@ -2,8 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
+
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe::report {
 
@@ -30,7 +31,7 @@ struct ChannelCourse {
   std::int64_t n = 0, n_other = 0;  ///< samples, and those that differ from the first
   std::int64_t n_since = 0;         ///< samples from the first of those on
   Variation moved = {};
-  double smallest_change = std::numeric_limits<double>::infinity();
+  double smallest_change = infinity;
   Rest rest = {};  ///< the one in which most was done by what is followed beside
 
   bool rests() const { return n_other == 0; }

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <vector>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/files/utf8.hpp"
 #include "msgs/channels.hpp"
@@ -25,12 +25,6 @@ using stillframe_msgs::timing_t;
 namespace {
 
 constexpr int our_format_version = 1;
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 /// A damaged log may name any number of runs that are none.
 constexpr std::size_t most_runs_found = 1000;
@@ -83,9 +77,10 @@ void require_sound(const run_info_t& info, const SamplePeriod& period, const std
                      ", allowed are positive numbers");
   }
   if (!period.agrees(info.sample_rate_hz)) {
-    throw InputError(place + ": sample_rate_hz: found " + number(info.sample_rate_hz) +
-                     ", but its samples are " + number(period.median()) +
-                     " s apart: the log is damaged");
+    throw InputError(place +
+                     formatted(": sample_rate_hz: found %g, but its samples are %g s apart: the "
+                               "log is damaged",
+                               info.sample_rate_hz, period.median()));
   }
 }
 

@@ -1,9 +1,9 @@
 #include "report/page/html.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 
+#include "core/errors/formatted.hpp"
 #include "core/files/utf8.hpp"
 
 namespace stillframe::page {
@@ -91,24 +91,20 @@ std::string text_element(std::string_view name, Attributes attributes, std::stri
 std::string number_text(double value, int digits) {
   if (!std::isfinite(value)) return "\u2013";
   if (value == 0) return "0";
-  char buffer[64];
   // Rounded first, so that 999.96 has the digits of 1000.
-  std::snprintf(buffer, sizeof buffer, "%.*e", digits - 1, value);
-  const int exponent =
-      std::atoi(std::string_view(buffer).substr(std::string_view(buffer).find('e') + 1).data());
+  std::string text = formatted("%.*e", digits - 1, value);
+  const int exponent = std::atoi(text.c_str() + text.find('e') + 1);
   if (exponent >= -3 && exponent < 6) {
-    std::snprintf(buffer, sizeof buffer, "%.*f", std::max(0, digits - 1 - exponent), value);
+    text = formatted("%.*f", std::max(0, digits - 1 - exponent), value);
   }
-  const std::string text = with_minus_signs(buffer);
+  text = with_minus_signs(text);
   const std::size_t end = text.find('e');
   return end == std::string::npos ? text : text.substr(0, end) + "\u00b710" + superscript(exponent);
 }
 
 std::string short_number(double value) {
   if (!std::isfinite(value)) return number_text(value);
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.6g", value);
-  return with_minus_signs(buffer);
+  return with_minus_signs(formatted("%.6g", value));
 }
 
 }  // namespace stillframe::page

@@ -1,9 +1,9 @@
 #include "report/page/tables.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <string_view>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "report/page/html.hpp"
 
@@ -157,9 +157,9 @@ std::string matrix_table(const MatrixTable& matrix) {
     for (std::size_t j = 0; j < n_columns; ++j) {
       const double value =
           matrix.values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      char style[32] = "";
+      std::string style;
       if (std::isfinite(value) && largest > 0) {
-        std::snprintf(style, sizeof style, "--v:%.3f", std::abs(value) / largest);
+        style = formatted("--v:%.3f", std::abs(value) / largest);
       }
       // Rounding of an exact zero is shown as zero.
       const bool zero = std::abs(value) < 1e-12 * largest;

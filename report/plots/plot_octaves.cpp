@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/numerics/infinity.hpp"
 #include "report/plots/gnuplot.hpp"
 #include "report/plots/plot_style.hpp"
 #include "report/plots/plots.hpp"
@@ -19,7 +19,7 @@ namespace {
 constexpr double um_per_m = 1e6;
 
 struct Range {
-  double lowest = std::numeric_limits<double>::infinity();
+  double lowest = infinity;
   double highest = 0;
 
   void include(const VectorXd& values, double scale) {

@@ -1,9 +1,9 @@
 #include "report/spectra/vibration_criteria.hpp"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "core/numerics/infinity.hpp"
 #include "report/spectra/spectra.hpp"
 
 namespace stillframe::report {
@@ -44,7 +44,7 @@ bool VibrationCriterion::applies(double frequency_hz) const {
 
 double VibrationCriterion::limit(double frequency_hz) const {
   constexpr double corner_hz = 8;
-  if (!applies(frequency_hz)) return std::numeric_limits<double>::infinity();
+  if (!applies(frequency_hz)) return infinity;
   const bool relaxed = lowest_hz > 1 && frequency_hz < nominal * corner_hz;
   return relaxed ? velocity * corner_hz / frequency_hz : velocity;
 }

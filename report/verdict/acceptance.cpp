@@ -4,10 +4,10 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/errors/formatted.hpp"
 #include "report/log/sample_check.hpp"
 #include "report/spectra/spectra.hpp"
 #include "report/spectra/vibration_criteria.hpp"
-#include "report/table.hpp"
 #include "report/verdict/motion_level.hpp"
 
 namespace stillframe::report {
@@ -17,7 +17,7 @@ namespace {
 /// A ratio this many times what is allowed fails a run that is too short to pass.
 constexpr double beyond_doubt = 10;
 
-std::string percent(double share) { return cell("%.3g %%", 100 * share); }
+std::string percent(double share) { return formatted("%.3g %%", 100 * share); }
 
 /// As the first word of a sentence.
 std::string capital(std::string text) {
@@ -30,11 +30,11 @@ std::string most_of(double share) { return share > 0 ? "at most " + percent(shar
 /// With as many digits as tell both ends apart.
 std::string hz_range(const AxisAcceptance& asked) {
   for (int digits = 4; digits < 17; ++digits) {
-    const std::string from = cell("%.*g", digits, asked.from_hz);
-    const std::string to = cell("%.*g", digits, asked.to_hz);
+    const std::string from = formatted("%.*g", digits, asked.from_hz);
+    const std::string to = formatted("%.*g", digits, asked.to_hz);
     if (from != to) return "from " + from + " to " + to + " Hz";
   }
-  return cell("from %.17g to %.17g Hz", asked.from_hz, asked.to_hz);
+  return formatted("from %.17g to %.17g Hz", asked.from_hz, asked.to_hz);
 }
 
 const RunSummary* active_run(const Verdict& verdict) {
@@ -100,7 +100,7 @@ class Judge {
            .found = many,
            .outcome = Outcome::failed,
            .reason = "Values in the log of " + of + " that are not finite, or beyond " +
-                     cell("%g", largest_value) + " (N, m/s^2): " + many + ", the first at " +
+                     formatted("%g", largest_value) + " (N, m/s^2): " + many + ", the first at " +
                      run.first_not_finite + "."});
     }
     // Before what rests: there all does.
@@ -203,7 +203,7 @@ class Judge {
   /// as good as held only until then.
   void hold_of(const RunSummary& run) {
     if (!run.let_go.empty()) {
-      const std::string until = cell("%.4g s", run.judged_to_s);
+      const std::string until = formatted("%.4g s", run.judged_to_s);
       add({.subject = Subject::effort,
            .what = "hold of the loop on the frame",
            .asked = "until the end, or a stop",
@@ -378,8 +378,8 @@ class Judge {
                                : 0;
     if (there_s >= needed_s) return "";
     const std::string held = active_->judged_from_s > 0 ? " in which the loop held the frame" : "";
-    return cell("the run of %.3g s", there_s) + held +
-           cell(" is too short for levels, which need %.3g s", needed_s);
+    return formatted("the run of %.3g s", there_s) + held +
+           formatted(" is too short for levels, which need %.3g s", needed_s);
   }
 
   /// A level, and what of it may be something else than motion in its range.
@@ -428,7 +428,7 @@ class Judge {
     return {.subject = Subject::motion,
             .what = "axis " + against.axis->axis + ", active to " + against.reference + ", " +
                     against.measure + " " + hz_range(against.motion->asked),
-            .asked = cell("at most %.4g", allowed),
+            .asked = formatted("at most %.4g", allowed),
             .found = "",
             .outcome = Outcome::not_judged,
             .reason = "Axis " + against.axis->axis + ": " + why + ".",
@@ -446,7 +446,7 @@ class Judge {
       open("there is no motion of the " + of + " on the same floor to compare with");
     } else if (a.to_hz - a.from_hz < against.motion->narrowest_hz) {
       open("the range " + range + " is narrower than what the record resolves, " +
-           cell("%.3g Hz", against.motion->narrowest_hz));
+           formatted("%.3g Hz", against.motion->narrowest_hz));
     } else if (moves_too_little(*against.motion)) {
       open("it moves less than " + percent(least_axis_share) +
            " of what the largest axis does, which says nothing of the loop");
@@ -459,7 +459,8 @@ class Judge {
 
   void ratio(const Against& against, const Span& span, const Level& reference, double allowed) {
     const AxisAcceptance& a = against.motion->asked;
-    const std::string of = against.reference, range = hz_range(a), is = cell("%.4g", span.found);
+    const std::string of = against.reference, range = hz_range(a),
+                      is = formatted("%.4g", span.found);
     const std::string too_short_for = too_short(a.from_hz);
     std::string open;
     bool is_needed = false;
@@ -469,9 +470,10 @@ class Judge {
       open = "the " + of + " hardly moves " + range + ": " + reference.doubt() +
              " may be all that is there";
     } else if (span.found <= allowed && span.most > allowed) {
-      open = span.doubt +
-             cell(" may be so much of the range that the ratio, %.4g, is known up to %.4g only",
-                  span.found, span.most);
+      open =
+          span.doubt +
+          formatted(" may be so much of the range that the ratio, %.4g, is known up to %.4g only",
+                    span.found, span.most);
     } else if (span.found > allowed && span.least <= allowed) {
       open = is + " times as much as the " + of + ", but " + span.doubt + " may be the difference";
     } else if (span.found > allowed && span.undisturbed && *span.undisturbed <= allowed) {
@@ -490,7 +492,7 @@ class Judge {
       check.reason = "Axis " + against.axis->axis + ": the active frame moves " + is +
                      " times as much as the " + of + " (" +
                      (std::string(against.measure) == "rms" ? "rms" : "worst third-octave band") +
-                     " " + range + "), allowed is " + cell("%.4g", allowed) + ".";
+                     " " + range + "), allowed is " + formatted("%.4g", allowed) + ".";
       // By the floor they are excused above.
       if (check.outcome == Outcome::failed && verdict_.disturbed && of == "passive frame") {
         check.reason.back() = ';';
@@ -515,10 +517,10 @@ class Judge {
     if (!(active->least() <= least_acceleration)) {
       if (moves_too_little(*against.motion)) return false;
       check.outcome = Outcome::failed;
-      check.found = cell("%.3g m/s^2, passive 0", active->value);
+      check.found = formatted("%.3g m/s^2, passive 0", active->value);
       check.reason =
           "Axis " + against.axis->axis + ": the passive frame rests, and the active one moves by " +
-          cell("%.3g m/s^2 rms ", active->value) + range + ", which only its own loop can do.";
+          formatted("%.3g m/s^2 rms ", active->value) + range + ", which only its own loop can do.";
     }
     add(std::move(check));
     return true;
@@ -555,8 +557,8 @@ class Judge {
       if (hides(*floor, i) || hides(*reference, i)) {
         hidden = true;
         if (coarse.empty() && band.upper_hz - band.lower_hz < reference->narrowest_hz) {
-          coarse =
-              cell("the record does not resolve the third-octave band of %g Hz", band.nominal_hz);
+          coarse = formatted("the record does not resolve the third-octave band of %g Hz",
+                             band.nominal_hz);
         }
         continue;
       }
@@ -673,7 +675,8 @@ std::vector<AskedMotion> asked_of(const SceneAcceptance& accept, const std::stri
   if (!verdict.isolates_above_hz) {
     floor.why_not = "what the loop is to isolate is not known, its target is in no log";
   } else if (!(*verdict.isolates_above_hz < to_hz)) {
-    floor.why_not = cell("the loop is to isolate above %.4g Hz only", *verdict.isolates_above_hz);
+    floor.why_not =
+        formatted("the loop is to isolate above %.4g Hz only", *verdict.isolates_above_hz);
   } else {
     floor.asked.from_hz = *verdict.isolates_above_hz;
   }

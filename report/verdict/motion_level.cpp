@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "core/errors/formatted.hpp"
 #include "report/spectra/vibration_criteria.hpp"
-#include "report/table.hpp"
 
 namespace stillframe::report {
 
@@ -59,12 +59,12 @@ std::string worse_over_all(const AxisLevels& axis) {
   }
   if (calm == nullptr) return {};
   return "Axis " + axis.axis +
-         cell(
+         formatted(
              ": over all samples the active frame moves %.3g times as much as the passive one by "
              "rms and %.3g times by peak, ",
              rms, peak) +
-         cell("beside %.3g from %.4g to %.4g Hz, the range that is judged.",
-              *calm->active / *calm->passive, calm->asked.from_hz, calm->asked.to_hz);
+         formatted("beside %.3g from %.4g to %.4g Hz, the range that is judged.",
+                   *calm->active / *calm->passive, calm->asked.from_hz, calm->asked.to_hz);
 }
 
 bool moves_too_little(const std::vector<AxisLevels>& axes, const AskedMotion& motion) {

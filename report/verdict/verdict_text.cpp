@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors/formatted.hpp"
 #include "report/said_once.hpp"
 #include "report/table.hpp"
 #include "report/verdict/verdict.hpp"
@@ -24,13 +25,13 @@ std::string runs_text(const std::vector<RunSummary>& runs) {
               2);
   std::string notes;
   for (const RunSummary& run : runs) {
-    table.add({run.loop, run.mode, cell("%g", run.sample_rate_hz), cell("%g", run.delay_samples),
-               count(run.n_samples), count(run.n_lost), count(run.n_duplicates),
-               count(run.n_commands), count(run.n_saturated),
-               run.real_time_factor > 0 ? cell("%.2f", run.real_time_factor) : "unknown"});
+    table.add({run.loop, run.mode, formatted("%g", run.sample_rate_hz),
+               formatted("%g", run.delay_samples), count(run.n_samples), count(run.n_lost),
+               count(run.n_duplicates), count(run.n_commands), count(run.n_saturated),
+               run.real_time_factor > 0 ? formatted("%.2f", run.real_time_factor) : "unknown"});
     if (run.n_judged > 0 && run.n_judged < run.n_samples) {
-      notes += "  the " + run.loop + " run is judged from " + cell("%.4g", run.judged_from_s) +
-               " s to " + cell("%.4g", run.judged_to_s) + " s, " +
+      notes += "  the " + run.loop + " run is judged from " + formatted("%.4g", run.judged_from_s) +
+               " s to " + formatted("%.4g", run.judged_to_s) + " s, " +
                (run.loop == "active" ? "when the loop held the frame" : "as the active one") +
                (run.let_go.empty() ? "" : "; then " + run.let_go) + "\n";
     }
@@ -60,38 +61,41 @@ const char* in_short(Outcome outcome) {
 std::string identification_text(const IdentificationSummary& id) {
   Table table({"measured against the sampled-data prediction", "largest dB", "at Hz"}, 1);
   const auto add = [&table](const char* loop, int n, double largest_db, double at_hz) {
-    table.add({loop, n > 0 ? cell("%.4f", largest_db) : "-", n > 0 ? cell("%g", at_hz) : ""});
+    table.add(
+        {loop, n > 0 ? formatted("%.4f", largest_db) : "-", n > 0 ? formatted("%g", at_hz) : ""});
   };
   add("singular values, open loop", id.n_open_compared, id.open_largest_db, id.open_at_hz);
   add("singular values, closed loop", id.n_closed_compared, id.closed_largest_db, id.closed_at_hz);
-  table.add({cell("reduction by the loop, above %.4g Hz", id.reduction_above_hz),
-             id.n_reduction_frequencies > 0 ? cell("%.4f", id.reduction_largest_error_db) : "-",
-             ""});
-  return cell(
+  table.add(
+      {formatted("reduction by the loop, above %.4g Hz", id.reduction_above_hz),
+       id.n_reduction_frequencies > 0 ? formatted("%.4f", id.reduction_largest_error_db) : "-",
+       ""});
+  return formatted(
              "Identification: %d frequencies, %g to %g Hz, %d values compared, at most %.4f dB "
              "beyond their bands (allowed: %.4g dB): %s\n",
              id.n_frequencies, id.lowest_hz, id.highest_hz, id.n_compared(), id.beyond_db,
              id.allowed_db, in_short(id.outcome())) +
          table.print() +
-         cell(
+         formatted(
              "  closed loop below open loop at %d of the %d frequencies above %.4g Hz where it is "
              "to be",
              id.n_closed_below_open, id.n_reduction_frequencies, id.reduction_above_hz) +
-         (id.n_reduction_unknown > 0 ? cell(", not known at %d more", id.n_reduction_unknown)
+         (id.n_reduction_unknown > 0 ? formatted(", not known at %d more", id.n_reduction_unknown)
                                      : "") +
          "\n";
 }
 
 /// Four significant digits without an exponent where that is readable.
 std::string level(double value) {
-  return value != 0 && (std::abs(value) < 1e-3 || std::abs(value) >= 1e5) ? cell("%.3e", value)
-                                                                          : cell("%.4g", value);
+  return value != 0 && (std::abs(value) < 1e-3 || std::abs(value) >= 1e5)
+             ? formatted("%.3e", value)
+             : formatted("%.4g", value);
 }
 
 std::string ratio(const std::optional<MotionLevel>& signal,
                   const std::optional<MotionLevel>& reference, double MotionLevel::*value) {
   if (!signal || !reference || !((*reference).*value > 0)) return "-";
-  return cell("%.4f", (*signal).*value / ((*reference).*value));
+  return formatted("%.4f", (*signal).*value / ((*reference).*value));
 }
 
 std::string axes_text(const std::vector<AxisLevels>& axes) {
@@ -112,7 +116,7 @@ std::string axes_text(const std::vector<AxisLevels>& axes) {
                  level(1e6 * signal->largest_band_velocity),
                  is_floor ? "" : ratio(signal, axis.floor, band),
                  is_active ? ratio(signal, axis.passive, band) : "",
-                 cell("%g", signal->largest_band_hz), signal->vibration_class});
+                 formatted("%g", signal->largest_band_hz), signal->vibration_class});
     }
   }
   return "Acceleration, 1-80 Hz, and the largest one-third-octave rms velocity\n" + table.print();
@@ -124,13 +128,13 @@ std::string timing_text(const std::vector<TimingSummary>& timing) {
               2);
   for (const TimingSummary& t : timing) {
     table.add({t.loop, t.source, count(t.n_periods), count(t.n_late), count(t.n_lost),
-               count(t.n_duplicates), cell("%.1f", t.worst_wake_up_us),
-               cell("%.1f", t.worst_compute_us)});
+               count(t.n_duplicates), formatted("%.1f", t.worst_wake_up_us),
+               formatted("%.1f", t.worst_compute_us)});
   }
   std::string text = "Timing\n" + table.print();
   for (const TimingSummary& t : timing) {
     if (!t.wake_up || !t.compute) continue;
-    text += cell(
+    text += formatted(
         "  %s %s: wake-up %.3g us median, %.3g us p99, %.3g us p99.9; compute %.3g, %.3g, "
         "%.3g us (upper edges of bins, ten to a decade)\n",
         t.loop.c_str(), t.source.c_str(), t.wake_up->p50_us, t.wake_up->p99_us, t.wake_up->p999_us,
@@ -156,11 +160,11 @@ std::string responses_text(const std::vector<ResponseSummary>& responses) {
     }
     const bool compared = r.n_compared > 0;
     table.add({r.loop, r.what, r.method, count(r.n_frequencies), count(r.n_compared),
-               compared ? cell("%.4f", r.sampled_largest_db) : "-",
-               compared ? cell("%.4g", r.sampled_at_hz) : "",
-               compared ? cell("%.4f", r.beyond_db) : "",
-               compared ? cell("%.4f", r.continuous_largest_db) : "-",
-               compared ? cell("%.4g", r.continuous_at_hz) : ""});
+               compared ? formatted("%.4f", r.sampled_largest_db) : "-",
+               compared ? formatted("%.4g", r.sampled_at_hz) : "",
+               compared ? formatted("%.4f", r.beyond_db) : "",
+               compared ? formatted("%.4f", r.continuous_largest_db) : "-",
+               compared ? formatted("%.4g", r.continuous_at_hz) : ""});
   }
   return "Identified singular values that are known to 1 dB, against the predictions\n" +
          table.print() + indented("", missing) + notes;
@@ -171,9 +175,9 @@ std::string shocks_text(const std::vector<ShockSummary>& shocks) {
   Table table({"axis", "loop", "at s", "floor mm/s^2", "frame mm/s^2", "settled after s"}, 2);
   for (std::size_t i = 0; i < std::min(shocks.size(), most); ++i) {
     const ShockSummary& shock = shocks[i];
-    table.add({shock.axis, shock.loop, cell("%.1f", shock.time_s), level(1e3 * shock.floor_level),
-               level(1e3 * shock.frame_level),
-               shock.settling_s ? cell("%.1f", *shock.settling_s) : "never"});
+    table.add({shock.axis, shock.loop, formatted("%.1f", shock.time_s),
+               level(1e3 * shock.floor_level), level(1e3 * shock.frame_level),
+               shock.settling_s ? formatted("%.1f", *shock.settling_s) : "never"});
   }
   return "Shocks, rms over 0.1 s\n" + table.print() +
          (shocks.size() > most
@@ -186,7 +190,7 @@ std::string noise_text(const std::vector<NoiseSummary>& noise) {
   std::string notes;
   for (const NoiseSummary& n : noise) {
     table.add({n.axis, n.loop, n.rms_acceleration ? level(1e3 * *n.rms_acceleration) : "not known",
-               n.share ? cell("%.5f", *n.share) : "-"});
+               n.share ? formatted("%.5f", *n.share) : "-"});
     const std::string note = "  " + n.loop + ": " + n.missing + "\n";
     if (!n.missing.empty() && notes.find(note) == std::string::npos) notes += note;
   }
@@ -198,7 +202,7 @@ std::string effort_text(const std::vector<EffortSummary>& effort) {
   Table table({"leg", "loop", "rms N", "peak N", "largest command N", "of its limit"}, 2);
   for (const EffortSummary& e : effort) {
     table.add({e.leg, e.loop, level(e.applied_rms), level(e.applied_peak), level(e.command_peak),
-               e.limit ? cell("%.3f", e.command_peak / *e.limit) : "no limit"});
+               e.limit ? formatted("%.3f", e.command_peak / *e.limit) : "no limit"});
   }
   return "Actuators\n" + table.print();
 }

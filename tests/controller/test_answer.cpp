@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "controller/answer.hpp"
+#include "core/numerics/infinity.hpp"
 #include "tests/controller/toy_plant.hpp"
 #include "tests/support/allocation_count.hpp"
 
@@ -16,7 +17,6 @@ using Eigen::VectorXd;
 using stillframe_msgs::command_t;
 using stillframe_msgs::measurement_t;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 class AnswerTest : public testing::Test {

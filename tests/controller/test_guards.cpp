@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "controller/arming.hpp"
@@ -9,6 +8,7 @@
 #include "controller/limits.hpp"
 #include "controller/presence.hpp"
 #include "controller/screen.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/worst.hpp"
 
 namespace stillframe::controller {
@@ -106,7 +106,6 @@ TEST(Limits, NothingElseEverPasses) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> decades(-3, 6);
   std::bernoulli_distribution rare(0.02);
-  const double infinity = std::numeric_limits<double>::infinity();
   const auto any = [&](double) {
     if (rare(random)) return std::nan("");
     if (rare(random)) return random() % 2 ? infinity : -infinity;

@@ -10,6 +10,7 @@
 #include "core/control/margins.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/eigenvalues.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/worst.hpp"
 #include "core/systems/sampled_loop.hpp"
 #include "tests/core/random_loops.hpp"
@@ -20,7 +21,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 MatrixXd random_matrix(std::mt19937_64& random, Index n) {

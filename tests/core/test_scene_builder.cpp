@@ -19,6 +19,7 @@
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/scene_builder.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
+#include "core/numerics/infinity.hpp"
 #include "tests/core/reader_scenes.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -749,7 +750,6 @@ SceneBuilder sound_builder() {
 TEST(SceneBuilder, RefusesWhatTheReaderRefuses) {
   ASSERT_EQ(refusal_of(sound_builder()), "");
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const double infinity = std::numeric_limits<double>::infinity();
   const BeamKeys section{.orientation = "y", .EA = 1, .GJ = 1, .EI_y = 1, .EI_z = 1};
   const auto with_section = [&](const std::function<void(BeamKeys&)>& change) {
     BeamKeys keys = section;

@@ -1,8 +1,6 @@
 #include "tools/run/run_files.hpp"
 
-#include <fstream>
-#include <sstream>
-
+#include "core/files/bytes_of_file.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
 
 namespace stillframe::tools {
@@ -12,9 +10,7 @@ namespace {
 /// Empty if there is none, and of a pipe, which gives its text only once.
 std::string text_of(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) return "";
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return std::move(text).str();
+  return bytes_of_file(file).value_or("");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "core/errors/formatted.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/log_writer.hpp"
@@ -125,9 +126,8 @@ PhaseResult run_in_process(const judge::LoopDesign& design, const floor::FloorSp
   }
   const double speed =
       static_cast<double>(n) / options.sample_rate_hz / (static_cast<double>(wall) * 1e-9);
-  char line[240];
-  std::snprintf(line, sizeof line,
-                "%lld samples in one process by the method %s, %.0f times as fast as real time%s",
+  const std::string line =
+      formatted("%lld samples in one process by the method %s, %.0f times as fast as real time%s",
                 static_cast<long long>(n), method_name(loop.plant().choice().method).c_str(), speed,
                 loop.plant().n_out_of_range() > 0 ? "; force sensors were out of range" : "");
   return {exit_done, "", line};

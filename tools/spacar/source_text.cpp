@@ -1,8 +1,8 @@
 #include "tools/spacar/source_text.hpp"
 
 #include <algorithm>
-#include <fstream>
 
+#include "core/files/bytes_of_file.hpp"
 #include "tools/spacar/place.hpp"
 
 namespace stillframe::tools::spacar {
@@ -16,15 +16,12 @@ std::string bytes_of(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error)) {
     throw InputError(path.string() + ": is a folder, allowed is a file");
   }
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(most_bytes + 1, '\0');
-  if (file) file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!file.is_open() || file.bad()) throw InputError(path.string() + ": cannot be read");
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  if (bytes.size() > most_bytes) {
+  auto bytes = bytes_of_file(path, most_bytes);
+  if (!bytes) throw InputError(path.string() + ": cannot be read");
+  if (bytes->size() > most_bytes) {
     throw InputError(path.string() + ": found more than 16 MiB, allowed are 16 MiB");
   }
-  return bytes;
+  return *std::move(bytes);
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/positive_definite.hpp"
@@ -109,10 +109,7 @@ DesignModel redundant(const Frame& frame) {
 }
 
 std::string mode_name(Index mode, double square) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%td (%.6g Hz)", mode + 1,
-                std::sqrt(std::max(square, 0.0)) / two_pi);
-  return text;
+  return formatted("%td (%.6g Hz)", mode + 1, std::sqrt(std::max(square, 0.0)) / two_pi);
 }
 
 LegMatrices on_slowest_modes(const Frame& frame, const DesignNames& names) {

@@ -1,9 +1,9 @@
 #include "core/control/design/gain_design.hpp"
 
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/extended/decompositions.hpp"
 #include "core/numerics/positive_definite.hpp"
@@ -37,12 +37,10 @@ void require_determined_modes(const VirtualModes& modes, const std::vector<ModeT
     const ModeTarget &a = targets[static_cast<size_t>(i)], &b = targets[static_cast<size_t>(i + 1)];
     if (a.omega_d == b.omega_d && a.zeta == b.zeta) continue;
     if (omega(i + 1) - omega(i) > same_frequency * omega(i + 1)) continue;
-    char text[256];
-    std::snprintf(text, sizeof text,
-                  "virtual modes %td and %td are of one frequency, %.6g Hz, so that their shapes "
+    throw Refusal(
+        formatted("virtual modes %td and %td are of one frequency, %.6g Hz, so that their shapes "
                   "are not determined: give them the same target",
-                  i + 1, i + 2, omega(i) / two_pi);
-    throw Refusal(text);
+                  i + 1, i + 2, omega(i) / two_pi));
   }
 }
 

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <complex>
 #include <iterator>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "core/control/fitting/rig_model.hpp"
 #include "core/errors/input_error.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/yaml/loop_numbers.hpp"
 
 namespace stillframe::fitting {
@@ -121,7 +121,7 @@ class Fit {
     if (delay_ < 0) return;
     const double nominal = question_.sampling.delay_samples,
                  size = question_.parameters[static_cast<std::size_t>(delay_)].size;
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     // As far as is looked: of its size, and of what a scene may have.
     const double to = std::min(nominal + 2 * size, double{longest_delay_samples});
     for (double whole = std::floor(std::max(0.0, nominal - 2 * size)); whole <= to; ++whole) {
@@ -423,7 +423,7 @@ double cost_at(const Fit& fit, const VectorXd& values, const Weights& weights) {
   } catch (const Refusal&) {
   } catch (const InputError&) {
   }
-  return std::numeric_limits<double>::infinity();
+  return infinity;
 }
 
 RigFit fit_all(const FitQuestion& question, const RigRecord& record,

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <numbers>
 #include <optional>
 #include <set>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/numerics/eigenvalues.hpp"
 #include "core/numerics/golden_section.hpp"
@@ -28,9 +28,8 @@ VectorXd outcome_frequencies_hz(double target_hz, double sample_rate_hz) {
   const double from = target_hz / 50, to = 0.45 * sample_rate_hz;
   const int steps = std::max(1, static_cast<int>(std::ceil(10 * std::log10(to / from))));
   for (int i = 0; i <= steps; ++i) {
-    char digits[24];
-    std::snprintf(digits, sizeof digits, "%.3g", from * std::pow(to / from, double(i) / steps));
-    all.insert(std::strtod(digits, nullptr));
+    const std::string digits = formatted("%.3g", from * std::pow(to / from, double(i) / steps));
+    all.insert(std::strtod(digits.c_str(), nullptr));
   }
   for (const double f : {1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
     if (f < sample_rate_hz / 2) all.insert(f);

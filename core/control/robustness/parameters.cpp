@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "core/control/design/control_loop.hpp"
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/model/model.hpp"
 #include "core/mechanics/operating_point.hpp"
 #include "core/mechanics/scene/alter.hpp"
@@ -103,18 +103,12 @@ std::vector<Parameter> parameters_of(const Scene& scene, const SceneUncertainty&
 
 namespace {
 
-std::string text(const char* format, double number) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, number);
-  return buffer;
-}
-
 std::string direction_text(const Vector3d& direction) {
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(direction(axis) - 1) < 1e-12) return {"xyz"[axis]};
   }
   const auto part = [&](int axis) {  // without the sign of a zero
-    return text("%.3g", std::abs(direction(axis)) < 1e-12 ? 0.0 : direction(axis));
+    return formatted("%.3g", std::abs(direction(axis)) < 1e-12 ? 0.0 : direction(axis));
   };
   std::string out = "(";
   for (int axis = 0; axis < 3; ++axis) out += part(axis) + (axis < 2 ? ", " : ")");
@@ -167,13 +161,13 @@ std::string deviation_text(const Parameter& parameter, double value) {
   const double deviation = value * parameter.size;
   switch (parameter.kind) {
     case Kind::centre_of_mass:
-      return text("%+.4g mm", 1e3 * deviation);
+      return formatted("%+.4g mm", 1e3 * deviation);
     case Kind::leg_direction:
-      return text("%+.4g mrad", 1e3 * deviation);
+      return formatted("%+.4g mrad", 1e3 * deviation);
     case Kind::delay:
-      return text("%+.4g samples", deviation);
+      return formatted("%+.4g samples", deviation);
     default:
-      return text("%+.4g %%", 100 * deviation);
+      return formatted("%+.4g %%", 100 * deviation);
   }
 }
 

@@ -3,13 +3,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/control/robustness/evaluator.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe::robustness {
 
@@ -43,8 +43,8 @@ struct RatioHistogram {
 };
 
 struct Extremes {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
+  double least = infinity;
+  double most = -infinity;
 
   void add(double value);
   void merge(const Extremes& other);

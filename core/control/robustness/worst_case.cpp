@@ -1,9 +1,9 @@
 #include "core/control/robustness/worst_case.hpp"
 
 #include <atomic>
-#include <limits>
 
 #include "core/control/robustness/parallel.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe::robustness {
 
@@ -58,7 +58,7 @@ VectorXd slope_corner(Score& score, Index p, int jobs) {
   return nearest_corner(slopes);
 }
 
-constexpr double unsurpassed = std::numeric_limits<double>::infinity();
+constexpr double unsurpassed = infinity;
 
 Found climb(Score& score, VectorXd corner) {
   double best = score(corner);

@@ -1,7 +1,8 @@
 #include "core/mechanics/model/prescribed.hpp"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "core/errors/formatted.hpp"
 
 namespace stillframe {
 
@@ -9,10 +10,7 @@ std::string direction_in_words(const Eigen::Vector3d& direction) {
   for (Index i = 0; i < 3; ++i) {
     if (direction == Eigen::Vector3d::Unit(i)) return std::string(1, "xyz"[i]);
   }
-  char text[80];
-  std::snprintf(text, sizeof text, "[%.4g, %.4g, %.4g]", direction.x(), direction.y(),
-                direction.z());
-  return text;
+  return formatted("[%.4g, %.4g, %.4g]", direction.x(), direction.y(), direction.z());
 }
 
 std::vector<SceneSignal> prescribed_signals(const Model& model) {

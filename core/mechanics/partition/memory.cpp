@@ -2,8 +2,7 @@
 
 #include <unistd.h>
 
-#include <cstdio>
-
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 
 namespace stillframe {
@@ -13,11 +12,10 @@ void require_memory(double numbers, const std::string& place, const std::string&
                        static_cast<double>(sysconf(_SC_PAGESIZE)),
                needed = numbers * sizeof(double);
   if (needed <= there) return;
-  char text[96];
-  std::snprintf(text, sizeof text, " would take about %.3g GB of memory, this machine has %.3g GB",
-                needed / 1e9, there / 1e9);
   throw InputError(
-      place + ": " + of_what + text +
+      place + ": " + of_what +
+      formatted(" would take about %.3g GB of memory, this machine has %.3g GB", needed / 1e9,
+                there / 1e9) +
       "; divide fewer beams into fewer parts, or ask for the lowest modes alone (modes --lowest)");
 }
 

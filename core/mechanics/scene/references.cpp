@@ -1,7 +1,8 @@
 #include "core/mechanics/scene/references.hpp"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "core/errors/formatted.hpp"
 
 namespace stillframe {
 
@@ -104,10 +105,6 @@ void refuse_slash(const YamlReader& value, const std::string& name) {
   value.fail("a '/' is reserved for the parts of divided beams, choose a name without");
 }
 
-std::string shown(double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", number);
-  return text;
-}
+std::string shown(double number) { return formatted("%.6g", number); }
 
 }  // namespace stillframe

@@ -1,9 +1,9 @@
 #include "core/mechanics/scene/scene_reader.hpp"
 
 #include <cstdint>
-#include <cstdio>
 #include <tuple>
 
+#include "core/errors/formatted.hpp"
 #include "core/mechanics/scene/acceptance.hpp"
 #include "core/mechanics/scene/controller_block.hpp"
 #include "core/mechanics/scene/corrections.hpp"
@@ -163,9 +163,7 @@ std::optional<Block> read_floor(const Scene& scene,
 std::string text_hash(const std::string& text) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const unsigned char byte : text) hash = (hash ^ byte) * 1099511628211ULL;
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
-  return digits;
+  return formatted("%016llx", static_cast<unsigned long long>(hash));
 }
 
 }  // namespace stillframe

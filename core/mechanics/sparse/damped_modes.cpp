@@ -10,6 +10,7 @@
 
 #include "core/mechanics/sparse/mixed_factors.hpp"
 #include "core/numerics/balance.hpp"
+#include "core/numerics/infinity.hpp"
 
 namespace stillframe {
 
@@ -28,7 +29,7 @@ constexpr double not_found = std::numeric_limits<double>::quiet_NaN();
 struct Damped {
   Complex p;
   VectorXcd y;
-  double change = std::numeric_limits<double>::infinity();  ///< of p in the last round, relative
+  double change = infinity;  ///< of p in the last round, relative
   bool settled = false;
 };
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
+#include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/sparse/mixed_factors.hpp"
 #include "core/mechanics/sparse/unresisted.hpp"
@@ -233,11 +233,10 @@ LowestModes lowest_modes(const MixedModel& mixed, const MixedState& state, Index
   }
   if (result.squares.size() == 0) throw Refusal("nothing that resists has mass");
   if (result.squares(0) < 0 || !pencil.stable(shift)) {
-    char why[64] = "the stiffness is not positive definite";
-    if (result.squares(0) < 0) {
-      std::snprintf(why, sizeof why, "omega^2 = %.6g (rad/s)^2 in mode 1", result.squares(0));
-    }
-    throw Unstable(why, result.shapes.col(0));
+    throw Unstable(result.squares(0) < 0
+                       ? formatted("omega^2 = %.6g (rad/s)^2 in mode 1", result.squares(0))
+                       : "the stiffness is not positive definite",
+                   result.shapes.col(0));
   }
   result.natural_frequencies_hz = result.squares.cwiseSqrt() / two_pi;
   return result;

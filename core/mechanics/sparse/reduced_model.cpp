@@ -12,6 +12,7 @@
 #include "core/mechanics/sparse/mixed_factors.hpp"
 #include "core/mechanics/sparse/mixed_signals.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/lanczos.hpp"
 #include "core/numerics/two_pi.hpp"
 
@@ -152,7 +153,7 @@ void Reducer::find_modes(const SceneReduction& asked) {
   known_to_ = found.known_to.head(n_m_);
   V_m_ = found.shapes.leftCols(n_m_);
   const bool all = n_m_ == n_found;
-  first_left_out_ = all ? std::numeric_limits<double>::infinity() : std::sqrt(found.squares(n_m_));
+  first_left_out_ = all ? infinity : std::sqrt(found.squares(n_m_));
   const double highest = n_m_ > 0 ? found.natural_frequencies_hz(n_m_ - 1) : 0;
   to_hz_ = asked.to_hz > 0 ? asked.to_hz : all ? highest : first_left_out_ / (4 * std::numbers::pi);
   // What moves freely makes the stiffness singular: seen from a tenth below what does not.
@@ -187,8 +188,7 @@ double Reducer::largest_damping() const {
   const LanczosPairs found = largest_pairs(
       D, 1, Largest::modulus, [&](const VectorXd& f, VectorXd& y) { factors_.solve({}, f, s, y); });
   // Converged to far more than one per cent.
-  return found.converged && found.values.size() > 0 ? 1.01 * std::abs(found.values(0))
-                                                    : std::numeric_limits<double>::infinity();
+  return found.converged && found.values.size() > 0 ? 1.01 * std::abs(found.values(0)) : infinity;
 }
 
 void Reducer::in_position_alone() {

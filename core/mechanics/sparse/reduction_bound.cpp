@@ -8,6 +8,7 @@
 
 #include "core/mechanics/frequency_response.hpp"
 #include "core/mechanics/state_space.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/singular_values.hpp"
 
 namespace stillframe {
@@ -107,7 +108,7 @@ double carried(const ReductionBound& bound, double omega) {
 
 double ReductionBound::operator()(double omega, const LinearModel& reduced, Index n_in,
                                   Index n_out) const {
-  constexpr double none = std::numeric_limits<double>::infinity();
+  constexpr double none = infinity;
   if (!(omega < first_left_out)) return none;
   double undamped = 1;
   if (std::isfinite(first_left_out)) {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "core/numerics/infinity.hpp"
 #include "report/log/sample_check.hpp"
 #include "tests/report/log/run_fixture.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -24,7 +24,6 @@ TEST(SampleCheck, NamesTheFirstValueThatIsNoNumber) {
                          "sigma of leg_3",          "applied force of leg_1",
                          "applied force of leg_2",  "applied force of leg_3",
                          "acceleration of frame_x", "acceleration of frame_y"};
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const double bad : {std::nan(""), infinity, -infinity, 1e300, -1.1e12}) {
     for (std::size_t i = 0; i < 10; ++i) {
       SampleCheck check(sample_info(1, 100));
