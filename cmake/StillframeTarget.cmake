@@ -34,7 +34,7 @@ if(STILLFRAME_SANITIZE)
 endif()
 
 # What a file has for itself, its anonymous namespace, is its batch's here: two names must not meet in it.
-# Twice as many in a batch cost a third less in all and half again as much when one of them changes.
+# Of 4, 8, 14 and 40 in a batch the mechanics take 136, 119, 127 and some 190 s; 14 cost less than 8 in control.
 function(stillframe_batches target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${STILLFRAME_UNITY} UNITY_BUILD_BATCH_SIZE 14)
 endfunction()

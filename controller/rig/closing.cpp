@@ -46,11 +46,9 @@ class Closing {
                .disciplined = true}) {
     const Excitation& plan = supervisor_.excitation();
     n_rows_ = static_cast<Index>(plan.n_samples()) + 2 * recording_margin;
-    Recording& out = closed_.recording;
     const Index m = gains.n_legs();
-    closed_.sent = out.command = out.sigma = out.applied = Eigen::MatrixXd::Zero(n_rows_, m);
-    out.frame = Eigen::MatrixXd::Zero(n_rows_, n_frame);
-    out.floor = Eigen::MatrixXd::Zero(n_rows_, n_floor);
+    closed_.recording = empty_recording(n_rows_, m, measurement_of(m, n_floor, n_frame));
+    closed_.sent = Eigen::MatrixXd::Zero(n_rows_, m);
     there_.assign(static_cast<std::size_t>(n_rows_), false);
     closed_.frame_peak = mean_ = VectorXd::Zero(n_frame);
   }
@@ -133,10 +131,7 @@ class Closing {
     const auto i = static_cast<Index>(row);
     out.command.row(i) = record.excitation.transpose();
     closed_.sent.row(i) = record.command.force.transpose();
-    out.sigma.row(i) = now.sigma.transpose();
-    out.applied.row(i) = now.applied.transpose();
-    out.frame.row(i) = now.frame.transpose();
-    out.floor.row(i) = now.floor.transpose();
+    put(now, i, out);
     there_[static_cast<std::size_t>(row)] = record.state == State::active && now.heard;
   }
 

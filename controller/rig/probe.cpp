@@ -141,11 +141,7 @@ class Prober {
     const Index n = settings_.n_window, windows = settings_.n_windows;
     const Index rest = recording_margin + 2 * windows * n, part = (windows + 2) * n,
                 total = rest + part * m_ + recording_margin;
-    Recording out;
-    out.command = MatrixXd::Zero(total, m_);
-    out.sigma = out.applied = MatrixXd::Zero(total, m_);
-    out.frame = MatrixXd::Zero(total, measurement_.frame.size());
-    out.floor = MatrixXd::Zero(total, measurement_.floor.size());
+    Recording out = empty_recording(total, m_, measurement_);
     std::vector<bool> there(static_cast<std::size_t>(total), false);
     std::int64_t first = -1;
     Index k = -1;
@@ -154,10 +150,7 @@ class Prober {
         if (first < 0) first = measurement_.seq;
         const auto row = static_cast<Index>(measurement_.seq - first);
         if (row >= total) return;
-        out.sigma.row(row) = measurement_.sigma.transpose();
-        out.applied.row(row) = measurement_.applied.transpose();
-        out.frame.row(row) = measurement_.frame.transpose();
-        out.floor.row(row) = measurement_.floor.transpose();
+        put(measurement_, row, out);
         there[static_cast<std::size_t>(row)] = true;
       });
       const Index now = first < 0 ? -1 : std::min<Index>(total - 1, last_ - first);
@@ -341,6 +334,21 @@ class Prober {
 };
 
 }  // namespace
+
+Recording empty_recording(Index n, Index m, const Measurement& measurement) {
+  Recording recording;
+  recording.command = recording.sigma = recording.applied = MatrixXd::Zero(n, m);
+  recording.frame = MatrixXd::Zero(n, measurement.frame.size());
+  recording.floor = MatrixXd::Zero(n, measurement.floor.size());
+  return recording;
+}
+
+void put(const Measurement& measurement, Index row, Recording& recording) {
+  recording.sigma.row(row) = measurement.sigma.transpose();
+  recording.applied.row(row) = measurement.applied.transpose();
+  recording.frame.row(row) = measurement.frame.transpose();
+  recording.floor.row(row) = measurement.floor.transpose();
+}
 
 void choose_windows(Recording& recording, const std::vector<bool>& there, Index from, Index n,
                     Index at_rest, Index windows, Index m, double most_missing) {

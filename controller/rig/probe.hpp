@@ -79,6 +79,11 @@ struct Recording {
   std::int64_t n_samples = 0, n_lost = 0;
 };
 
+/// n rows of nothing, of m legs, and of the accelerations that a measurement has.
+Recording empty_recording(Eigen::Index n, Eigen::Index m, const Measurement& measurement);
+/// What was read, in its row.
+void put(const Measurement& measurement, Eigen::Index row, Recording& recording);
+
 /// Chooses the windows of a recording of which no more than a part of the samples is lost, and
 /// fills in what is: from a row on, at_rest windows of n samples with nothing driven, then of each
 /// of m legs one in which the drive rises, so many driven, and one in which it falls. there: of

@@ -9,8 +9,7 @@ namespace stillframe::report {
 
 namespace {
 
-constexpr const char* measured_style =
-    " with points pointtype 7 pointsize 1.1 linecolor rgb 'black'";
+constexpr const char* read_style = " with points pointtype 7 pointsize 1.1 linecolor rgb 'black'";
 constexpr const char* fitted_style = " with lines linewidth 3 linecolor rgb '#0072B2'";
 constexpr const char* other_style =
     " with lines linewidth 2 dashtype (4,6) linecolor rgb '#D55E00'";
@@ -25,7 +24,7 @@ void plot_fit(const FitPlot& plot, const std::filesystem::path& path) {
   std::string script = surround(
       {.title = plot.title,
        .left_label = plot.left_label,
-       .legend = {legend_entry(measured_style, "measured"), legend_entry(fitted_style, plot.fitted),
+       .legend = {legend_entry(read_style, "measured"), legend_entry(fitted_style, plot.fitted),
                   legend_entry(other_style, plot.other)}});
   for (std::size_t i = 0; i < n; ++i) {
     const FitPanel& panel = plot.panels[i];
@@ -47,7 +46,7 @@ void plot_fit(const FitPlot& plot, const std::filesystem::path& path) {
         "set ytics 20\nset yrange [*:*]\nset label 1 " + plot_text(panel.title) +
         " noenhanced at graph 0.02, graph 0.92\n" + plot_data(name, table) + "plot " +
         joined({"$" + name + " using 1:4" + other_style, "$" + name + " using 1:3" + fitted_style,
-                "$" + name + " using 1:2" + measured_style}) +
+                "$" + name + " using 1:2" + read_style}) +
         "\n";
   }
   run_gnuplot(script, path);

@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 
 /// Text with ten digits, as other programs write matrices, leaves 1e-10 of each entry; a reduction
 /// loses some digits more. A forgotten interface or a wrong unit is off by all of it.
-constexpr double known_to = 1e-6;
+constexpr double body_known_to = 1e-6;
 /// More than the digits of a data sheet, less than a part that was forgotten.
 constexpr double stated_to = 1e-3;
 
@@ -48,7 +48,7 @@ MatrixXd read_square(const YamlReader& value, Index size, std::vector<ReadFile>&
   const MatrixXd compared = balanced(matrix, scale);
   Index i = 0, j = 0;
   const double off = (compared - compared.transpose()).cwiseAbs().maxCoeff(&i, &j);
-  if (!(off <= known_to)) {
+  if (!(off <= body_known_to)) {
     value.fail("the matrix of '" + path.string() + "' is not symmetric: entry (" +
                std::to_string(i + 1) + ", " + std::to_string(j + 1) + ") is " +
                shown(matrix(i, j)) + " and its mirror image " + shown(matrix(j, i)));
@@ -85,9 +85,9 @@ std::string stiffness_fault(const FlexibleBody& body) {
   for (Index i = 0; i < 6; ++i) {
     const VectorXd motion = scale.cwiseInverse().asDiagonal() * E.col(i);
     const double off = (K * motion).cwiseAbs().maxCoeff() / motion.cwiseAbs().maxCoeff();
-    if (!(off <= known_to)) {
+    if (!(off <= body_known_to)) {
       return "the body resists a rigid " + std::string(names[i]) + " (by " + shown(off) +
-             " of its largest stiffness, allowed is " + shown(known_to) +
+             " of its largest stiffness, allowed is " + shown(body_known_to) +
              "): is it held somewhere, or are the positions of its interfaces in other units?";
     }
   }
@@ -106,7 +106,7 @@ std::string mass_fault(const FlexibleBody& body) {
   VectorXd scale;
   const MatrixXd M = balanced(body.M, scale);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(M, Eigen::EigenvaluesOnly);
-  if (!(solver.eigenvalues()(0) >= -known_to)) {
+  if (!(solver.eigenvalues()(0) >= -body_known_to)) {
     return "the mass matrix is indefinite: its smallest eigenvalue, scaled, is " +
            shown(solver.eigenvalues()(0));
   }
@@ -117,9 +117,9 @@ std::string mass_fault(const FlexibleBody& body) {
   const double off_mass = (mass - m * Matrix3d::Identity()).cwiseAbs().maxCoeff() / m;
   const double size = std::sqrt(std::max(rigid.bottomRightCorner<3, 3>().trace(), 0.0) / m);
   const double off_moment = (moment + moment.transpose()).cwiseAbs().maxCoeff() / (m * size);
-  if (off_mass <= known_to && off_moment <= known_to) return "";
+  if (off_mass <= body_known_to && off_moment <= body_known_to) return "";
   return "the mass is not the same in all directions (off by " +
-         shown(std::max(off_mass, off_moment)) + ", allowed is " + shown(known_to) +
+         shown(std::max(off_mass, off_moment)) + ", allowed is " + shown(body_known_to) +
          "): is it the matrix of these interfaces, in kg and m?";
 }
 
