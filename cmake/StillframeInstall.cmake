@@ -20,6 +20,7 @@ endforeach()
 install(FILES include/stillframe.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/stillframe COMPONENT development)
 install(DIRECTORY config DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe COMPONENT program)
 install(DIRECTORY docs/json DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe COMPONENT program)
+install(FILES docs/scene.md DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe/docs COMPONENT program)
 install(PROGRAMS scripts/private_network DESTINATION ${CMAKE_INSTALL_DATADIR}/stillframe COMPONENT program)
 install(FILES LICENSE RENAME copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 # From what the programs say of themselves: manual pages, and completion for bash.

@@ -81,8 +81,9 @@ def help(verb: str = "") -> None:
     if verb and verb not in verbs:
         raise InputError(f"help: no verb {verb!r}{meant(verb, verbs)}", 2)
     if verb == "scene":
-        # Installed neither with the module nor with the programs: it is where one of them is in the sources.
-        places = [folder / "docs/scene.md" for path in (__file__, program()) for folder in pathlib.Path(path).resolve().parents]
+        # Beside the program: in the sources, or as installed.
+        places = [folder / place for path in (__file__, program()) for folder in pathlib.Path(path).resolve().parents
+                  for place in ("docs/scene.md", "share/stillframe/docs/scene.md")]
         found = [path for path in places if path.exists()]
         said = found[0].read_text(encoding="utf-8") if found else (
             "docs/scene.md in the sources of stillframe has the keys of a scene; scenes are in share/stillframe/config/scenes.")

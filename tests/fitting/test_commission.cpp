@@ -152,7 +152,7 @@ TEST_P(CommissionRigs, AreFoundAndTheirLoopDoesAsPredicted) {
     hidden.frame_noise = 1e-4;
     hidden.step = 0.01;
     hidden.lost = 1e-4;
-    hidden.late = 1e-4;
+    hidden.late = 1e-3;
     std::vector<std::size_t> legs(static_cast<std::size_t>(m));
     std::iota(legs.begin(), legs.end(), 0);
     std::ranges::shuffle(legs, random);
@@ -333,6 +333,37 @@ TEST(Commission, ALoopOnOtherLegsIsNotAsPredicted) {
         outputs_of(file, design.scene));
     EXPECT_EQ(are_as_predicted(closed), off == 0);
   }
+}
+
+/// Commands that act a sample late are no noise of a loop whose amplifiers report what acts: one in
+/// fifty leaves the bands within twice what they are without, and what is measured within them.
+TEST(Commission, LateCommandsAreNoNoiseOfAClosedLoop) {
+  const Scene scene = parse_scene(fitting::small_frame_text(), "small_frame");
+  const LoopDesign design = make_loop_design(scene);
+  VectorXd noise[2];
+  for (const bool late : {false, true}) {
+    Hidden hidden(3);
+    hidden.noise = 0.02;
+    hidden.step = 0.01;
+    hidden.late = late ? 0.02 : 0;
+    HiddenRig rig(controller::SimulatedPlant(design.sampled, 0.001), hidden, 1, 3);
+    const controller::RigFile file = rig_file_of(design);
+    controller::Policy policy;
+    policy.force_limit_n = 1000;
+    policy.excitation = {.kind = controller::ExcitationPlan::Kind::multisine, .window_s = 1};
+    policy.excitation.force_n = added_force(20, design, policy);
+    controller::ScaledIo scaled(rig, file.channels);
+    const auto closed = closed_responses(
+        controller::close_on_rig(scaled, design.gains, policy, 0, 3, rig.time(), {}, {}), design,
+        outputs_of(file, design.scene));
+    EXPECT_TRUE(are_as_predicted(closed));
+    noise[late] = closed[0].noise;
+    EXPECT_EQ(rig.n_late > 100, late);
+  }
+  VectorXd ratio = noise[1].cwiseQuotient(noise[0]);
+  std::ranges::sort(ratio);
+  // Without it: 20 times and more.
+  EXPECT_LT(ratio(ratio.size() / 2), 2);
 }
 
 /// Actuators that lag, and a delay other than the scene's, look like gains where legs are probed:
