@@ -61,7 +61,8 @@ std::vector<int> logarithmic_lines(double from, double to, int n_lines,
 
 VectorXd multisine(const std::vector<int>& lines, Index n_window) {
   VectorXd wave = VectorXd::Zero(n_window);
-  const VectorXd phases = low_crest_phases({lines.begin(), lines.end()}, 1);
+  // A tenth of a second or two: a loop that is to be excited does not wait for the last of it.
+  const VectorXd phases = low_crest_phases({lines.begin(), lines.end()}, 1, std::size_t{1} << 22);
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const double phase = phases(static_cast<Index>(l));
     for (Index k = 0; k < n_window; ++k) {

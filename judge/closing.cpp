@@ -12,6 +12,7 @@
 #include "core/control/fitting/acted_commands.hpp"
 #include "core/control/fitting/rig_model.hpp"
 #include "core/numerics/decibels.hpp"
+#include "core/numerics/infinity.hpp"
 #include "core/numerics/two_pi.hpp"
 
 namespace stillframe::judge {
@@ -203,7 +204,27 @@ Index ClosedResponse::n_acting() const {
   return n;
 }
 
+double ClosedResponse::mean_off_db() const {
+  double sum = 0, weights = 0;
+  for (Index l = 0; l < measured.size(); ++l) {
+    if (!is_told(l)) continue;
+    const double weight = 1 / (doubt_db(l) * doubt_db(l) + 1e-12);
+    sum += weight * off_db(l);
+    weights += weight;
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+double ClosedResponse::mean_doubt_db() const {
+  double weights = 0;
+  for (Index l = 0; l < measured.size(); ++l) {
+    if (is_told(l)) weights += 1 / (doubt_db(l) * doubt_db(l) + 1e-12);
+  }
+  return weights > 0 ? 1 / std::sqrt(weights) : infinity;
+}
+
 bool ClosedResponse::is_as_predicted() const {
+  if (!is_known() || !(std::abs(mean_off_db()) <= most_db + mean_doubt_db())) return false;
   for (Index l = 0; l < measured.size(); ++l) {
     if (is_told(l) && !(std::abs(off_db(l)) <= most_db + doubt_db(l))) return false;
   }

@@ -42,7 +42,14 @@ struct ClosedResponse {
   /// At how many told lines the law is seen to act: what is measured is not what it would be
   /// without.
   Eigen::Index n_acting() const;
-  /// The law is seen to act, and nothing told is off by more than most_db and what noise may do.
+  /// Of all told lines together, each by what noise leaves of it: what one that is hidden by half
+  /// may be off by, twelve are not. Infinite doubt: none is told.
+  double mean_off_db() const;
+  double mean_doubt_db() const;
+  /// Noise leaves the mean within most_db.
+  bool is_known() const { return mean_doubt_db() <= most_db; }
+  /// The law is seen to act, and neither anything told nor the mean, which has to be known, is off
+  /// by more than most_db and what noise may do.
   bool is_as_predicted() const;
 
   /// A loop that is a decibel off in its size, a tenth, is well within its margins; a model that

@@ -73,7 +73,10 @@ Words words_of(judge::ClosedResponse::Of of) {
   return {"strain", "forces of the legs' stiffness", "forces of the legs' stiffness (N per N)"};
 }
 
-Json closed_json(const ClosedOnRig& closed) {
+Json closed_json(const Commissioning& all) {
+  const ClosedOnRig& closed = *all.closed;
+  const bool is_compared = all.found && closed.run.frame_peak.size() > 0;
+  const Json driven_peak = is_compared ? to_json(judge::frame_peak(*all.found)) : Json();
   Json responses = Json::array();
   for (const judge::ClosedResponse& response : closed.responses) {
     const Index worst = response.worst();
@@ -85,15 +88,23 @@ Json closed_json(const ClosedOnRig& closed) {
                          {"passive", to_json(response.passive)},
                          {"n_told", response.n_told()},
                          {"n_acting", response.n_acting()},
+                         {"mean_db", worst < 0 ? Json() : Json(response.mean_off_db())},
+                         {"mean_doubt_db", worst < 0 ? Json() : Json(response.mean_doubt_db())},
                          {"worst_db", worst < 0 ? Json() : Json(response.off_db(worst))},
                          {"worst_hz", worst < 0 ? Json() : Json(response.frequencies_hz(worst))},
                          {"as_predicted", response.is_as_predicted()}});
   }
   const controller::ClosedRecording& run = closed.run;
-  return {{"responses", responses},         {"frame_peak_m_s2", to_json(run.frame_peak)},
-          {"force_peak_n", run.force_peak}, {"added_force_n", run.added_force},
-          {"n_lost", run.recording.n_lost}, {"n_saturated", run.n_saturated},
-          {"n_faults", run.n_faults},       {"as_predicted", are_as_predicted(closed.responses)}};
+  return {{"responses", responses},
+          {"frame_peak_m_s2", to_json(run.frame_peak)},
+          {"force_peak_n", run.force_peak},
+          {"added_force_n", run.added_force},
+          {"n_lost", run.recording.n_lost},
+          {"n_saturated", run.n_saturated},
+          {"n_faults", run.n_faults},
+          {"frame_peak_driven_m_s2", driven_peak},
+          {"shaken_harder", is_compared ? Json(all.is_shaken_harder()) : Json()},
+          {"as_predicted", are_as_predicted(closed.responses)}};
 }
 
 std::string with_unit(const robustness::Parameter& parameter, double deviation) {
@@ -178,10 +189,16 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
         what.c_str(), report::count(response.n_told()),
         report::count(response.frequencies_hz.size()), response.frequencies_hz(worst),
         response.off_db(worst), response.doubt_db(worst));
+    line += formatted("all together %+.2f dB (noise: %.2f dB); ", response.mean_off_db(),
+                      response.mean_doubt_db());
     line += response.n_acting() > 0
                 ? formatted("the law is seen to act at %lld.", report::count(response.n_acting()))
                 : "the law is not seen to act: take a larger --force, or more --windows.";
-    if (!response.is_as_predicted() && response.n_acting() > 0) {
+    if (response.n_acting() > 0 && !response.is_known()) {
+      line +=
+          formatted(" Noise leaves %.2f dB, %g may be: take a larger --force, or more --windows.",
+                    response.mean_doubt_db(), judge::ClosedResponse::most_db);
+    } else if (!response.is_as_predicted() && response.n_acting() > 0) {
       line += formatted(" That is more than %g dB: the rig is not as the updated scene says.",
                         judge::ClosedResponse::most_db);
     }
@@ -298,7 +315,7 @@ Json to_json(const Commissioning& all) {
           {"scene_file", path(all.files.scene)},
           {"rig_file", path(all.files.rig)},
           {"uncertainty_file", path(all.files.uncertainty)},
-          {"closed", all.closed ? closed_json(*all.closed) : Json()},
+          {"closed", all.closed ? closed_json(all) : Json()},
           {"passed", all.passed}};
 }
 

@@ -35,8 +35,8 @@ class Closing {
         policy_(policy),
         time_(time),
         stop_(stop),
-        began_ns_(time.now_ns()),
         supervisor_(gains, policy, true),
+        began_ns_(time.now_ns()),  // what is excited by may have taken seconds
         loop_(io, supervisor_, policy,
               {.sample_rate_hz = gains.sample_rate_hz,
                .start_ns = began_ns_,
@@ -159,8 +159,8 @@ class Closing {
   const Policy& policy_;
   const ProbeTime& time_;
   const std::function<bool()>& stop_;
-  std::int64_t began_ns_, heard_ns_ = began_ns_;
   Supervisor supervisor_;
+  std::int64_t began_ns_, heard_ns_ = began_ns_;
   Loop loop_;
   ClosedRecording closed_;
   Index n_rows_ = 0;

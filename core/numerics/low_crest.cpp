@@ -39,7 +39,8 @@ Eigen::VectorXd schroeder_phases(const std::vector<double>& frequencies_hz, doub
   return phases;
 }
 
-Eigen::VectorXd low_crest_phases(const std::vector<double>& frequencies_hz, double period) {
+Eigen::VectorXd low_crest_phases(const std::vector<double>& frequencies_hz, double period,
+                                 std::size_t points) {
   if (frequencies_hz.size() < 2) return schroeder_phases(frequencies_hz, period);
   std::vector<std::size_t> bins;
   std::size_t divisor = 0;
@@ -56,7 +57,7 @@ Eigen::VectorXd low_crest_phases(const std::vector<double>& frequencies_hz, doub
   // envelope.
   constexpr double share = 0.8;
   const std::size_t n = std::bit_ceil(4 * bins.back());
-  const std::size_t rounds = std::clamp<std::size_t>((std::size_t{1} << 25) / n, 1, 1000);
+  const std::size_t rounds = std::clamp<std::size_t>(points / n, 1, 1000);
   const kissfft<double> to_time(n, true), to_lines(n, false);
   std::vector<std::complex<double>> lines(n), signal(n);
 

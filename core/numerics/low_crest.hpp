@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 namespace stillframe {
@@ -17,6 +18,8 @@ Eigen::VectorXd schroeder_phases(const std::vector<double>& frequencies_hz, doub
 /// others the envelope is clipped and the phases of the clipped signal taken, over and over, and
 /// the best set kept. Source: E. van der Ouderaa, J. Schoukens, J. Renneboog, IEEE Trans. Instrum.
 /// Meas. 37 (1988) 145-147. Arguments as above; each frequency a whole multiple of 1 / period.
-Eigen::VectorXd low_crest_phases(const std::vector<double>& frequencies_hz, double period);
+/// points: of the signal, that are looked at in all rounds together; a million take 0.05 s.
+Eigen::VectorXd low_crest_phases(const std::vector<double>& frequencies_hz, double period,
+                                 std::size_t points = std::size_t{1} << 25);
 
 }  // namespace stillframe

@@ -60,7 +60,8 @@ YamlReader::YamlReader(std::shared_ptr<const Source> source, const YAML::Node& n
       name_(std::move(name)) {}
 
 YamlReader YamlReader::from_file(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
     throw InputError(path.string() + ": is a folder, a YAML file is needed");
   }
   const auto text = bytes_of_file(path, most_yaml_bytes);
@@ -225,7 +226,8 @@ Eigen::MatrixXd YamlReader::matrix(Eigen::Index rows, Eigen::Index cols, double 
 
 std::pair<std::filesystem::path, std::string> YamlReader::file_bytes(std::size_t most) const {
   const std::filesystem::path path = folder() / text();
-  if (std::filesystem::is_directory(path)) fail("'" + path.string() + "' is a folder");
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) fail("'" + path.string() + "' is a folder");
   auto bytes = bytes_of_file(path, most);
   if (!bytes || bytes->empty()) {
     fail("the file '" + path.string() + "' cannot be read (missing, empty or not allowed)");

@@ -310,8 +310,11 @@ TEST(Commission, ALoopOnOtherLegsIsNotAsPredicted) {
   SceneUncertainty stiffness;
   stiffness.stiffness = 1;
   const auto parameters = robustness::parameters_of(scene, stiffness);
-  for (const double off : {-0.3, 0.0, 0.5, 1.0}) {
-    SCOPED_TRACE(off);
+  // With little force noise hides that, and a loop of which little is seen is not passed for it.
+  const std::pair<double, double> trials[] = {{-0.3, 20}, {0, 20},  {0.5, 20}, {1, 20},
+                                              {-0.3, 4},  {0.5, 4}, {0.5, 1}};
+  for (const auto& [off, force_n] : trials) {
+    SCOPED_TRACE(std::to_string(off) + " " + std::to_string(force_n));
     const VectorXd values = VectorXd::Constant(static_cast<Index>(parameters.size()), off);
     Hidden hidden(3);
     hidden.noise = 0.02;
@@ -326,7 +329,7 @@ TEST(Commission, ALoopOnOtherLegsIsNotAsPredicted) {
     controller::Policy policy;
     policy.force_limit_n = 1000;
     policy.excitation = {.kind = controller::ExcitationPlan::Kind::multisine, .window_s = 1};
-    policy.excitation.force_n = added_force(20, design, policy);
+    policy.excitation.force_n = added_force(force_n, design, policy);
     controller::ScaledIo scaled(rig, file.channels);
     const auto closed = closed_responses(
         controller::close_on_rig(scaled, design.gains, policy, 0, 3, rig.time(), {}, {}), design,
