@@ -39,18 +39,9 @@ Gains designed() {
   return gains;
 }
 
-ProbeSettings settings_of(const Gains& gains) {
-  ProbeSettings settings;
-  settings.sample_rate_hz = gains.sample_rate_hz;
-  settings.force_n = 4;
-  settings.most_n = 40;
-  settings.lines = probe_lines(settings.n_window);
-  return settings;
-}
-
-Wiring probed(HiddenRig& rig, const Gains& gains, const Channels& channels) {
+Wiring probed(HiddenRig& rig, const Gains& gains, const Channels& channels, double force_n = 4) {
   ScaledIo scaled(rig, channels);
-  const ProbeSettings settings = settings_of(gains);
+  const ProbeSettings settings = probe_settings(gains, channels, force_n);
   return wiring_of(probe_rig(scaled, 4, settings, rig.time(), {}, {}), settings, gains, channels);
 }
 
@@ -85,6 +76,20 @@ TEST(Wiring, ASoundRigIsSound) {
   EXPECT_FALSE(rig.enabled);
   EXPECT_EQ(rig.acts().norm(), 0);
   EXPECT_LT(rig.peak, 3 * 4);
+}
+
+/// A force far below the noise tells nothing, and that is what is said: no cable, no delay.
+TEST(Wiring, NoiseHidesASmallForce) {
+  const Gains gains = designed();
+  for (const double force_n : {1e-6, 1e-4, 1e-3}) {
+    FourLegs rig(gains, four(50, 0.05), 1);
+    const Wiring wiring = probed(rig, gains, default_rig(gains).channels, force_n);
+    EXPECT_FALSE(wiring.sound || wiring.connected || wiring.mended);
+    for (std::size_t leg = 0; leg < 4; ++leg) {
+      EXPECT_FALSE(says(wiring, leg, "samples from")) << force_n;
+      EXPECT_FALSE(says(wiring, leg, "other way round")) << force_n;
+    }
+  }
 }
 
 /// Of random rigs with a model that is off by a fifth, a crystal, noise and 16 bits: one cable pair
