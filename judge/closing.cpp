@@ -65,25 +65,40 @@ MatrixXd outputs_of(const controller::Recording& recording, Of of, Index report_
   return outputs;
 }
 
+/// Of a value that is known to so many dB, in a mean: none, where that is a guess.
+double weight_of(double doubt_db) {
+  constexpr double exact_db = 1e-6;
+  return doubt_db < most_doubt_db ? 1 / (doubt_db * doubt_db + exact_db * exact_db) : 0;
+}
+
 double largest(const MatrixXcd& T) { return Eigen::JacobiSVD<MatrixXcd>(T).singularValues()(0); }
 
-/// Of the forces that are added, at each line.
-VectorXd predicted(const SampledPlant& plant, const DiscreteLaw& law, const VectorXd& omega) {
+/// Of the forces that are added, at each line, n_out x m.
+std::vector<MatrixXcd> transfers(const SampledPlant& plant, const DiscreteLaw& law,
+                                 const VectorXd& omega) {
   const SampledLoop loop = close_loop_with_added_force(plant, law);
-  VectorXd sizes(omega.size());
-  for (Index l = 0; l < omega.size(); ++l) {
-    sizes(l) = largest(transfer(loop, omega(l)).rightCols(plant.Gamma_u.cols()));
+  std::vector<MatrixXcd> all;
+  for (const double w : omega) {
+    all.push_back(transfer(loop, w).rightCols(plant.Gamma_u.cols()));
   }
+  return all;
+}
+
+VectorXd largest_of(const std::vector<MatrixXcd>& transfers) {
+  VectorXd sizes(static_cast<Index>(transfers.size()));
+  std::ranges::transform(transfers, sizes.begin(), largest);
   return sizes;
 }
 
-/// The transfer matrices at all lines, and the variances of their entries' means.
+/// What was measured of the transfer matrices, in the whole and along what was predicted.
 struct Measured {
   std::vector<MatrixXcd> mean;   ///< of each line, n_out x m
-  std::vector<double> variance;  ///< of each line, sum over entries
+  std::vector<double> variance;  ///< of each line, of the means of its entries, their sum
+  VectorXd along, along_noise;   ///< as in ClosedResponse
 };
 
-Measured measured(const controller::ClosedRecording& run, const MatrixXd& outputs) {
+Measured measured(const controller::ClosedRecording& run, const MatrixXd& outputs,
+                  const std::vector<MatrixXcd>& predicted) {
   const controller::Recording& recording = run.recording;
   const std::vector<int>& lines = run.lines;
   const Index n_window = run.n_window;
@@ -95,7 +110,13 @@ Measured measured(const controller::ClosedRecording& run, const MatrixXd& output
       recording.command - run.sent +
       fitting::acted_commands(run.sent, recording.applied, recording.missing).command;
   Measured found{.mean = std::vector<MatrixXcd>(lines.size(), MatrixXcd::Zero(n_out, m)),
-                 .variance = std::vector<double>(lines.size(), 0)};
+                 .variance = std::vector<double>(lines.size(), 0),
+                 .along = VectorXd::Zero(n_lines),
+                 .along_noise = VectorXd::Zero(n_lines)};
+  std::vector<Eigen::JacobiSVD<MatrixXcd>> directions;
+  for (const MatrixXcd& T : predicted) {
+    directions.emplace_back(T, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  }
   for (Index leg = 0; leg < m; ++leg) {
     std::vector<MatrixXcd> each;  // of each window, n_out x lines
     for (std::size_t w = 0; w < recording.windows.size(); ++w) {
@@ -111,11 +132,23 @@ Measured measured(const controller::ClosedRecording& run, const MatrixXd& output
     for (Index l = 0; l < n_lines; ++l) {
       const auto k = static_cast<std::size_t>(l);
       for (const MatrixXcd& of_window : each) found.mean[k].col(leg) += of_window.col(l) / n;
+      const Eigen::VectorXcd u = directions[k].matrixU().col(0);
+      const double part = std::norm(directions[k].matrixV()(leg, 0));
       for (const MatrixXcd& of_window : each) {
-        found.variance[k] +=
-            (of_window.col(l) - found.mean[k].col(leg)).squaredNorm() / (n * (n - 1));
+        const Eigen::VectorXcd off = of_window.col(l) - found.mean[k].col(leg);
+        found.variance[k] += off.squaredNorm() / (n * (n - 1));
+        // Half of it turns the phase.
+        found.along_noise(l) += part * std::norm(u.dot(off)) / (2 * n * (n - 1));
       }
     }
+  }
+  for (Index l = 0; l < n_lines; ++l) {
+    const auto k = static_cast<std::size_t>(l);
+    const double size = directions[k].singularValues()(0);
+    found.along(l) = std::abs(directions[k].matrixU().col(0).dot(found.mean[k] *
+                                                                 directions[k].matrixV().col(0))) /
+                     size;
+    found.along_noise(l) = std::sqrt(found.along_noise(l)) / size;
   }
   return found;
 }
@@ -204,12 +237,17 @@ Index ClosedResponse::n_acting() const {
   return n;
 }
 
+double ClosedResponse::along_off_db(Index line) const { return decibels(along(line)); }
+
+double ClosedResponse::along_doubt_db(Index line) const {
+  return decibels(1 + 2 * along_noise(line) / along(line));
+}
+
 double ClosedResponse::mean_off_db() const {
   double sum = 0, weights = 0;
-  for (Index l = 0; l < measured.size(); ++l) {
-    if (!is_told(l)) continue;
-    const double weight = 1 / (doubt_db(l) * doubt_db(l) + 1e-12);
-    sum += weight * off_db(l);
+  for (Index l = 0; l < along.size(); ++l) {
+    const double weight = weight_of(along_doubt_db(l));
+    if (weight > 0) sum += weight * along_off_db(l);
     weights += weight;
   }
   return weights > 0 ? sum / weights : 0;
@@ -217,14 +255,16 @@ double ClosedResponse::mean_off_db() const {
 
 double ClosedResponse::mean_doubt_db() const {
   double weights = 0;
-  for (Index l = 0; l < measured.size(); ++l) {
-    if (is_told(l)) weights += 1 / (doubt_db(l) * doubt_db(l) + 1e-12);
-  }
+  for (Index l = 0; l < along.size(); ++l) weights += weight_of(along_doubt_db(l));
   return weights > 0 ? 1 / std::sqrt(weights) : infinity;
 }
 
 bool ClosedResponse::is_as_predicted() const {
   if (!is_known() || !(std::abs(mean_off_db()) <= most_db + mean_doubt_db())) return false;
+  for (Index l = 0; l < along.size(); ++l) {
+    const double doubt = along_doubt_db(l);
+    if (doubt <= most_db && !(std::abs(along_off_db(l)) <= most_db + doubt)) return false;
+  }
   for (Index l = 0; l < measured.size(); ++l) {
     if (is_told(l) && !(std::abs(off_db(l)) <= most_db + doubt_db(l))) return false;
   }
@@ -249,13 +289,17 @@ ClosedResponse closed_response(const controller::ClosedRecording& run, const Loo
   const VectorXd omega = two_pi * response.frequencies_hz, axis = two_pi * response.axis_hz;
   const SampledPlant plant = with_outputs(design.sampled, of, frame);
   DiscreteLaw law = whole_law_of(design.settings);
-  response.predicted = predicted(plant, law, omega);
-  response.predicted_axis = predicted(plant, law, axis);
+  const std::vector<MatrixXcd> predicted = transfers(plant, law, omega);
+  response.predicted = largest_of(predicted);
+  response.predicted_axis = largest_of(transfers(plant, law, axis));
   law.C.setZero();
   law.D.setZero();
-  response.passive = predicted(plant, law, omega);
-  response.passive_axis = predicted(plant, law, axis);
-  const Measured found = measured(run, outputs_of(run.recording, of, design.sampled.report_age));
+  response.passive = largest_of(transfers(plant, law, omega));
+  response.passive_axis = largest_of(transfers(plant, law, axis));
+  Measured found =
+      measured(run, outputs_of(run.recording, of, design.sampled.report_age), predicted);
+  response.along = std::move(found.along);
+  response.along_noise = std::move(found.along_noise);
   response.measured = response.noise = VectorXd::Zero(n_lines);
   for (Index l = 0; l < n_lines; ++l) {
     const auto k = static_cast<std::size_t>(l);

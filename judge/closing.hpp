@@ -21,8 +21,13 @@ struct ClosedResponse {
   Of of = Of::frame;
   Eigen::VectorXd frequencies_hz;                ///< n_f
   Eigen::VectorXd measured, predicted, passive;  ///< n_f; passive: without the law, predicted
-  /// n_f, one standard deviation of what the scatter of the windows makes of measured, or more.
+  /// n_f, one standard deviation of what the scatter of the windows makes of measured, or more: of
+  /// the whole matrix.
   Eigen::VectorXd noise;
+  /// n_f, |u^H T v| over the largest singular value of the prediction, u and v its vectors, and one
+  /// standard deviation of it. What noise makes of one direction is far less than of a largest
+  /// value, and nothing is added by it on the average.
+  Eigen::VectorXd along, along_noise;
   /// The predictions between the lines, to be drawn; n_g.
   Eigen::VectorXd axis_hz, predicted_axis, passive_axis;
 
@@ -42,14 +47,18 @@ struct ClosedResponse {
   /// At how many told lines the law is seen to act: what is measured is not what it would be
   /// without.
   Eigen::Index n_acting() const;
-  /// Of all told lines together, each by what noise leaves of it: what one that is hidden by half
-  /// may be off by, twelve are not. Infinite doubt: none is told.
+  /// along, in dB, and two standard deviations of it.
+  double along_off_db(Eigen::Index line) const;
+  double along_doubt_db(Eigen::Index line) const;
+  /// The mean of that over all lines, each by what noise leaves of it, and two standard deviations
+  /// of it; infinite: noise hides all.
   double mean_off_db() const;
   double mean_doubt_db() const;
   /// Noise leaves the mean within most_db.
   bool is_known() const { return mean_doubt_db() <= most_db; }
-  /// The law is seen to act, and neither anything told nor the mean, which has to be known, is off
-  /// by more than most_db and what noise may do.
+  /// The law is seen to act, and nothing is off by more than most_db and what noise may do: no line
+  /// that is told, none along the prediction that noise leaves within most_db, and not their mean,
+  /// which has to be known.
   bool is_as_predicted() const;
 
   /// A loop that is a decibel off in its size, a tenth, is well within its margins; a model that

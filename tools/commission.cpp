@@ -34,7 +34,6 @@ namespace {
 
 using controller::RigFile;
 
-constexpr double armed_windows = 2;  // of that length are looked at before the loop is closed
 using Eigen::Index;
 
 struct CommissionOptions {

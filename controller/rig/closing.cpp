@@ -69,6 +69,8 @@ class Closing {
       if (done) continue;
       if (counters.latched) {
         end("the loop let go of the frame: " + fault_in_words(counters, gains_.legs));
+      } else if (has_bad_frame_) {
+        end("an accelerometer of the frame gave what is no number");
       } else if (stop_ && stop_()) {
         end("interrupted");
       } else if (passed_s(heard_ns_) > longest_silence_s + 3 * gains_.sample_time()) {
@@ -117,6 +119,8 @@ class Closing {
     if (record.defect != Defect::none) return;
     heard_ns_ = time_.now_ns();
     const Measurement& now = record.measurement;
+    // The loop looks at what it answers to, which these are no part of.
+    has_bad_frame_ = has_bad_frame_ || !now.frame.allFinite();
     // Accelerometers have offsets.
     if (record.state == State::idle || record.state == State::arming) {
       mean_ += (now.frame - mean_) / static_cast<double>(++n_mean_);
@@ -164,6 +168,7 @@ class Closing {
   Loop loop_;
   ClosedRecording closed_;
   Index n_rows_ = 0;
+  bool has_bad_frame_ = false;
   std::vector<bool> there_;
   VectorXd mean_;  ///< of the accelerometers
   std::int64_t row_ = 0, n_mean_ = 0;

@@ -60,6 +60,9 @@ void fill_gaps(MatrixXd& values, const std::vector<bool>& there) {
     }
     before = k;
   }
+  for (Index gap = before + 1; before >= 0 && gap < values.rows(); ++gap) {
+    values.row(gap) = values.row(before).eval();
+  }
 }
 
 class Prober {

@@ -28,7 +28,7 @@ constexpr double second_answer = 0.5;  // of the largest: two legs answer, which
 constexpr double most_beyond = 1.5;    // of what the plant says of a second
 constexpr double most_delay = 3, delay_step = 0.005, wrong_delay = 0.5;  // samples
 constexpr double hidden =
-    0.2;                      // of a gain, its standard deviation: signs and delays are chance then
+    0.05;                     // of a gain, its standard deviation: signs and delays are chance then
 constexpr double doubts = 4;  // standard deviations beyond which a gain is off
 
 /// What a sampled plant answers to a command on each leg at exp(j w), lines x legs, its own leg
@@ -180,6 +180,14 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     LegFinding& finding = wiring.legs[static_cast<std::size_t>(driven)];
     if (!finding.leg.empty()) wiring.connected = false;
     finding.leg = gains.legs[static_cast<std::size_t>(driven)];
+    // Before anything is made of what answers: of the quietest sensor.
+    if (!(response.sigma_scatter.minCoeff() <
+          hidden * response.command.cwiseAbs().mean() *
+              std::sqrt(static_cast<double>(response.command.size())))) {
+      finding.wrong.push_back("noise hides what it answers: take a larger --force");
+      wiring.connected = false;
+      continue;
+    }
     finding.sigma_mean = probe.rest.sigma_mean(s < 0 ? driven : s);
     finding.sigma_noise = probe.rest.sigma_scatter(s < 0 ? driven : s);
     finding.force.cable = i;
@@ -209,11 +217,6 @@ Wiring wiring_of(const Probe& probe, const ProbeSettings& settings, const Gains&
     const Fit of_sigma = fit(sigma, settings), of_applied = fit(applied, settings);
     finding.doubt = response.sigma_scatter(s) /
                     (u.cwiseAbs().mean() * std::sqrt(static_cast<double>(u.size())));
-    if (!(finding.doubt < hidden)) {
-      finding.wrong.push_back("noise hides what it answers: take a larger --force");
-      wiring.connected = false;
-      continue;
-    }
     finding.delay_samples = of_sigma.delay;
     const double allowed = std::max(tolerance, doubts * finding.doubt);
     const auto is_one = [&](double gain) { return std::abs(gain - 1) <= allowed; };

@@ -8,7 +8,7 @@ namespace stillframe::fitting {
 /// Commands as they acted.
 struct ActedCommands {
   Eigen::MatrixXd command;  ///< n x m, N
-  Eigen::Index n_late = 0;  ///< samples at which the one before acted still
+  Eigen::Index n_late = 0;  ///< samples at which another than their own acted
 };
 
 /// The commands of a recording, put right where what amplifiers report shows that one came too late
@@ -21,7 +21,7 @@ struct ActedCommands {
 /// they were sent. Only one that clips now and then is mistaken, by some 0.4 % of the commands.
 /// command: n x m, N, sent in answer to each sample. applied: n x m, N, as reported with it; a leg
 /// with a number that is none is not asked. missing: of each row, whether the sample did not come;
-/// empty: all came. Set-up.
+/// empty: all came. The last 60 rows are left as they were sent. Set-up.
 ActedCommands acted_commands(const Eigen::MatrixXd& command, const Eigen::MatrixXd& applied,
                              const std::vector<bool>& missing);
 
