@@ -97,18 +97,15 @@ struct Measured {
   VectorXd along, along_noise;   ///< as in ClosedResponse
 };
 
-Measured measured(const controller::ClosedRecording& run, const MatrixXd& outputs,
-                  const std::vector<MatrixXcd>& predicted) {
+/// added: n x m, N, what acted beside what the law asked for.
+Measured measured(const controller::ClosedRecording& run, const MatrixXd& added,
+                  const MatrixXd& outputs, const std::vector<MatrixXcd>& predicted) {
   const controller::Recording& recording = run.recording;
   const std::vector<int>& lines = run.lines;
   const Index n_window = run.n_window;
   const fitting::LineKernel kernel(n_window, lines, 0);
   const auto n_lines = static_cast<Index>(lines.size());
   const Index m = recording.command.cols(), n_out = outputs.cols();
-  // A loop is linear: where another command acted than it sent, the difference was added to it.
-  const MatrixXd added =
-      recording.command - run.sent +
-      fitting::acted_commands(run.sent, recording.applied, recording.missing).command;
   Measured found{.mean = std::vector<MatrixXcd>(lines.size(), MatrixXcd::Zero(n_out, m)),
                  .variance = std::vector<double>(lines.size(), 0),
                  .along = VectorXd::Zero(n_lines),
@@ -273,8 +270,8 @@ bool ClosedResponse::is_as_predicted() const {
 
 namespace {
 
-ClosedResponse closed_response(const controller::ClosedRecording& run, const LoopDesign& design,
-                               Of of, const std::vector<Index>& frame) {
+ClosedResponse closed_response(const controller::ClosedRecording& run, const MatrixXd& added,
+                               const LoopDesign& design, Of of, const std::vector<Index>& frame) {
   ClosedResponse response;
   response.of = of;
   const auto n_lines = static_cast<Index>(run.lines.size());
@@ -297,7 +294,7 @@ ClosedResponse closed_response(const controller::ClosedRecording& run, const Loo
   response.passive = largest_of(transfers(plant, law, omega));
   response.passive_axis = largest_of(transfers(plant, law, axis));
   Measured found =
-      measured(run, outputs_of(run.recording, of, design.sampled.report_age), predicted);
+      measured(run, added, outputs_of(run.recording, of, design.sampled.report_age), predicted);
   response.along = std::move(found.along);
   response.along_noise = std::move(found.along_noise);
   response.measured = response.noise = VectorXd::Zero(n_lines);
@@ -314,8 +311,13 @@ ClosedResponse closed_response(const controller::ClosedRecording& run, const Loo
 std::vector<ClosedResponse> closed_responses(const controller::ClosedRecording& run,
                                              const LoopDesign& design,
                                              const std::vector<Index>& frame) {
-  return {closed_response(run, design, frame.empty() ? Of::sigma : Of::frame, frame),
-          closed_response(run, design, Of::strain, frame)};
+  const controller::Recording& recording = run.recording;
+  // A loop is linear: where another command acted than it sent, the difference was added to it.
+  const MatrixXd added =
+      recording.command - run.sent +
+      fitting::acted_commands(run.sent, recording.applied, recording.missing).command;
+  return {closed_response(run, added, design, frame.empty() ? Of::sigma : Of::frame, frame),
+          closed_response(run, added, design, Of::strain, frame)};
 }
 
 bool are_as_predicted(const std::vector<ClosedResponse>& responses) {
