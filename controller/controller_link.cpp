@@ -43,6 +43,7 @@ ControllerLink::ControllerLink(const std::string& url, const Policy& policy)
     : url_(url),
       policy_(policy),
       instance_(new_instance()),
+      clocks_(instance_),
       command_channel_(channels::command),
       last_heard_ns_(monotonic_ns()) {
   hear_lcm();
@@ -59,6 +60,7 @@ void ControllerLink::hear_lcm() {
   measurement_subscription_->setQueueCapacity(4096);
   lcm_->subscribe(channels::request, &ControllerLink::on_request, this);
   lcm_->subscribe(channels::status, &ControllerLink::on_status, this);
+  lcm_->subscribe(channels::clock, &ControllerLink::on_clock, this);
 }
 
 void ControllerLink::stop_measurements() {
@@ -71,6 +73,7 @@ Heard ControllerLink::take(int timeout_ms) noexcept {
   heard_ = {};
   if (!line_) {
     heard_.message = handle_one(*lcm_, timeout_ms);
+    ask_clocks();
     return heard_;
   }
   if (!direct_) {
@@ -258,17 +261,17 @@ void ControllerLink::note_announced(const run_state_t& state) {
   };
   std::erase_if(announced_, same);
   const bool there = state.state == run_state_t::WAITING || state.state == run_state_t::RUNNING;
-  if (!there || !is_fresh(state.sent_ns, monotonic_ns())) return;
+  if (!there || !clocks_.is_fresh(state.plant_instance, state.sent_ns, monotonic_ns())) return;
   if (announced_.size() == most_announced) announced_.erase(announced_.begin());
   announced_.push_back({state.run_id, state.plant_instance, state.sent_ns});
 }
 
 // A recorded run_info says the same as a live one, but nobody stands behind it.
-bool ControllerLink::is_announced(const stillframe_msgs::run_info_t& info) const {
+bool ControllerLink::is_announced(const stillframe_msgs::run_info_t& info) {
   const std::int64_t now = monotonic_ns();
   return std::any_of(announced_.begin(), announced_.end(), [&](const Announced& a) {
     return a.run_id == info.run_id && a.plant_instance == info.plant_instance &&
-           is_fresh(a.sent_ns, now);
+           clocks_.is_fresh(a.plant_instance, a.sent_ns, now);
   });
 }
 
@@ -291,7 +294,46 @@ void ControllerLink::on_status(const lcm::ReceiveBuffer* buffer, const std::stri
   }
   heard_.other_status =
       following_ && is_followed(other_status_.run_id, other_status_.plant_instance) &&
-      other_status_.instance != instance_ && is_fresh(other_status_.sent_ns, monotonic_ns());
+      other_status_.instance != instance_ &&
+      clocks_.is_fresh(other_status_.instance, other_status_.sent_ns, monotonic_ns());
+}
+
+void ControllerLink::on_clock(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  stillframe_msgs::clock_exchange_t message;
+  if (!decode(*buffer, message)) {
+    ++n_malformed_;
+  } else if (const auto answer = clocks_.take(message, monotonic_ns())) {
+    lcm_->publish(channels::clock, &*answer);
+  }
+}
+
+void ControllerLink::ask_clocks() {
+  while (const auto question = clocks_.question(monotonic_ns())) {
+    lcm_->publish(channels::clock, &*question);
+  }
+}
+
+std::optional<std::int64_t> ControllerLink::start_ns() {
+  const auto start =
+      clocks_.instant(plant_instance_, plant_state_.start_monotonic_ns, monotonic_ns());
+  if (!start) return std::nullopt;
+  return start->earliest_ns + (start->latest_ns - start->earliest_ns) / 2;
+}
+
+bool ControllerLink::is_elsewhere() const noexcept {
+  return !on_one_clock(plant_instance_, instance_);
+}
+
+// Of whom asks from another host both times are taken as early as they can have been, so that none
+// of them is yet to come.
+bool ControllerLink::admits_request() {
+  const std::int64_t now = monotonic_ns();
+  const auto sent = clocks_.instant(request_.nonce, request_.sent_ns, now);
+  const auto asked = clocks_.instant(request_.nonce, request_.asked_ns, now);
+  if (!sent || !asked) return false;
+  request_.sent_ns = sent->earliest_ns;
+  request_.asked_ns = asked->earliest_ns;
+  return requests_.admits(request_, now);
 }
 
 void ControllerLink::on_measurement(const lcm::ReceiveBuffer* buffer, const std::string&) {

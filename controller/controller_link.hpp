@@ -13,6 +13,7 @@
 #include "controller/requests.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/direct_line.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -69,13 +70,21 @@ class ControllerLink {
 
   const stillframe_msgs::run_info_t& run_info() const noexcept { return run_info_; }
   const stillframe_msgs::run_state_t& plant_state() const noexcept { return plant_state_; }
+  /// When the plant that is followed says that its run began, on the own clock as that stands to
+  /// its now: exact on one clock, else within half of a way there and back. None if its clock is
+  /// not known. Set-up.
+  std::optional<std::int64_t> start_ns();
+  /// Whether that plant reads another clock, and paces its samples by it.
+  bool is_elsewhere() const noexcept;
+  /// PeerClocks::unanswered.
+  std::string unanswered() const { return clocks_.unanswered(); }
   const stillframe_msgs::measurement_t& measurement() const noexcept {
     return measurements_.message();
   }
 
   const stillframe_msgs::control_request_t& request() const noexcept { return request_; }
   /// Whether that is to be obeyed, now and never again. Set-up.
-  bool admits_request() { return requests_.admits(request_, monotonic_ns()); }
+  bool admits_request();
   const stillframe_msgs::controller_status_t& other_status() const noexcept {
     return other_status_;
   }
@@ -110,10 +119,12 @@ class ControllerLink {
   void on_measurement(const lcm::ReceiveBuffer* buffer, const std::string& channel);
 
   void on_request(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void on_clock(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void ask_clocks();
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void publish_plant_state(std::int32_t state, std::int64_t start_ns);
   void note_announced(const stillframe_msgs::run_state_t& state);
-  bool is_announced(const stillframe_msgs::run_info_t& info) const;
+  bool is_announced(const stillframe_msgs::run_info_t& info);
   bool is_followed(std::int64_t run_id, std::int64_t plant_instance) const noexcept;
 
   const std::string url_;
@@ -127,9 +138,11 @@ class ControllerLink {
   bool following_ = false;
   std::int64_t run_id_ = 0, plant_instance_ = 0;
   struct Announced {
-    std::int64_t run_id = 0, plant_instance = 0, sent_ns = 0;
+    std::int64_t run_id = 0, plant_instance = 0;
+    std::int64_t sent_ns = 0;  ///< on its own clock
   };
   std::vector<Announced> announced_;  ///< plants, oldest first
+  PeerClocks clocks_;
   Requests requests_;
   Heard heard_;
   stillframe_msgs::run_info_t run_info_;

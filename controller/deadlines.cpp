@@ -22,11 +22,12 @@ Deadlines::WakeUp Deadlines::wake_up(std::int64_t now_ns) noexcept {
   return result;
 }
 
-void Deadlines::begin(std::int64_t reference_ns, std::int64_t now_ns) noexcept {
+void Deadlines::begin(std::int64_t reference_ns, std::int64_t reference,
+                      std::int64_t now_ns) noexcept {
   reference_ns_ = reference_ns;
-  reference_ = 0;
+  reference_ = reference;
   const double periods = static_cast<double>(now_ns - reference_ns) / period_ns_ - phase_;
-  k_ = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(periods)) + 1);
+  k_ = reference + std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(periods)) + 1);
 }
 
 void Deadlines::follow(std::int64_t reference_ns, std::int64_t reference,

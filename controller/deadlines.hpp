@@ -24,8 +24,8 @@ class Deadlines {
   /// Takes the wake-up at now_ns (not before next_ns) and moves to the first deadline after it.
   WakeUp wake_up(std::int64_t now_ns) noexcept;
 
-  /// Begins anew, with k = 0 at reference_ns, at the first deadline after now_ns.
-  void begin(std::int64_t reference_ns, std::int64_t now_ns) noexcept;
+  /// Begins anew, with k = reference at reference_ns, at the first deadline after now_ns.
+  void begin(std::int64_t reference_ns, std::int64_t reference, std::int64_t now_ns) noexcept;
   /// From here on: the instant of k = reference is reference_ns, and a period period_ns.
   void follow(std::int64_t reference_ns, std::int64_t reference, double period_ns) noexcept;
 

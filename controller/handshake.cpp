@@ -71,11 +71,12 @@ std::string disagreement(const Gains& gains, const run_info_t& info) {
   return {};
 }
 
-std::string unsound_start(std::int64_t start_ns, std::int64_t now_ns) {
-  if (start_ns >= 0 && start_ns <= now_ns + farthest_start_ns) return {};
-  return "start_monotonic_ns: found " + std::to_string(start_ns) + ", allowed is 0 to " +
+std::string unsound_start(std::int64_t said_ns, std::int64_t start_ns, std::int64_t now_ns) {
+  if (said_ns >= 0 && start_ns <= now_ns + farthest_start_ns) return {};
+  return "start_monotonic_ns: found " + std::to_string(said_ns) + ", by the clock of this host " +
+         std::to_string(start_ns) + ", allowed is 0 or more and by that clock up to " +
          std::to_string(farthest_start_ns / ns_per_s) + " s from now (" + std::to_string(now_ns) +
-         "); plant and controller must share one clock, CLOCK_MONOTONIC of one machine";
+         ")";
 }
 
 Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::int64_t> run_id,
@@ -102,8 +103,11 @@ Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::i
     if (heard.run_state) {
       const run_state_t& plant = link.plant_state();
       if (plant.state == run_state_t::RUNNING) {
-        const std::string reason = unsound_start(plant.start_monotonic_ns, monotonic_ns());
-        if (reason.empty()) return {{}, plant.start_monotonic_ns};
+        const auto start_ns = link.start_ns();
+        if (!start_ns) continue;
+        const std::string reason =
+            unsound_start(plant.start_monotonic_ns, *start_ns, monotonic_ns());
+        if (reason.empty()) return {{}, *start_ns};
         link.publish_state(info.run_id, run_state_t::FAILED, reason);
         throw InputError(reason);
       }

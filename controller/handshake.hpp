@@ -14,8 +14,9 @@ namespace stillframe::controller {
 std::string disagreement(const Gains& gains, const stillframe_msgs::run_info_t& info);
 
 /// What is wrong with the time at which a plant says that its run begins, in words; empty if it is
-/// one to wait for, or past. CLOCK_MONOTONIC, ns. Set-up.
-std::string unsound_start(std::int64_t start_ns, std::int64_t now_ns);
+/// one to wait for, or past. said_ns: by its clock; start_ns: by this host's, on which now_ns is.
+/// Set-up.
+std::string unsound_start(std::int64_t said_ns, std::int64_t start_ns, std::int64_t now_ns);
 
 /// The end of a handshake: either the run starts, or it is over before it began.
 struct Start {

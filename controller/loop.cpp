@@ -59,7 +59,7 @@ std::int64_t page_faults() noexcept {
 Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const LoopSetting& setting)
     : io_(io),
       supervisor_(supervisor),
-      clock_(setting.start_ns, setting.sample_rate_hz, setting.disciplined),
+      clock_(setting.start_ns, setting.sample_rate_hz, setting.pacing),
       screen_(policy, setting.sample_rate_hz),
       deadlines_(setting.start_ns, setting.sample_rate_hz, setting.phase),
       disable_after_(samples(amplifiers_s, setting.sample_rate_hz) + amplifiers_samples),
@@ -135,7 +135,7 @@ Defect Loop::take_newest(std::int64_t now_ns) noexcept {
   const bool began = clock_.locked();
   const bool waits = clock_.disciplined() && !began;
   for (int n = 0; n < most_taken && io_.receive(incoming_); ++n) {
-    // What has waited since before the loop began is nobody's to answer: the newest is number 0.
+    // What has waited since before the loop began is nobody's to answer: the newest is the first.
     if (waits) {
       while (n < most_taken && io_.receive(incoming_)) ++n;
     }
@@ -148,7 +148,7 @@ Defect Loop::take_newest(std::int64_t now_ns) noexcept {
     std::swap(incoming_, newest_);
   }
   if (clock_.disciplined() && clock_.locked()) {
-    if (!began) deadlines_.begin(clock_.reference_ns(), now_ns);
+    if (!began) deadlines_.begin(clock_.reference_ns(), clock_.reference(), now_ns);
     deadlines_.follow(clock_.reference_ns(), clock_.reference(), clock_.period_ns());
     counters_.n_locks.store(clock_.n_locks(), relaxed);
     counters_.drift.store(clock_.drift(), relaxed);

@@ -57,7 +57,7 @@ struct LoopSetting {
   std::int64_t first_seq = 0;  ///< samples before it were not ours to answer
   Eigen::Index n_floor = 0;    ///< accelerations of the floor in a measurement
   Eigen::Index n_frame = 0;    ///< and of the frame
-  bool disciplined = false;    ///< samples are paced by a clock of their own (SampleClock)
+  Pacing pacing = Pacing::same_clock;
 };
 
 /// The periodic loop of a wall-clock run: at each deadline it takes what has come, screens the

@@ -173,7 +173,7 @@ std::string trouble(Outcome outcome, const ControllerLink& link, double timeout_
     case Outcome::missed:
       return "the run had ended before its start was heard";
     case Outcome::silent:
-      return fmt::format("nothing heard from the plant for {} s", timeout_s);
+      return fmt::format("nothing heard from the plant for {} s{}", timeout_s, link.unanswered());
     case Outcome::interrupted:
       return "interrupted before the run had ended";
     case Outcome::ended:

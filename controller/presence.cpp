@@ -5,6 +5,7 @@
 
 #include "controller/slow_loops.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 
 namespace stillframe::controller {
 
@@ -29,8 +30,10 @@ std::optional<std::string> Presence::reason_to_leave(
     State own, const stillframe_msgs::controller_status_t& other) const {
   const auto state = static_cast<State>(other.state);
   const bool own_holds = holds_the_frame(own), other_holds = holds_the_frame(state);
-  const bool other_first =
-      std::pair(other.started_ns, other.instance) < std::pair(started_ns_, instance_);
+  // Both sides have to come to the same, so times count where both read the same.
+  const bool comparable = on_one_clock(other.instance, instance_);
+  const bool other_first = std::pair(comparable ? other.started_ns : 0, other.instance) <
+                           std::pair(comparable ? started_ns_ : 0, instance_);
   if (own_holds != other_holds ? own_holds : !other_first) return std::nullopt;
   return "another controller (process " + std::to_string(other.pid) + ", " +
          std::string(to_text(state)) + ") serves run " + std::to_string(other.run_id) +

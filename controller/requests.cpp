@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "msgs/identity.hpp"
+#include "msgs/peer_clocks.hpp"
 
 namespace stillframe::controller {
 
@@ -14,7 +14,8 @@ constexpr std::size_t most_remembered = 1024;
 }  // namespace
 
 bool Requests::admits(const stillframe_msgs::control_request_t& request, std::int64_t now_ns) {
-  if (request.nonce == 0 || !is_fresh(request.sent_ns, now_ns)) return false;
+  if (request.nonce == 0 || request.sent_ns > now_ns || request.sent_ns <= now_ns - fresh_ns)
+    return false;
   if (request.asked_ns <= 0 || request.asked_ns > request.sent_ns) return false;
   if (std::find(obeyed_.begin(), obeyed_.end(), request.nonce) != obeyed_.end()) return false;
   const bool stop = request.request == stillframe_msgs::control_request_t::STOP;

@@ -15,17 +15,17 @@ constexpr double farthest_periods = 1e9;  // beyond it a number is no number of 
 
 }  // namespace
 
-SampleClock::SampleClock(std::int64_t start_ns, double sample_rate_hz, bool disciplined)
+SampleClock::SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pacing)
     : nominal_ns_(ns_per_s / sample_rate_hz),
       period_ns_(nominal_ns_),
-      disciplined_(disciplined),
+      pacing_(pacing),
       start_ns_(start_ns),
       reference_ns_(start_ns) {
   if (!(sample_rate_hz > 0)) throw std::invalid_argument("SampleClock: no positive sample rate");
 }
 
 std::int64_t SampleClock::local_ns(std::int64_t time_ns) const noexcept {
-  if (!disciplined_) return start_ns_ + time_ns;
+  if (!disciplined()) return start_ns_ + time_ns;
   const double samples =
       static_cast<double>(time_ns) / nominal_ns_ - static_cast<double>(reference_);
   return reference_ns_ + std::llround(part_ns_ + samples * period_ns_);
@@ -37,11 +37,12 @@ double SampleClock::error_ns(std::int64_t seq, std::int64_t received_ns) const n
 }
 
 void SampleClock::see(Measurement& measurement) noexcept {
-  if (!disciplined_) return;
+  if (!disciplined()) return;
   const std::int64_t card = measurement.seq;
   std::int64_t seq = card + epoch_;
+  if (pacing_ == Pacing::other_host && seq <= last_) return;
   const double error = error_ns(seq, measurement.received_ns);
-  const bool early = last_ < settle && error < 0 && error > -2 * period_ns_;
+  const bool early = last_ - first_ < settle && error < 0 && error > -2 * period_ns_;
   const bool off = !(early || std::abs(error) < period_ns_ / 2) || seq <= last_;
   if (!locked_) {
     reference_ns_ = measurement.received_ns;
@@ -69,6 +70,7 @@ void SampleClock::see(Measurement& measurement) noexcept {
       seq = card + epoch_;
     }
   }
+  if (pacing_ == Pacing::other_host) return;
   measurement.seq = seq;
   const double time_ns = static_cast<double>(seq) * nominal_ns_;
   measurement.time_ns =
@@ -99,11 +101,16 @@ void SampleClock::begin_slope() noexcept {
   slope_from_ = reference_;
 }
 
-// The line stays where it was to half a period, and with it the deadlines; what changes is which
-// sample of the card belongs to which of its points.
+// Of a card the line stays where it was to half a period, and with it the deadlines; what changes
+// is which sample of the card belongs to which of its points.
 void SampleClock::lock(std::int64_t card, std::int64_t taken_ns) noexcept {
-  const double since = (static_cast<double>(taken_ns - reference_ns_) - part_ns_) / period_ns_;
-  const std::int64_t seq = std::max<std::int64_t>(last_ + 1, reference_ + std::llround(since));
+  std::int64_t seq = card;
+  if (pacing_ == Pacing::card) {
+    const double since = (static_cast<double>(taken_ns - reference_ns_) - part_ns_) / period_ns_;
+    seq = std::max<std::int64_t>(last_ + 1, reference_ + std::llround(since));
+  } else {
+    first_ = card;
+  }
   epoch_ = seq - card;
   last_ = seq;
   reference_ = seq;

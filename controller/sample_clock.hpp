@@ -6,17 +6,25 @@
 
 namespace stillframe::controller {
 
+/// Whose clock paces the samples.
+enum class Pacing {
+  same_clock,  ///< this host's: sample k is taken at start_ns + k T
+  other_host,  ///< that of a plant on another host, whose numbers are the samples'
+  card         ///< a crystal of the converters, whose numbers may step and begin anew
+};
+
 /// Which instant of CLOCK_MONOTONIC a sample belongs to. Of a plant on the same clock it is
-/// start_ns + time_ns. Disciplined, the samples are paced by a card with a crystal of its own, of
-/// which only the arrivals are seen: sample k was taken at l_k = l_r + (k - r) T (1 + d), with the
-/// earliest arrivals as reference l_r, since a sample may come late but not early. What all of them
-/// take on their way counts as none.
+/// start_ns + time_ns. Of all others, where the clock is disciplined, only the arrivals are seen:
+/// sample k was taken at l_k = l_r + (k - r) T (1 + d), with the earliest arrivals as reference
+/// l_r, since a sample may come late but not early. What all of them take on their way counts as
+/// none.
 ///   e = arrival - l_k:   e < 0: l_r += e;   0 < e < T / 2: l_r += min(e, 500e-6 T per sample);
 ///   d: the slope of l_r over the last 10 s or more.
-/// The first sample is number 0; it may have come as late as it likes. Where |e| is T / 2 or more
-/// for `settle` samples in a row that come one after the other, and not at once as behind a stall,
-/// the card has stepped, paused or begun anew: by the earliest of them its samples are numbered
-/// from there on as the time says, so that numbers go on rising and a pause counts as samples lost.
+/// The first sample of a card is number 0; it may have come as late as it likes. Where |e| is T / 2
+/// or more for `settle` samples in a row that come one after the other, and not at once as behind a
+/// stall, the card has stepped, paused or begun anew: by the earliest of them its samples are
+/// numbered from there on as the time says, so that numbers go on rising and a pause counts as
+/// samples lost. What a plant on another host calls its samples stays, and the line moves.
 /// Construction is set-up; the rest is hot.
 class SampleClock {
  public:
@@ -24,7 +32,7 @@ class SampleClock {
   static constexpr double most_drift = 500e-6;  ///< 1, of a crystal
 
   /// sample_rate_hz as the card is set to. Errors: std::invalid_argument if it is not positive.
-  SampleClock(std::int64_t start_ns, double sample_rate_hz, bool disciplined);
+  SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pacing);
 
   /// Takes an arrival, in the order of the card, and gives it its number and its time from the
   /// start of the run; does nothing if the clock is not disciplined.
@@ -37,7 +45,7 @@ class SampleClock {
     return static_cast<double>(now_ns - local_ns(measurement.time_ns)) * 1e-9;
   }
 
-  bool disciplined() const noexcept { return disciplined_; }
+  bool disciplined() const noexcept { return pacing_ != Pacing::same_clock; }
   bool locked() const noexcept { return locked_; }  ///< a first sample has come
   /// The line of samples: l_r (ns), r and T (1 + d) (ns).
   std::int64_t reference_ns() const noexcept { return reference_ns_; }
@@ -53,12 +61,14 @@ class SampleClock {
   void begin_slope() noexcept;
 
   double nominal_ns_, period_ns_;
-  bool disciplined_, locked_ = false;
+  Pacing pacing_;
+  bool locked_ = false;
   std::int64_t start_ns_;
   std::int64_t reference_ns_, reference_ = 0;  ///< l_r, r
   double part_ns_ = 0;                         ///< of l_r, below a ns
   std::int64_t epoch_ = 0;                     ///< number of a sample less that of the card
   std::int64_t last_ = -1;                     ///< newest number on the line
+  std::int64_t first_ = 0;                     ///< of the numbers that go on since a lock
   std::int64_t slope_ns_ = 0, slope_from_ = 0;
   double slope_part_ns_ = 0;
   int n_off_ = 0;  ///< samples in a row that are off the line

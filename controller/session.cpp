@@ -36,7 +36,9 @@ LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
           .first_seq = now - start_ns > joined_after_ns ? std::llround(samples) : 0,
           .n_floor = link.run_info().n_floor,
           .n_frame = link.run_info().n_frame,
-          .disciplined = link.hosts()};
+          .pacing = link.hosts()          ? Pacing::card
+                    : link.is_elsewhere() ? Pacing::other_host
+                                          : Pacing::same_clock};
 }
 
 Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active,
@@ -61,6 +63,7 @@ Session::Session(Io& io, ControllerLink& link, const Gains& gains, const Policy&
       disk_(disk),
       options_(options),
       start_ns_(start_ns),
+      plant_start_ns_(link.hosts() ? start_ns : link.plant_state().start_monotonic_ns),
       sample_rate_hz_(gains.sample_rate_hz),
       loop_(io, supervisor_of(gains, policy, link.run_info().loop != "passive", latch), policy,
             setting_of(gains, options.phase, start_ns, link)),
@@ -129,7 +132,7 @@ void Session::listen() {
       const run_state_t& plant = link_.plant_state();
       if (plant.state == run_state_t::ENDED) end(Outcome::ended);
       if (plant.state == run_state_t::FAILED) end(Outcome::plant_failed);
-      if (plant.state == run_state_t::RUNNING && plant.start_monotonic_ns != start_ns_) {
+      if (plant.state == run_state_t::RUNNING && plant.start_monotonic_ns != plant_start_ns_) {
         end(Outcome::began_anew);
       }
     }

@@ -76,6 +76,7 @@ class Session {
   Background& disk_;
   const SessionOptions& options_;
   std::int64_t start_ns_;
+  std::int64_t plant_start_ns_;  ///< as is said on the bus, by the plant's clock
   double sample_rate_hz_;
   Loop loop_;
   Telemetry telemetry_;

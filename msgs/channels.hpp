@@ -16,6 +16,8 @@ inline constexpr const char* loop = "SF_LOOP";              // loop_records_t, c
 inline constexpr const char* checkpoint = "SF_CHECKPOINT";  // loop_checkpoint_t, controller
 inline constexpr const char* excitation = "SF_EXCITATION";  // excitation_t, controller
 
+inline constexpr const char* clock = "SF_CLOCK";  // clock_exchange_t, any; between hosts
+
 inline constexpr const char* logger_check =
     "SF_LOGGER_CHECK";  // empty, makes a logger write out what it holds
 

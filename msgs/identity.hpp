@@ -5,24 +5,25 @@
 #include <string_view>
 
 #include "msgs/big_endian.hpp"
-#include "msgs/clock.hpp"
 
 namespace stillframe {
 
-/// A number that no other process has had, nor any log of one: above 0, exact in a double. Set-up.
+/// A number that no other process has had, nor any log of one: above 0, exact in a double. Its
+/// upper part names the clock that the process reads, CLOCK_MONOTONIC of this system since it
+/// booted (and of this time namespace). Set-up.
 std::int64_t new_instance();
 
 /// A number for a run, short enough to be typed: above 0, below 1e9. Set-up.
 std::int64_t new_run_id();
 
-/// What was sent longer ago is a recording, or has waited where nobody should act on it any more.
-/// Four times what a plant takes to say again that it is there, twenty times what a status takes.
-inline constexpr std::int64_t fresh_ns = 2 * ns_per_s;
+/// Bits of an instance below those that name its clock.
+inline constexpr int bits_below_clock = 29;
 
-/// Whether a message that says when it was sent (CLOCK_MONOTONIC) was sent just now. Hot: noexcept,
-/// no allocation.
-inline bool is_fresh(std::int64_t sent_ns, std::int64_t now_ns) noexcept {
-  return sent_ns <= now_ns && sent_ns > now_ns - fresh_ns;
+/// Whether two processes read the same clock; an instance that names none is taken for one of this
+/// system. Of two systems one in 16 million pairs is mistaken for one.
+inline bool on_one_clock(std::int64_t instance, std::int64_t other) noexcept {
+  const std::int64_t clock = instance >> bits_below_clock, other_clock = other >> bits_below_clock;
+  return clock == 0 || other_clock == 0 || clock == other_clock;
 }
 
 /// What a measurement or command begins with, behind its fingerprint.

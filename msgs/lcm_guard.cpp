@@ -31,9 +31,9 @@ constexpr std::uint32_t most_a_fragment = 65535;
 constexpr std::uint32_t drop = 0, keep = ~0u;
 
 constexpr const char* names[] = {
-    channels::measurement, channels::command,    channels::run_info,     channels::run_state,
-    channels::timing,      channels::request,    channels::status,       channels::loop,
-    channels::checkpoint,  channels::excitation, channels::logger_check,
+    channels::measurement, channels::command,    channels::run_info, channels::run_state,
+    channels::timing,      channels::request,    channels::status,   channels::loop,
+    channels::checkpoint,  channels::excitation, channels::clock,    channels::logger_check,
     "LCM_SELF_TEST",  // that liblcm sends itself before it goes on
 };
 

@@ -1,6 +1,7 @@
 #include "msgs/message_fit.hpp"
 
 #include "msgs/big_endian.hpp"
+#include "stillframe_msgs/clock_exchange_t.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -23,9 +24,9 @@ class Walk {
  public:
   explicit Walk(std::string_view bytes) : rest_(bytes) {}
 
-  void numbers(std::size_t n, std::size_t size) {
-    if (!fits_ || n > rest_.size() / size) return fail();
-    rest_.remove_prefix(n * size);
+  void numbers(std::size_t n, std::size_t bytes) {
+    if (!fits_ || n > rest_.size() / bytes) return fail();
+    rest_.remove_prefix(n * bytes);
   }
   void int64s(std::size_t n) { numbers(n, 8); }
   void doubles(std::size_t n) { numbers(n, 8); }
@@ -119,6 +120,8 @@ void walk(Walk& w, const excitation_t*) {
   w.doubles(w.count());
 }
 
+void walk(Walk& w, const clock_exchange_t*) { w.int64s(5); }
+
 constexpr std::size_t fingerprint_size = 8;
 
 }  // namespace
@@ -145,5 +148,6 @@ template Fit fit<controller_status_t>(std::string_view) noexcept;
 template Fit fit<loop_records_t>(std::string_view) noexcept;
 template Fit fit<loop_checkpoint_t>(std::string_view) noexcept;
 template Fit fit<excitation_t>(std::string_view) noexcept;
+template Fit fit<clock_exchange_t>(std::string_view) noexcept;
 
 }  // namespace stillframe

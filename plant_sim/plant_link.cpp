@@ -22,7 +22,8 @@ PlantLink::PlantLink(const std::string& url, run_info_t info)
       lcm_(open_lcm(url)),
       info_(std::move(info)),
       last_allowed_(info_.mode == "wall_clock" ? -1 : std::numeric_limits<std::int64_t>::max()),
-      commands_(info_.n_legs) {
+      commands_(info_.n_legs),
+      clocks_(info_.plant_instance) {
   command_.n_legs = info_.n_legs;
   command_.force.assign(static_cast<size_t>(info_.n_legs), 0.0);
   command_size_ = static_cast<std::size_t>(command_.getEncodedSize());
@@ -36,6 +37,7 @@ void PlantLink::hear_lcm() {
   // so.
   lcm_->subscribe(channels::command, &PlantLink::on_command, this)->setQueueCapacity(4096);
   lcm_->subscribe(channels::run_state, &PlantLink::on_state, this);
+  lcm_->subscribe(channels::clock, &PlantLink::on_clock, this);
 }
 
 void PlantLink::go_direct() {
@@ -107,7 +109,13 @@ void PlantLink::publish_measurement(std::int64_t k, const Reading& reading) {
 void PlantLink::repeat_measurement() { send(channels::measurement, measurement_bytes_); }
 
 bool PlantLink::listen(int timeout_ms) noexcept {
-  if (!line_) return handle_one(*lcm_, timeout_ms);
+  if (!line_) {
+    const bool heard = handle_one(*lcm_, timeout_ms);
+    while (const auto question = clocks_.question(monotonic_ns())) {
+      lcm_->publish(channels::clock, &*question);
+    }
+    return heard;
+  }
   switch (line_->take(timeout_ms)) {
     case DirectLine::Came::nothing:
       return false;
@@ -162,7 +170,7 @@ void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string& 
   }
 }
 
-bool PlantLink::is_sound(const command_t& command) const {
+bool PlantLink::is_sound(const command_t& command) {
   const bool finite = std::all_of(command.force.begin(), command.force.end(),
                                   [](double force) { return std::isfinite(force); });
   if (command.n_legs != info_.n_legs || !finite || command.instance == 0) return false;
@@ -170,8 +178,10 @@ bool PlantLink::is_sound(const command_t& command) const {
   if (start_ns_ == 0 || command.seq < 0) return true;
   // It answers its sample, or what would have been: nobody can have sent it before that was due,
   // nor after now.
-  if (command.sent_ns < 0 || command.sent_ns > monotonic_ns()) return false;
-  return static_cast<double>(command.sent_ns - start_ns_) >=
+  const std::int64_t now = monotonic_ns();
+  const auto sent = clocks_.instant(command.instance, command.sent_ns, now);
+  if (command.sent_ns < 0 || !sent || sent->earliest_ns > now) return false;
+  return static_cast<double>(sent->latest_ns - start_ns_) >=
          period_ns_ * static_cast<double>(command.seq - 1);
 }
 
@@ -183,22 +193,36 @@ void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
     return;
   }
   if (state.source != "controller" || state.plant_instance != info_.plant_instance) return;
-  if (state.state == run_state_t::READY) controller_ready_ = true;
+  // Not before its clock is known: its commands could not be told from recordings.
+  if (state.state == run_state_t::READY &&
+      clocks_.instant(state.instance, state.sent_ns, monotonic_ns())) {
+    controller_ready_ = true;
+  }
   // Of a controller that it does not obey it is no concern.
   if (state.state == run_state_t::FAILED && (obeyed_ == 0 || state.instance == obeyed_)) {
     controller_failure_ = "the controller refused: " + state.text;
   }
 }
 
+void PlantLink::on_clock(const lcm::ReceiveBuffer* buffer, const std::string&) {
+  clock_exchange_t message;
+  if (!decode(*buffer, message)) return;
+  if (const auto answer = clocks_.take(message, monotonic_ns())) {
+    lcm_->publish(channels::clock, &*answer);
+  }
+}
+
 // Another plant of this number: who runs stays, and of two that do the first, and of two that wait
 // the one with the smaller instance.
 void PlantLink::judge_rival(const run_state_t& other) {
-  if (!is_fresh(other.sent_ns, monotonic_ns())) return;
+  if (!clocks_.is_fresh(other.plant_instance, other.sent_ns, monotonic_ns())) return;
   const bool other_runs = other.state == run_state_t::RUNNING;
   if (!other_runs && other.state != run_state_t::WAITING) return;
   const bool runs = state_ == run_state_t::RUNNING;
-  const bool first = std::pair(start_ns_, info_.plant_instance) <
-                     std::pair(other.start_monotonic_ns, other.plant_instance);
+  // Both sides have to come to the same, so times count where both read the same.
+  const bool comparable = on_one_clock(info_.plant_instance, other.plant_instance);
+  const bool first = std::pair(comparable ? start_ns_ : 0, info_.plant_instance) <
+                     std::pair(comparable ? other.start_monotonic_ns : 0, other.plant_instance);
   const bool stays = runs != other_runs ? runs : first;
   if (!stays) {
     rival_ = "another plant " + std::string(other_runs ? "runs" : "waits") + " as run " +

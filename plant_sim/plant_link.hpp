@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "msgs/direct_line.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "plant_sim/command_track.hpp"
 #include "plant_sim/log_pacer.hpp"
 #include "plant_sim/plant.hpp"
@@ -67,6 +68,8 @@ class PlantLink {
   }
   /// Why this plant has to go, another one having its number; empty while it has not.
   const std::string& rival() const { return rival_; }
+  /// PeerClocks::unanswered.
+  std::string unanswered() const { return clocks_.unanswered(); }
 
   /// Goes on to the newest command that belongs to sample k or one before; then the number of its
   /// sample, -1 before the first, and its forces (N).
@@ -87,7 +90,8 @@ class PlantLink {
  private:
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  bool is_sound(const stillframe_msgs::command_t& command) const;
+  bool is_sound(const stillframe_msgs::command_t& command);
+  void on_clock(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void judge_rival(const stillframe_msgs::run_state_t& other);
   template <class Message>
   void publish(const char* channel, const Message& message);
@@ -117,6 +121,7 @@ class PlantLink {
   std::size_t command_size_ = 0;
   std::string rival_;
   CommandTrack commands_;
+  PeerClocks clocks_;
 };
 
 }  // namespace stillframe

@@ -134,7 +134,7 @@ std::string await_controller(PlantLink& link, double timeout_s) {
     }
     if (static_cast<double>(monotonic_ns() - begin) > timeout_s * 1e9) {
       return "no controller answered within " + std::to_string(timeout_s) +
-             " s; start one with: stillframe-controller --gains FILE";
+             " s; start one with: stillframe-controller --gains FILE" + link.unanswered();
     }
   }
   return "";

@@ -11,6 +11,7 @@
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "report/table.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -37,14 +38,24 @@ struct CtlOptions {
 /// What is heard of controllers, and what the one that answers says last.
 class Listener {
  public:
-  /// run_id: 0 for any; nonce: of the request that is to be answered, 0 if any status will do.
-  Listener(lcm::LCM& lcm, std::int64_t run_id, std::int64_t nonce)
-      : run_id_(run_id), nonce_(nonce) {
+  /// run_id: 0 for any; own: a number of this process; asks: whether it is the nonce of a request
+  /// that is to be answered, or any status will do.
+  Listener(lcm::LCM& lcm, std::int64_t run_id, std::int64_t own, bool asks)
+      : lcm_(lcm), run_id_(run_id), nonce_(asks ? own : 0), clocks_(own) {
     lcm.subscribe(channels::status, &Listener::on_status, this);
+    lcm.subscribe(channels::clock, &Listener::on_clock, this);
+  }
+
+  /// Asks those who were heard for clocks that are not known.
+  void ask_clocks() {
+    while (const auto question = clocks_.question(monotonic_ns())) {
+      lcm_.publish(channels::clock, &*question);
+    }
   }
 
   const std::optional<controller_status_t>& answer() const { return answer_; }
   int n_answers() const { return n_answers_; }
+  std::string unanswered() const { return clocks_.unanswered(); }
   /// The last status that was no answer.
   const std::optional<controller_status_t>& other() const { return other_; }
 
@@ -52,7 +63,10 @@ class Listener {
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
     controller_status_t status;
     // A recording of a controller is none.
-    if (!decode(*buffer, status) || !is_fresh(status.sent_ns, monotonic_ns())) return;
+    if (!decode(*buffer, status) ||
+        !clocks_.is_fresh(status.instance, status.sent_ns, monotonic_ns())) {
+      return;
+    }
     const bool fits =
         answer_ ? status.instance == answer_->instance : run_id_ == 0 || status.run_id == run_id_;
     const bool answers = fits && (nonce_ == 0 || status.nonce == nonce_);
@@ -60,7 +74,17 @@ class Listener {
     (answers ? answer_ : other_) = std::move(status);
   }
 
+  void on_clock(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    stillframe_msgs::clock_exchange_t message;
+    if (!decode(*buffer, message)) return;
+    if (const auto answer = clocks_.take(message, monotonic_ns())) {
+      lcm_.publish(channels::clock, &*answer);
+    }
+  }
+
+  lcm::LCM& lcm_;
   std::int64_t run_id_, nonce_;
+  PeerClocks clocks_;
   std::optional<controller_status_t> answer_, other_;
   int n_answers_ = 0;
 };
@@ -76,7 +100,8 @@ std::string nobody(const CtlOptions& options, const std::string& url, const List
   if (!listener.other()) {
     return "no controller heard" + within + " on " + url +
            "; a controller says something of itself in wall-clock runs only, and must be in the "
-           "same network";
+           "same network" +
+           listener.unanswered();
   }
   const std::string heard = std::to_string(listener.other()->run_id);
   if (options.run_id != 0 && listener.other()->run_id != options.run_id) {
@@ -87,7 +112,7 @@ std::string nobody(const CtlOptions& options, const std::string& url, const List
 }
 
 /// Listens until so many statuses have answered or the time is over; asks meanwhile.
-void listen(lcm::LCM& lcm, const Listener& listener, control_request_t request, int n_answers,
+void listen(lcm::LCM& lcm, Listener& listener, control_request_t request, int n_answers,
             double most_s) {
   const std::int64_t began = monotonic_ns();
   const std::int64_t end = began + std::llround(most_s * 1e9);
@@ -100,6 +125,7 @@ void listen(lcm::LCM& lcm, const Listener& listener, control_request_t request, 
       next = now + repeat_ns;
     }
     handle_one(lcm, static_cast<int>((std::min(next, end) - now) / 1'000'000) + 1);
+    listener.ask_clocks();
   }
 }
 
@@ -108,12 +134,13 @@ controller_status_t ask(const CtlOptions& options) {
   const auto lcm = open_lcm(url);
   require_hearing(*lcm);
   const bool asks = options.action != "status";
+  const std::int64_t own = new_instance();
   const control_request_t request{.run_id = options.run_id,
-                                  .nonce = asks ? new_instance() : 0,
+                                  .nonce = asks ? own : 0,
                                   .asked_ns = monotonic_ns(),
                                   .sent_ns = 0,
                                   .request = asks ? number_of(options.action) : 0};
-  Listener listener(*lcm, options.run_id, request.nonce);
+  Listener listener(*lcm, options.run_id, own, asks);
   listen(*lcm, listener, request, 1, options.timeout_s);
   // The status that takes the request is older than what comes of it; the next one is not.
   if (asks && listener.answer() && listener.answer()->answer.empty()) {

@@ -43,7 +43,7 @@ class Closing {
                .now_ns = began_ns_,
                .n_floor = n_floor,
                .n_frame = n_frame,
-               .disciplined = true}) {
+               .pacing = Pacing::card}) {
     const Excitation& plan = supervisor_.excitation();
     n_rows_ = static_cast<Index>(plan.n_samples()) + 2 * recording_margin;
     const Index m = gains.n_legs();

@@ -74,7 +74,7 @@ class Prober {
         settings_(settings),
         time_(time),
         stop_(stop),
-        clock_(time.now_ns(), settings.sample_rate_hz, true),
+        clock_(time.now_ns(), settings.sample_rate_hz, Pacing::card),
         deadlines_(time.now_ns(), settings.sample_rate_hz, 0.5),
         measurement_(measurement_of(m, settings.n_floor, settings.n_frame)),
         command_(command_of(m)),
@@ -268,7 +268,7 @@ class Prober {
       ++n;
     }
     if (clock_.locked()) {
-      if (!began) deadlines_.begin(clock_.reference_ns(), now);
+      if (!began) deadlines_.begin(clock_.reference_ns(), clock_.reference(), now);
       deadlines_.follow(clock_.reference_ns(), clock_.reference(), clock_.period_ns());
     }
     if (n > 0) heard_ns_ = now;

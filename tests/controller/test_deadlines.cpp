@@ -34,6 +34,15 @@ TEST(Deadlines, LatePeriodsAreSkippedWholeAndCounted) {
   EXPECT_EQ(deadlines.next_ns(), 5'500'000);
 }
 
+TEST(Deadlines, BeginAnewFromAnyNumber) {
+  Deadlines deadlines(0, 1000, 0.5);
+  // Number 5000 is at 77 ms: at 79.6 ms 5002.5 is over, and 5003.5 the next.
+  deadlines.begin(77'000'000, 5000, 79'600'000);
+  EXPECT_EQ(deadlines.next_ns(), 80'500'000);
+  deadlines.follow(77'000'000 + 3'000'300, 5003, 1'000'100);
+  EXPECT_EQ(deadlines.next_ns(), 77'000'000 + 3'000'300 + 500'050);
+}
+
 TEST(Deadlines, BadArgumentsAreRefused) {
   EXPECT_THROW(Deadlines(0, 0, 0.3), std::invalid_argument);
   EXPECT_THROW(Deadlines(0, 1000, 1), std::invalid_argument);

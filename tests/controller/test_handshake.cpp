@@ -53,13 +53,14 @@ TEST(Handshake, WallClockNeedsADelay) {
 TEST(Handshake, ARunBeginsWithinSecondsOrHasBegun) {
   const std::int64_t now = 500 * ns_per_s;
   for (const std::int64_t start : {std::int64_t{0}, std::int64_t{1}, now, now + ns_per_s / 10}) {
-    EXPECT_EQ(unsound_start(start, now), "") << start;
+    EXPECT_EQ(unsound_start(start, start, now), "") << start;
   }
-  // Of another time namespace, or from before the machine was started.
+  // Of a host that has been up for longer than this one.
+  EXPECT_EQ(unsound_start(now, -5 * ns_per_s, now), "");
   for (const std::int64_t start :
        {now + 60 * ns_per_s, std::int64_t{-1}, std::numeric_limits<std::int64_t>::max(),
         std::numeric_limits<std::int64_t>::min()}) {
-    EXPECT_NE(unsound_start(start, now).find(std::to_string(start)), std::string::npos);
+    EXPECT_NE(unsound_start(start, start, now).find(std::to_string(start)), std::string::npos);
   }
 }
 

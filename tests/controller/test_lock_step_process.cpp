@@ -3,7 +3,7 @@
 
 #include "controller/controller_link.hpp"
 #include "msgs/channels.hpp"
-#include "msgs/identity.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "tests/controller/controller_process.hpp"
 #include "tests/support/allocation_count.hpp"
 

@@ -1,7 +1,7 @@
 #include "controller/supervisor.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
-#include "msgs/identity.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "tests/controller/controller_process.hpp"
 

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "controller/requests.hpp"
-#include "msgs/identity.hpp"
+#include "msgs/peer_clocks.hpp"
 
 namespace stillframe::controller {
 namespace {

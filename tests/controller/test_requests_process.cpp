@@ -4,7 +4,7 @@
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
-#include "msgs/identity.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "tests/controller/controller_process.hpp"

@@ -40,13 +40,13 @@ struct Card {
 };
 
 TEST(SampleClock, OfAPlantOnTheSameClockIsWhatItSays) {
-  SampleClock clock(7'000, 3000, false);
+  SampleClock clock(7'000, 3000, Pacing::same_clock);
   Measurement m{.seq = 9, .time_ns = 3'000'000};
   m.received_ns = 1'000'000'000'000;
   clock.see(m);
   EXPECT_EQ(m.seq, 9);
   EXPECT_EQ(clock.local_ns(m.time_ns), 3'007'000);
-  EXPECT_THROW(SampleClock(0, 0, true), std::invalid_argument);
+  EXPECT_THROW(SampleClock(0, 0, Pacing::card), std::invalid_argument);
 }
 
 TEST(SampleClock, FollowsAnyCrystal) {
@@ -57,7 +57,7 @@ TEST(SampleClock, FollowsAnyCrystal) {
         .rate_hz = std::pow(10, decade(random)), .ppm = drift(random), .jitter = jitter(random)};
     SCOPED_TRACE(testing::Message()
                  << card.rate_hz << " Hz, " << card.ppm << " ppm, " << card.jitter);
-    SampleClock clock(0, card.rate_hz, true);
+    SampleClock clock(0, card.rate_hz, Pacing::card);
     const auto n = static_cast<std::int64_t>(60 * card.rate_hz);
     double worst = 0, mean = 0;
     for (std::int64_t k = 0; k < n; ++k) {
@@ -83,7 +83,7 @@ TEST(SampleClock, StepsPausesAndRestartsAreNumberedOn) {
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 30; ++trial) {
     Card card{.rate_hz = 1000, .ppm = 150, .jitter = 0.03 * trial};
-    SampleClock clock(0, card.rate_hz, true);
+    SampleClock clock(0, card.rate_hz, Pacing::card);
     std::int64_t last = -1;
     const auto run = [&](int n) {
       for (int i = 0; i < n; ++i) {
@@ -122,7 +122,7 @@ TEST(SampleClock, StepsPausesAndRestartsAreNumberedOn) {
 
 TEST(SampleClock, AStallOnTheWayIsNoStep) {
   Card card{.rate_hz = 2000, .ppm = -120, .jitter = 0.1};
-  SampleClock clock(0, card.rate_hz, true);
+  SampleClock clock(0, card.rate_hz, Pacing::card);
   std::int64_t last = -1;
   for (int i = 0; i < 20'000; ++i) {
     Measurement m = card.next();
@@ -139,7 +139,7 @@ TEST(SampleClock, AStallOnTheWayIsNoStep) {
 
 TEST(SampleClock, ADamagedNumberIsNotFollowed) {
   Card card{.rate_hz = 1000};
-  SampleClock clock(0, card.rate_hz, true);
+  SampleClock clock(0, card.rate_hz, Pacing::card);
   for (int i = 0; i < 1000; ++i) {
     Measurement m = card.next();
     if (i % 50 == 7) {
@@ -159,7 +159,7 @@ TEST(SampleClock, ADayAtAnyDrift) {
   for (const double ppm : {-200.0, 200.0}) {
     Card card{.rate_hz = 100, .ppm = ppm, .jitter = 0.3};
     const double period_ns = 1e7;
-    SampleClock clock(0, card.rate_hz, true);
+    SampleClock clock(0, card.rate_hz, Pacing::card);
     Screen screen({}, card.rate_hz);
     Deadlines deadlines(card.start_ns, card.rate_hz, 0.5);
     std::int64_t n_late = 0, n_asked_late = 0, n_stale = 0, n_missing = 0, n_pauses = 0;
@@ -190,7 +190,7 @@ TEST(SampleClock, ADayAtAnyDrift) {
         next = card.next();
       }
       if (clock.locked()) {
-        if (!began) deadlines.begin(clock.reference_ns(), now);
+        if (!began) deadlines.begin(clock.reference_ns(), clock.reference(), now);
         deadlines.follow(clock.reference_ns(), clock.reference(), clock.period_ns());
       }
       if (i < settled) continue;
@@ -208,19 +208,68 @@ TEST(SampleClock, ADayAtAnyDrift) {
   }
 }
 
-/// The whole loop on a card that drifts: active, no fault, no period late, whatever the rate; and
-/// on the same card without a disciplined clock there is one.
+/// A plant on another host keeps its numbers, from wherever they are first heard, through stalls,
+/// and through a step of either clock, after which the line is found again.
+TEST(SampleClock, APlantElsewhereKeepsItsNumbers) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> drift(-200, 200), decade(1.7, 4.3), jitter(0, 0.9);
+  for (int trial = 0; trial < 60; ++trial) {
+    Card card{
+        .rate_hz = std::pow(10, decade(random)), .ppm = drift(random), .jitter = jitter(random)};
+    card.k = card.number = static_cast<std::int64_t>(random() % 1'000'000);
+    SCOPED_TRACE(testing::Message()
+                 << card.rate_hz << " Hz, " << card.ppm << " ppm, " << card.jitter);
+    // What the exchange of clocks makes of its start may be off by any part of a period, and more.
+    const double off = 3 * drift(random) / 200;
+    SampleClock clock(card.start_ns + std::llround(off * 1e9 / card.rate_hz), card.rate_hz,
+                      Pacing::other_host);
+    const auto follows = [&](int n) {
+      double worst = 0;
+      for (int i = 0; i < n; ++i) {
+        Measurement m = card.next();
+        const std::int64_t number = m.seq;
+        m.time_ns = std::llround(static_cast<double>(number) * 1e9 / card.rate_hz);
+        const std::int64_t time_ns = m.time_ns;
+        clock.see(m);
+        ASSERT_EQ(m.seq, number);
+        ASSERT_EQ(m.time_ns, time_ns);
+        if (i > 100) worst = std::max(worst, std::abs(card.error(clock, m)));
+      }
+      // As of a card.
+      EXPECT_LT(worst, 0.22);
+    };
+    follows(3000);
+    EXPECT_EQ(clock.n_locks(), 0);
+    card.start_ns +=
+        std::llround((trial % 2 == 0 ? -1e9 : 1e9) * (10 + jitter(random)) / card.rate_hz);
+    follows(3000);
+    EXPECT_EQ(clock.n_locks(), 1);
+    // Twenty of before once more are no step.
+    Card again = card;
+    again.k -= 50;
+    again.number -= 50;
+    for (int i = 0; i < 40; ++i) {
+      Measurement m = again.next();
+      m.received_ns += 60'000'000'000 / static_cast<std::int64_t>(card.rate_hz);
+      clock.see(m);
+    }
+    EXPECT_EQ(clock.n_locks(), 1);
+    follows(200);
+  }
+}
+
+/// The whole loop on a card, or a plant elsewhere, that drifts: active, no fault, no period late,
+/// whatever the rate; and on the same one without a disciplined clock there is one.
 TEST(SampleClock, TheLoopGoesAlongWithACard) {
   for (const double ppm : {-200.0, 200.0}) {
-    for (const bool disciplined : {true, false}) {
+    for (const Pacing pacing : {Pacing::card, Pacing::other_host, Pacing::same_clock}) {
       const Gains gains = toy::damped_gains();
       InProcessIo io(gains.n_legs(), 64);
       const Supervisor supervisor(gains, {}, true);
       Card card{.rate_hz = gains.sample_rate_hz, .ppm = ppm, .jitter = 0.2};
-      Loop loop(io, supervisor, {},
-                {.sample_rate_hz = gains.sample_rate_hz,
-                 .start_ns = card.start_ns,
-                 .disciplined = disciplined});
+      Loop loop(
+          io, supervisor, {},
+          {.sample_rate_hz = gains.sample_rate_hz, .start_ns = card.start_ns, .pacing = pacing});
       std::normal_distribution<double> normal;
       Measurement next = card.next();
       Eigen::VectorXd force = Eigen::VectorXd::Zero(gains.n_legs());
@@ -240,7 +289,7 @@ TEST(SampleClock, TheLoopGoesAlongWithACard) {
         while (io.take(command)) force = command.force;
       }
       const LoopCounters& counters = loop.counters();
-      if (disciplined) {
+      if (pacing != Pacing::same_clock) {
         EXPECT_EQ(counters.state, State::active) << ppm;
         EXPECT_EQ(counters.n_faults, 0);
         EXPECT_EQ(counters.n_late, 0);
@@ -259,7 +308,7 @@ TEST(SampleClock, WhatWaitedBeforeTheLoopBeganIsNotLost) {
   const Supervisor supervisor(gains, {}, true);
   Card card{.jitter = 0};
   Loop loop(io, supervisor, {},
-            {.sample_rate_hz = 1000, .start_ns = card.start_ns, .disciplined = true});
+            {.sample_rate_hz = 1000, .start_ns = card.start_ns, .pacing = Pacing::card});
   std::int64_t now = 0;
   const auto put = [&] {
     Measurement m = measurement_of(gains.n_legs(), 0);

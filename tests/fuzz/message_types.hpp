@@ -4,6 +4,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "stillframe_msgs/clock_exchange_t.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -23,7 +24,7 @@ using MessageTypes =
                stillframe_msgs::run_info_t, stillframe_msgs::run_state_t, stillframe_msgs::timing_t,
                stillframe_msgs::control_request_t, stillframe_msgs::controller_status_t,
                stillframe_msgs::loop_records_t, stillframe_msgs::loop_checkpoint_t,
-               stillframe_msgs::excitation_t>;
+               stillframe_msgs::excitation_t, stillframe_msgs::clock_exchange_t>;
 
 inline constexpr std::size_t fingerprint_size = 8;
 

@@ -47,6 +47,7 @@ void write_seeds(const std::filesystem::path& folder) {
   write_message(folder / "messages", records);
   write_default<loop_checkpoint_t>(folder / "messages");
   write_default<excitation_t>(folder / "messages");
+  write_default<clock_exchange_t>(folder / "messages");
   report::LogWriter log(folder / "log/run.lcm");
   report::write_run(log, 7, 3);
 }

@@ -1,6 +1,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "stillframe_msgs/clock_exchange_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
@@ -50,4 +51,6 @@ int main(int argc, char** argv) {
   excitation.n_legs = 2;
   excitation.force = {0.5, -1e-300};
   write(folder, excitation);
+  write(folder, stillframe_msgs::clock_exchange_t{
+                    .asker = 11, .asked = 12, .asked_ns = -13, .heard_ns = 14, .answered_ns = 15});
 }

@@ -4,8 +4,8 @@
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
-#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "plant_sim/plant_link.hpp"
 
 // Whom a plant obeys. Over LCM, in a network of its own.

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "report/log/log_events.hpp"
+#include "stillframe_msgs/clock_exchange_t.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -59,6 +60,7 @@ void fill(excitation_t& m, std::size_t n) {
   m.n_legs = static_cast<int>(n);
   m.force.assign(n, 5.5);
 }
+void fill(clock_exchange_t& m, std::size_t n) { m.asked_ns = static_cast<std::int64_t>(n); }
 
 template <typename Message>
 class MessageFit : public ::testing::Test {
@@ -73,9 +75,9 @@ class MessageFit : public ::testing::Test {
   }
 };
 
-using Types =
-    ::testing::Types<measurement_t, command_t, run_info_t, run_state_t, timing_t, control_request_t,
-                     controller_status_t, loop_records_t, loop_checkpoint_t, excitation_t>;
+using Types = ::testing::Types<measurement_t, command_t, run_info_t, run_state_t, timing_t,
+                               control_request_t, controller_status_t, loop_records_t,
+                               loop_checkpoint_t, excitation_t, clock_exchange_t>;
 TYPED_TEST_SUITE(MessageFit, Types);
 
 TYPED_TEST(MessageFit, WhatLcmEncodesFitsAndComesBack) {

@@ -1,0 +1,221 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "msgs/identity.hpp"
+#include "msgs/peer_clocks.hpp"
+
+// How clocks of other hosts are read.
+namespace stillframe {
+namespace {
+
+using stillframe_msgs::clock_exchange_t;
+
+std::int64_t on_clock(std::int64_t clock, std::int64_t number) {
+  return clock << bits_below_clock | number;
+}
+
+/// A host whose clock began at another time and runs at another rate, both by a true time in ns.
+struct Host {
+  std::int64_t instance;
+  double ahead_ns = 0, ppm = 0;
+  PeerClocks clocks{instance};
+
+  std::int64_t reads(double true_ns) const {
+    return std::llround(ahead_ns + true_ns * (1 + 1e-6 * ppm));
+  }
+};
+
+/// Two hosts, and a network with two ways that are as unequal as they like.
+struct Pair {
+  std::mt19937_64 random;
+  Host here{on_clock(1, 5)}, there{on_clock(2, 7)};
+  double now_ns = 0, slowest_ns = 1e6, lost = 0;
+
+  explicit Pair(std::uint64_t seed) : random(seed) {
+    here.ahead_ns = uniform(1e9, 1e16);
+    there.ahead_ns = uniform(1e9, 1e16);
+    here.ppm = uniform(-200, 200);
+    there.ppm = uniform(-200, 200);
+  }
+  double uniform(double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random);
+  }
+  /// A way of a message; most are quick, as on a network.
+  double way_ns() { return slowest_ns * std::pow(uniform(0, 1), 4); }
+  std::optional<PeerClocks::Instant> reading_of(double true_ns) {
+    return here.clocks.instant(there.instance, there.reads(true_ns), here.reads(now_ns));
+  }
+  /// All questions that are due, with their answers.
+  void exchange() {
+    while (const auto question = here.clocks.question(here.reads(now_ns))) {
+      if (uniform(0, 1) < lost) continue;
+      now_ns += way_ns();
+      const auto answer = there.clocks.take(*question, there.reads(now_ns));
+      ASSERT_TRUE(answer);
+      now_ns += way_ns();
+      EXPECT_FALSE(here.clocks.take(*answer, here.reads(now_ns)));
+    }
+  }
+};
+
+TEST(PeerClocks, OfTheOwnClockAReadingIsWhatItSays) {
+  PeerClocks clocks(on_clock(3, 1));
+  for (const std::int64_t peer : {on_clock(3, 2), std::int64_t{99}}) {
+    const auto instant = clocks.instant(peer, 1'000, 2'000);
+    ASSERT_TRUE(instant);
+    EXPECT_EQ(instant->earliest_ns, 1'000);
+    EXPECT_EQ(instant->latest_ns, 1'000);
+    EXPECT_TRUE(clocks.is_fresh(peer, 1'000, 2'000));
+    EXPECT_FALSE(clocks.is_fresh(peer, 2'001, 2'000));
+    EXPECT_FALSE(clocks.is_fresh(peer, 2'000 - fresh_ns, 2'000));
+  }
+  EXPECT_FALSE(clocks.question(2'000));
+  EXPECT_EQ(clocks.unanswered(), "");
+}
+
+/// The relation: whatever the clocks and the network, the true instant lies in what is said of it.
+TEST(PeerClocks, TheTrueInstantLiesWithin) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Pair pair(seed);
+    pair.slowest_ns = std::pow(10, pair.uniform(4, 8.5));
+    pair.lost = pair.uniform(0, 0.5);
+    int n_known = 0;
+    double narrowest = 1e18;
+    for (int i = 0; i < 400; ++i) {
+      const double sent_ns = pair.now_ns;
+      pair.now_ns += pair.way_ns();
+      if (const auto instant = pair.reading_of(sent_ns)) {
+        ++n_known;
+        // A double has 2 ns of these clocks.
+        ASSERT_LE(instant->earliest_ns, pair.here.reads(sent_ns) + 4) << seed << " " << i;
+        ASSERT_GE(instant->latest_ns, pair.here.reads(sent_ns) - 4) << seed << " " << i;
+        narrowest =
+            std::min(narrowest, static_cast<double>(instant->latest_ns - instant->earliest_ns));
+      }
+      pair.exchange();
+      pair.now_ns += pair.uniform(0, 3e8);
+    }
+    EXPECT_GT(n_known, 380) << seed;
+    // Some exchange met two quick ways; between two of them 400 ppm of 5 s are 2 ms, and 500 are
+    // allowed for on both sides.
+    EXPECT_LT(narrowest, pair.slowest_ns + 2 * 2.5e6) << seed;
+  }
+}
+
+TEST(PeerClocks, ARecordingIsNeverFresh) {
+  Pair pair(1);
+  // Nobody answers for whoever was recorded, and until somebody does nothing is fresh.
+  const std::int64_t sent = pair.there.reads(0);
+  EXPECT_FALSE(pair.here.clocks.is_fresh(pair.there.instance, sent, pair.here.reads(0)));
+  const auto question = pair.here.clocks.question(pair.here.reads(0));
+  ASSERT_TRUE(question);
+  EXPECT_NE(pair.here.clocks.unanswered(), "");
+  // An answer that was recorded: to another asker, to a question of before, or to none.
+  clock_exchange_t answer = *question;
+  answer.heard_ns = answer.answered_ns = sent;
+  for (const auto& [asker, asked_ns] :
+       {std::pair{on_clock(1, 6), answer.asked_ns}, {answer.asker, answer.asked_ns - 1}}) {
+    clock_exchange_t other = answer;
+    other.asker = asker;
+    other.asked_ns = asked_ns;
+    pair.here.clocks.take(other, pair.here.reads(1e5));
+    EXPECT_FALSE(pair.here.clocks.is_fresh(pair.there.instance, sent, pair.here.reads(1e5)));
+  }
+  pair.here.clocks.take(answer, pair.here.reads(1e5));
+  EXPECT_TRUE(pair.here.clocks.is_fresh(pair.there.instance, sent, pair.here.reads(1e5)));
+  EXPECT_EQ(pair.here.clocks.unanswered(), "");
+  // And once it is known, what is replayed is old, though its host lives.
+  for (double later = 1e8; later < 60e9; later += 1e8) {
+    pair.now_ns = later;
+    pair.exchange();
+    const bool fresh = pair.here.clocks.is_fresh(pair.there.instance, sent, pair.here.reads(later));
+    if (later < 1.9e9) EXPECT_TRUE(fresh) << later;
+    if (later > 2.1e9) EXPECT_FALSE(fresh) << later;
+  }
+}
+
+TEST(PeerClocks, AnAnswerTwiceOrLateIsNone) {
+  Pair pair(2);
+  pair.reading_of(0);
+  const auto question = pair.here.clocks.question(pair.here.reads(0));
+  const auto answer = pair.there.clocks.take(*question, pair.there.reads(1e5));
+  ASSERT_TRUE(answer);
+  EXPECT_FALSE(pair.here.clocks.question(pair.here.reads(1e8)))
+      << "asked twice within half a second";
+  pair.here.clocks.take(*answer, pair.here.reads(3e9));
+  EXPECT_FALSE(pair.here.clocks.instant(pair.there.instance, 1, pair.here.reads(3e9)));
+  // Nobody else answers, nor does whoever asks himself.
+  EXPECT_FALSE(pair.here.clocks.take(*question, 5));
+  EXPECT_FALSE(PeerClocks(on_clock(2, 8)).take(*question, 5));
+}
+
+/// A host that was suspended: its clock stood still meanwhile.
+TEST(PeerClocks, AClockThatSteppedIsFoundAgain) {
+  Pair pair(3);
+  const auto is_right = [&] {
+    const auto instant = pair.reading_of(pair.now_ns);
+    return instant && instant->earliest_ns <= pair.here.reads(pair.now_ns) &&
+           instant->latest_ns >= pair.here.reads(pair.now_ns);
+  };
+  pair.reading_of(0);
+  pair.exchange();
+  ASSERT_TRUE(is_right());
+  for (const double step : {-30e9, 7e9, -5e7}) {
+    pair.there.ahead_ns += step;
+    EXPECT_FALSE(is_right());
+    // It is asked again within 5 s.
+    pair.now_ns += 5.1e9;
+    is_right();
+    pair.exchange();
+    EXPECT_TRUE(is_right()) << step;
+  }
+}
+
+/// What nobody sends: no reading of it, and no arithmetic beyond an int64 (the sanitizers look).
+TEST(PeerClocks, NoNumberIsBelieved) {
+  const std::int64_t values[] = {INT64_MIN,     INT64_MIN + 1, -1,       0, 1, fresh_ns,
+                                 INT64_MAX / 2, INT64_MAX - 1, INT64_MAX};
+  for (const std::int64_t heard : values) {
+    for (const std::int64_t answered : values) {
+      PeerClocks clocks(on_clock(1, 1));
+      const std::int64_t peer = on_clock(2, 2);
+      clocks.is_fresh(peer, heard, 1'000'000);
+      auto question = clocks.question(1'000'000);
+      ASSERT_TRUE(question);
+      question->heard_ns = heard;
+      question->answered_ns = answered;
+      clocks.take(*question, 2'000'000);
+      for (const std::int64_t reading : values) {
+        const auto instant = clocks.instant(peer, reading, 3'000'000);
+        if (instant) EXPECT_LE(instant->earliest_ns, instant->latest_ns);
+      }
+    }
+  }
+}
+
+/// More peers than are remembered: the one that was heard last is.
+TEST(PeerClocks, AFloodForgetsOnlyWhoIsSilent) {
+  Pair pair(4);
+  pair.reading_of(0);
+  pair.exchange();
+  for (std::int64_t i = 0; i < 1000; ++i) {
+    pair.now_ns += 1e5;
+    pair.here.clocks.is_fresh(on_clock(9, 100 + i), 5, pair.here.reads(pair.now_ns));
+    ASSERT_TRUE(pair.reading_of(pair.now_ns)) << i;
+  }
+}
+
+TEST(Identity, NamesTheClockThatItsProcessReads) {
+  const std::int64_t one = new_instance(), other = new_instance();
+  EXPECT_NE(one, other);
+  EXPECT_TRUE(on_one_clock(one, other));
+  EXPECT_GT(one >> bits_below_clock, 0);
+  EXPECT_LT(one, std::int64_t{1} << 53);
+  EXPECT_TRUE(on_one_clock(one, 17)) << "a number that names no clock";
+  EXPECT_FALSE(on_one_clock(one, one ^ std::int64_t{1} << 40));
+}
+
+}  // namespace
+}  // namespace stillframe
