@@ -46,10 +46,16 @@ class RigProcess : public ControllerProcess {
 };
 
 TEST_F(RigProcess, ASimulatedOneRunsWithoutAPlant) {
-  ChildProcess controller(command_line(of_a_rig(), {"--io", "simulation", "--duration", "3"}));
-  EXPECT_EQ(controller.wait(), 0) << controller.err();
-  EXPECT_TRUE(contains(controller.err(), "active")) << controller.err();
-  EXPECT_GE(counted(controller.out(), "periods"), 2500);
+  // A loop that slept through ten periods arms anew, and three seconds are too few for that.
+  for (int left = 2; left >= 0; --left) {
+    ChildProcess controller(command_line(of_a_rig(), {"--io", "simulation", "--duration", "3"}));
+    const int exit_code = controller.wait();
+    if (left > 0 && contains(controller.err(), "fault: suspended")) continue;
+    EXPECT_EQ(exit_code, 0) << controller.err();
+    EXPECT_TRUE(contains(controller.err(), "info: active")) << controller.err();
+    EXPECT_GE(counted(controller.out(), "periods"), 2500);
+    break;
+  }
 }
 
 TEST_F(RigProcess, EndsAtASignalWithoutDuration) {
