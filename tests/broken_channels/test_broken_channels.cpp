@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -28,7 +29,7 @@ double worse(const Episode& episode) { return worst_of(episode.peak, episode.acc
 /// for what the law does until it knows: an actuator that drops, turns or shakes the force that
 /// it holds does so before anything can be known of it.
 void expect_promised(const Gains& gains, const std::vector<Broken>& broken, std::uint64_t seed,
-                     int n_lost = 0) {
+                     std::optional<LeftAlone>& alone, int n_lost = 0) {
   // In the sample in which a gap begins, ten newtons more on a sensor or a read-back are three
   // commands of what a sound loop may do to catch up: 2.41 was reached, and 39 by a loop that went
   // on from what a read-back said.
@@ -39,10 +40,10 @@ void expect_promised(const Gains& gains, const std::vector<Broken>& broken, std:
     names += each.name() + " ";
   }
   const Episode episode =
-      run_episode(gains, {}, broken, seed, Told::by_its_watch, usual_floor, n_lost);
+      run_episode(gains, {}, broken, seed, Told::by_its_watch, usual_floor, n_lost, &alone);
   EXPECT_EQ(episode.latched, episode.found_s >= 0) << names;
   if (worse(episode) < most) return;
-  const Episode told = run_episode(gains, {}, broken, seed, Told::at_once);
+  const Episode told = run_episode(gains, {}, broken, seed, Told::at_once, usual_floor, 0, &alone);
   // Until it is found the law answers what it sees of it: 1.19 was reached.
   EXPECT_LT(worse(episode), 1.25 * worse(told)) << names;
 }
@@ -51,16 +52,18 @@ class BrokenChannels : public testing::TestWithParam<const char*> {};
 
 TEST_P(BrokenChannels, DriveTheFrameNoHarderThanIsPromised) {
   const Gains gains = shipped_gains(GetParam());
-  for (const Broken& broken : all_broken()) expect_promised(gains, {broken}, 1);
+  std::optional<LeftAlone> alone;
+  for (const Broken& broken : all_broken()) expect_promised(gains, {broken}, 1, alone);
 }
 
 TEST_P(BrokenChannels, InPairs) {
   const Gains gains = shipped_gains(GetParam());
   const std::vector<Broken> all = all_broken();
   std::mt19937_64 random(9);
+  std::optional<LeftAlone> alone;
   for (int trial = 0; trial < 40; ++trial) {
     const Broken &a = all[random() % all.size()], &b = all[random() % all.size()];
-    expect_promised(gains, {a, b}, random());
+    expect_promised(gains, {a, b}, random(), alone);
   }
 }
 
@@ -70,9 +73,10 @@ TEST_P(BrokenChannels, WithMeasurementsLost) {
   const Gains gains = shipped_gains(GetParam());
   const int hold = static_cast<int>(Policy{}.hold_periods);
   std::uint64_t seed = 1;
+  std::optional<LeftAlone> alone;
   for (const Broken& broken : all_broken()) {
     if (broken.part == Part::actuator) continue;
-    expect_promised(gains, {broken}, seed++, hold + 2);
+    expect_promised(gains, {broken}, seed++, alone, hold + 2);
   }
 }
 
@@ -93,10 +97,11 @@ TEST_P(BrokenChannels, OfASensorAreFoundWithinATwentiethOfASecond) {
 TEST_P(BrokenChannels, AForceLimitThatStandsForNoneIsNoPermission) {
   Gains gains = shipped_gains(GetParam());
   gains.force_limit_n = 1e9;
+  std::optional<LeftAlone> alone;
   for (const Broken& broken :
        {Broken{Part::sensor, Damage::reversed}, Broken{Part::sensor, Damage::open},
         Broken{Part::read_back, Damage::late}}) {
-    expect_promised(gains, {broken}, 1);
+    expect_promised(gains, {broken}, 1, alone);
   }
 }
 
