@@ -7,6 +7,7 @@
 
 #include "core/errors/formatted.hpp"
 #include "core/files/bytes_of_file.hpp"
+#include "core/numerics/worst.hpp"
 #include "report/table.hpp"
 
 namespace stillframe::tools {
@@ -75,11 +76,12 @@ Words words_of(judge::ClosedResponse::Of of) {
 
 Json closed_json(const Commissioning& all) {
   const ClosedOnRig& closed = *all.closed;
-  const bool is_compared = all.found && closed.run.frame_peak.size() > 0;
+  const bool is_compared = all.has_both_peaks();
   const Json driven_peak = is_compared ? to_json(judge::frame_peak(*all.found)) : Json();
   Json responses = Json::array();
   for (const judge::ClosedResponse& response : closed.responses) {
     const Index worst = response.worst();
+    const bool has_mean = std::isfinite(response.mean_doubt_db());
     responses.push_back({{"of", words_of(response.of).key},
                          {"frequencies_hz", to_json(response.frequencies_hz)},
                          {"measured", to_json(response.measured)},
@@ -88,8 +90,8 @@ Json closed_json(const Commissioning& all) {
                          {"passive", to_json(response.passive)},
                          {"n_told", response.n_told()},
                          {"n_acting", response.n_acting()},
-                         {"mean_db", worst < 0 ? Json() : Json(response.mean_off_db())},
-                         {"mean_doubt_db", worst < 0 ? Json() : Json(response.mean_doubt_db())},
+                         {"mean_db", has_mean ? Json(response.mean_off_db()) : Json()},
+                         {"mean_doubt_db", has_mean ? Json(response.mean_doubt_db()) : Json()},
                          {"worst_db", worst < 0 ? Json() : Json(response.off_db(worst))},
                          {"worst_hz", worst < 0 ? Json() : Json(response.frequencies_hz(worst))},
                          {"as_predicted", response.is_as_predicted()}});
@@ -189,12 +191,16 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
         what.c_str(), report::count(response.n_told()),
         report::count(response.frequencies_hz.size()), response.frequencies_hz(worst),
         response.off_db(worst), response.doubt_db(worst));
-    line += formatted("all together %+.2f dB (noise: %.2f dB); ", response.mean_off_db(),
-                      response.mean_doubt_db());
+    const bool has_mean = std::isfinite(response.mean_doubt_db());
+    line += has_mean ? formatted("all together %+.2f dB (noise: %.2f dB); ", response.mean_off_db(),
+                                 response.mean_doubt_db())
+                     : "all together hidden by noise; ";
     line += response.n_acting() > 0
                 ? formatted("the law is seen to act at %lld.", report::count(response.n_acting()))
                 : "the law is not seen to act: take a larger --force, or more --windows.";
-    if (response.n_acting() > 0 && !response.is_known()) {
+    if (response.n_acting() > 0 && !has_mean) {
+      line += " Take a larger --force, or more --windows.";
+    } else if (response.n_acting() > 0 && !response.is_known()) {
       line +=
           formatted(" Noise leaves %.2f dB, %g may be: take a larger --force, or more --windows.",
                     response.mean_doubt_db(), judge::ClosedResponse::most_db);
@@ -209,7 +215,7 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
   if (closed.run.frame_peak.size() > 0) {
     peaks += formatted("; largest acceleration of the frame %.3g m/s^2",
                        closed.run.frame_peak.maxCoeff());
-    if (all.found) {
+    if (all.has_both_peaks()) {
       peaks += formatted(", %.3g m/s^2 while it was driven without the loop",
                          judge::frame_peak(*all.found).maxCoeff());
     }
@@ -274,9 +280,17 @@ page::Table table_of(const judge::ClosedResponse& response) {
 
 }  // namespace
 
+bool Commissioning::has_both_peaks() const {
+  return closed && closed->run.frame_peak.size() > 0 && found && !found->recording.windows.empty();
+}
+
 bool Commissioning::is_shaken_harder() const {
-  if (!closed || !found || closed->run.frame_peak.size() == 0) return false;
-  return closed->run.frame_peak.maxCoeff() > most_shaken * judge::frame_peak(*found).maxCoeff();
+  return has_both_peaks() &&
+         !(worst_of(closed->run.frame_peak) <= most_shaken * worst_of(judge::frame_peak(*found)));
+}
+
+bool Commissioning::is_closed_well() const {
+  return closed && are_as_predicted(closed->responses) && !is_shaken_harder();
 }
 
 namespace {

@@ -50,8 +50,13 @@ struct Commissioning {
   bool passed = false;
 
   bool is_fitted() const { return found && loops; }
-  /// The closed loop shook the frame by more than most_shaken times what the drive without it did.
+  /// Accelerometers of the frame were read both with the loop and while it was driven without.
+  bool has_both_peaks() const;
+  /// The closed loop shook the frame by more than most_shaken times what the drive without it did,
+  /// or nobody knows.
   bool is_shaken_harder() const;
+  /// It did as predicted, and did not.
+  bool is_closed_well() const;
 };
 
 Json to_json(const Commissioning& all);

@@ -69,8 +69,8 @@ class Closing {
       if (done) continue;
       if (counters.latched) {
         end("the loop let go of the frame: " + fault_in_words(counters, gains_.legs));
-      } else if (has_bad_frame_) {
-        end("an accelerometer of the frame gave what is no number");
+      } else if (bad_frame_ >= 0) {
+        end(bad_frame_in_words());
       } else if (stop_ && stop_()) {
         end("interrupted");
       } else if (passed_s(heard_ns_) > longest_silence_s + 3 * gains_.sample_time()) {
@@ -86,6 +86,8 @@ class Closing {
         progress(static_cast<double>(row_) / static_cast<double>(n_rows_));
       }
     }
+    // On the way out, too: of what is no number no peak is made.
+    if (wrong.empty() && bad_frame_ >= 0) wrong = bad_frame_in_words();
     if (!wrong.empty()) throw std::runtime_error(wrong);
     finish();
     return std::move(closed_);
@@ -95,6 +97,10 @@ class Closing {
   std::int64_t start() const { return loop_.supervisor().excitation().start(); }
   double passed_s(std::int64_t since_ns) const {
     return 1e-9 * static_cast<double>(time_.now_ns() - since_ns);
+  }
+  std::string bad_frame_in_words() const {
+    return "accelerometer " + std::to_string(bad_frame_ + 1) +
+           " of the frame gave what is no number";
   }
   double patience() const { return patience_s + 2 * (policy_.arming_s + policy_.ramp_in_s); }
   std::int64_t switched_off() const {
@@ -119,8 +125,12 @@ class Closing {
     if (record.defect != Defect::none) return;
     heard_ns_ = time_.now_ns();
     const Measurement& now = record.measurement;
-    // The loop looks at what it answers to, which these are no part of.
-    has_bad_frame_ = has_bad_frame_ || !now.frame.allFinite();
+    // The loop looks at what it answers to, which these are no part of. Once the amplifiers are off
+    // nothing is made of them.
+    const bool is_over = start() >= 0 && record.state == State::idle;
+    for (Index i = 0; i < now.frame.size() && !is_over; ++i) {
+      if (bad_frame_ < 0 && !std::isfinite(now.frame(i))) bad_frame_ = i;
+    }
     // Accelerometers have offsets.
     if (record.state == State::idle || record.state == State::arming) {
       mean_ += (now.frame - mean_) / static_cast<double>(++n_mean_);
@@ -168,7 +178,7 @@ class Closing {
   Loop loop_;
   ClosedRecording closed_;
   Index n_rows_ = 0;
-  bool has_bad_frame_ = false;
+  Index bad_frame_ = -1;  ///< the first accelerometer that gave no number
   std::vector<bool> there_;
   VectorXd mean_;  ///< of the accelerometers
   std::int64_t row_ = 0, n_mean_ = 0;
