@@ -27,8 +27,9 @@ struct ReportOptions {
 /// The logs of a run directory, or the log itself.
 std::vector<std::filesystem::path> logs_of(const ReportOptions& options) {
   std::vector<std::filesystem::path> logs;
+  std::error_code ignored;
   for (const auto& path : options.paths) {
-    if (!std::filesystem::is_directory(path)) {
+    if (!std::filesystem::is_directory(path, ignored)) {
       logs.push_back(path);
       continue;
     }
@@ -38,7 +39,7 @@ std::vector<std::filesystem::path> logs_of(const ReportOptions& options) {
     }
     const std::size_t before = logs.size();
     for (const char* name : {"passive.lcm", "active.lcm"}) {
-      if (std::filesystem::exists(path / name)) logs.push_back(path / name);
+      if (std::filesystem::exists(path / name, ignored)) logs.push_back(path / name);
     }
     if (logs.size() == before) {
       throw InputError(path.string() +
@@ -52,7 +53,8 @@ std::vector<std::filesystem::path> logs_of(const ReportOptions& options) {
 std::filesystem::path place_of(const ReportOptions& options) {
   if (options.out) return *options.out;
   std::filesystem::path first = options.paths.front();
-  if (std::filesystem::is_directory(first)) return first / "report.html";
+  std::error_code ignored;
+  if (std::filesystem::is_directory(first, ignored)) return first / "report.html";
   return first.replace_extension(".html");
 }
 

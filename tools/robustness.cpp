@@ -194,7 +194,8 @@ void plot(const Record& record, const WorstCases& worst, const Evaluator& evalua
 /// Before hours of work that could then not be written down.
 void require_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (!std::filesystem::is_directory(folder)) {
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored)) {
     throw InputError("--out: found '" + file.string() + "', but there is no folder '" +
                      folder.string() + "'");
   }

@@ -282,7 +282,8 @@ Json to_json(const Record& record) {
 
 Record read_record(const std::filesystem::path& path) {
   std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) {
+  std::error_code ignored;
+  if (!file || std::filesystem::is_directory(path, ignored)) {
     throw InputError(path.string() + ": cannot be read");
   }
   try {

@@ -61,7 +61,9 @@ std::filesystem::path folder_of(const std::filesystem::path& file) {
 
 /// The text of a file that has been read before; a pipe gives its text only once.
 std::optional<std::string> text_again(const std::filesystem::path& file, const std::string& mode) {
-  if (std::filesystem::is_regular_file(file)) return YamlReader::from_file(file).source_text();
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored))
+    return YamlReader::from_file(file).source_text();
   if (mode == "single_process") return std::nullopt;
   throw InputError(file.string() +
                    ": is no regular file, and is to be read twice; allowed is a file, or --mode "

@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <variant>
+#include <vector>
 
 #include "core/errors/input_error.hpp"
 #include "core/mechanics/scene/scene_reader.hpp"
@@ -37,6 +39,40 @@ TEST_F(SceneFiles, MissingFilesAndFoldersAreNamed) {
             missing.string() + ": cannot be read (missing, empty or not allowed)");
   EXPECT_EQ(error_of_file(folder_), folder_.string() + ": is a folder, a YAML file is needed");
   EXPECT_NE(error_of_file(write("empty.yaml", "")).find("cannot be read"), std::string::npos);
+}
+
+// Whether there is a file at the end of it cannot be found out, which is neither yes nor no.
+TEST_F(SceneFiles, LoopsOfLinksAndNamesThatAreTooLongAreRefused) {
+  std::filesystem::create_symlink("b", folder_ / "a");
+  std::filesystem::create_symlink("a", folder_ / "b");
+  std::filesystem::create_symlink("itself", folder_ / "itself");
+  const std::string unread = ": cannot be read (missing, empty or not allowed)";
+  const size_t from = sound_scene.find("controller:\n"), to = sound_scene.find("simulation:");
+  for (const std::string& name :
+       std::vector<std::string>{"a", "itself", "a/scene.yaml", std::string(300, 'n')}) {
+    SCOPED_TRACE(name);
+    const std::string path = (folder_ / name).string();
+    EXPECT_EQ(error_of_file(path), path + unread);
+    // A controller block, and what is no YAML: a matrix, a law, a recording.
+    const std::string scene =
+        std::string(sound_scene).replace(from, to - from, "controller: " + name + "\n");
+    const auto why =
+        std::make_error_code(name.size() > 255 ? std::errc::filename_too_long
+                                               : std::errc::too_many_symbolic_link_levels)
+            .message();
+    EXPECT_EQ(error_of_file(write("scene.yaml", scene)), (folder_ / "scene.yaml").string() +
+                                                             ":31:13: controller: the file '" +
+                                                             path + "' cannot be read: " + why);
+    try {
+      YamlReader::from_text("file: " + name + "\n", "scene.yaml", folder_)
+          .require("file")
+          .file_bytes(1000);
+      ADD_FAILURE();
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), "scene.yaml:1:7: file: the file '" + path +
+                                  "' cannot be read (missing, empty or not allowed)");
+    }
+  }
 }
 
 TEST_F(SceneFiles, AControllerInAFileOfItsOwnIsReadAndItsErrorsAreThere) {

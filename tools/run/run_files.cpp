@@ -9,7 +9,8 @@ namespace {
 
 /// Empty if there is none, and of a pipe, which gives its text only once.
 std::string text_of(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(file)) return "";
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return "";
   return bytes_of_file(file).value_or("");
 }
 

@@ -1,6 +1,7 @@
 #include "core/mechanics/scene/scene_reader.hpp"
 
 #include <cstdint>
+#include <system_error>
 #include <tuple>
 
 #include "core/errors/formatted.hpp"
@@ -29,8 +30,11 @@ Block read_block_file(const std::filesystem::path& path,
 Block read_block(const YamlReader& value) {
   if (value.is_map()) return {value, value.dump()};
   const std::filesystem::path path = value.folder() / value.text();
-  if (!std::filesystem::exists(path)) {
-    value.fail("the file '" + path.string() + "' does not exist");
+  // A loop of links, say, is neither there nor not.
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    value.fail("the file '" + path.string() + "' " +
+               (error ? "cannot be read: " + error.message() : "does not exist"));
   }
   return read_block_file(path);
 }
