@@ -134,6 +134,12 @@ bool check_plant_hash(const YamlReader& plant, const Gains& gains) {
 }
 
 Gains read(const YamlReader& reader) {
+  if (!reader.find("stillframe_gains")) {
+    reader.fail(
+        "no gains file: the key 'stillframe_gains' is missing; `stillframe design SCENE --out "
+        "FILE` "
+        "makes one of a scene");
+  }
   const YamlReader version = reader.require("stillframe_gains");
   if (version.integer(1) != 1) version.fail("found " + version.text() + ", allowed is 1");
   reader.allow_only({"stillframe_gains", "scene_hash", "legs", "sample_rate_hz", "delay_samples",
