@@ -313,11 +313,8 @@ void ControllerLink::ask_clocks() {
   }
 }
 
-std::optional<std::int64_t> ControllerLink::start_ns() {
-  const auto start =
-      clocks_.instant(plant_instance_, plant_state_.start_monotonic_ns, monotonic_ns());
-  if (!start) return std::nullopt;
-  return start->earliest_ns + (start->latest_ns - start->earliest_ns) / 2;
+std::optional<PeerClocks::Instant> ControllerLink::start() {
+  return clocks_.instant(plant_instance_, plant_state_.start_monotonic_ns, monotonic_ns());
 }
 
 bool ControllerLink::is_elsewhere() const noexcept {

@@ -71,9 +71,9 @@ class ControllerLink {
   const stillframe_msgs::run_info_t& run_info() const noexcept { return run_info_; }
   const stillframe_msgs::run_state_t& plant_state() const noexcept { return plant_state_; }
   /// When the plant that is followed says that its run began, on the own clock as that stands to
-  /// its now: exact on one clock, else within half of a way there and back. None if its clock is
+  /// its now: an instant on one clock, else half of a way there and back wide. None if its clock is
   /// not known. Set-up.
-  std::optional<std::int64_t> start_ns();
+  std::optional<PeerClocks::Instant> start();
   /// Whether that plant reads another clock, and paces its samples by it.
   bool is_elsewhere() const noexcept;
   /// PeerClocks::unanswered.

@@ -103,22 +103,24 @@ Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::i
     if (heard.run_state) {
       const run_state_t& plant = link.plant_state();
       if (plant.state == run_state_t::RUNNING) {
-        const auto start_ns = link.start_ns();
-        if (!start_ns) continue;
+        const auto start = link.start();
+        if (!start) continue;
+        const std::int64_t doubt_ns = (start->latest_ns - start->earliest_ns) / 2;
+        const std::int64_t start_ns = start->earliest_ns + doubt_ns;
         const std::string reason =
-            unsound_start(plant.start_monotonic_ns, *start_ns, monotonic_ns());
-        if (reason.empty()) return {{}, *start_ns};
+            unsound_start(plant.start_monotonic_ns, start_ns, monotonic_ns());
+        if (reason.empty()) return {{}, start_ns, doubt_ns};
         link.publish_state(info.run_id, run_state_t::FAILED, reason);
         throw InputError(reason);
       }
-      if (plant.state == run_state_t::FAILED) return {Outcome::plant_failed, 0};
-      if (plant.state == run_state_t::ENDED) return {Outcome::missed, 0};
+      if (plant.state == run_state_t::FAILED) return {Outcome::plant_failed, 0, 0};
+      if (plant.state == run_state_t::ENDED) return {Outcome::missed, 0, 0};
     }
     // In lock-step the first measurement says as much as RUNNING; the plant repeats it.
     if (heard.measurement && info.mode == "lock_step") return {};
-    if (monotonic_ns() - last_asked_ns > limit_ns) return {Outcome::silent, 0};
+    if (monotonic_ns() - last_asked_ns > limit_ns) return {Outcome::silent, 0, 0};
   }
-  return {Outcome::interrupted, 0};
+  return {Outcome::interrupted, 0, 0};
 }
 
 }  // namespace stillframe::controller

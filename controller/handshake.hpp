@@ -21,7 +21,8 @@ std::string unsound_start(std::int64_t said_ns, std::int64_t start_ns, std::int6
 /// The end of a handshake: either the run starts, or it is over before it began.
 struct Start {
   std::optional<Outcome> over;
-  std::int64_t start_monotonic_ns = 0;  ///< t_0 of a wall-clock run
+  std::int64_t start_ns = 0;        ///< t_0 of a wall-clock run, on the own clock
+  std::int64_t start_doubt_ns = 0;  ///< by how much it may be off: 0 but of a plant elsewhere
 };
 
 /// Waits for run_info (of run_id, or the first heard), checks it against the gains, answers READY

@@ -59,7 +59,7 @@ std::int64_t page_faults() noexcept {
 Loop::Loop(Io& io, const Supervisor& supervisor, const Policy& policy, const LoopSetting& setting)
     : io_(io),
       supervisor_(supervisor),
-      clock_(setting.start_ns, setting.sample_rate_hz, setting.pacing),
+      clock_(setting.start_ns, setting.sample_rate_hz, setting.pacing, setting.start_doubt_ns),
       screen_(policy, setting.sample_rate_hz),
       deadlines_(setting.start_ns, setting.sample_rate_hz, setting.phase),
       disable_after_(samples(amplifiers_s, setting.sample_rate_hz) + amplifiers_samples),
@@ -148,7 +148,10 @@ Defect Loop::take_newest(std::int64_t now_ns) noexcept {
     std::swap(incoming_, newest_);
   }
   if (clock_.disciplined() && clock_.locked()) {
-    if (!began) deadlines_.begin(clock_.reference_ns(), clock_.reference(), now_ns);
+    // Where numbers stay, it is the line that moves, by as much as the plant's clock stood still.
+    const bool moved =
+        clock_.keeps_numbers() && clock_.n_locks() != counters_.n_locks.load(relaxed);
+    if (!began || moved) deadlines_.begin(clock_.reference_ns(), clock_.reference(), now_ns);
     deadlines_.follow(clock_.reference_ns(), clock_.reference(), clock_.period_ns());
     counters_.n_locks.store(clock_.n_locks(), relaxed);
     counters_.drift.store(clock_.drift(), relaxed);

@@ -58,6 +58,7 @@ struct LoopSetting {
   Eigen::Index n_floor = 0;    ///< accelerations of the floor in a measurement
   Eigen::Index n_frame = 0;    ///< and of the frame
   Pacing pacing = Pacing::same_clock;
+  std::int64_t start_doubt_ns = 0;  ///< of SampleClock
 };
 
 /// The periodic loop of a wall-clock run: at each deadline it takes what has come, screens the

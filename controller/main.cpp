@@ -261,7 +261,7 @@ class WallClock {
     while (true) {
       if (start.over) return close(*start.over);
       LcmStream stream(lcm_url(options_.lcm_url), link_.run_info(), link_.instance(), policy_);
-      const Outcome outcome = run_session(stream, start.start_monotonic_ns);
+      const Outcome outcome = run_session(stream, start);
       if (outcome != Outcome::began_anew) return close(outcome);
       spdlog::info("the plant begins anew");
       link_.forget();
@@ -272,16 +272,16 @@ class WallClock {
   /// On a rig, which this process speaks for. Without an end it ends when it is told to.
   int serve_rig(Io& io, const RigFile& rig) {
     ScaledIo scaled(io, rig.channels);
-    Outcome outcome = run_session(scaled, monotonic_ns());
+    Outcome outcome = run_session(scaled, {{}, monotonic_ns(), 0});
     if (outcome == Outcome::interrupted && !options_.duration_s) outcome = Outcome::ended;
     link_.publish_end();
     return close(outcome);
   }
 
  private:
-  Outcome run_session(Io& io, std::int64_t start_ns) {
+  Outcome run_session(Io& io, const Start& start) {
     Session session(io, link_, gains_, policy_, presence_, latch_, outside_.disk, session_options_,
-                    start_ns);
+                    start);
     const Outcome outcome = session.run();
     session.add_to(counters_, times_);
     say_counters(session.counters());

@@ -30,10 +30,8 @@ std::optional<std::string> Presence::reason_to_leave(
     State own, const stillframe_msgs::controller_status_t& other) const {
   const auto state = static_cast<State>(other.state);
   const bool own_holds = holds_the_frame(own), other_holds = holds_the_frame(state);
-  // Both sides have to come to the same, so times count where both read the same.
-  const bool comparable = on_one_clock(other.instance, instance_);
-  const bool other_first = std::pair(comparable ? other.started_ns : 0, other.instance) <
-                           std::pair(comparable ? started_ns_ : 0, instance_);
+  const bool other_first = began_first({other.instance, other.started_ns, other.sent_ns},
+                                       {instance_, started_ns_, monotonic_ns()});
   if (own_holds != other_holds ? own_holds : !other_first) return std::nullopt;
   return "another controller (process " + std::to_string(other.pid) + ", " +
          std::string(to_text(state)) + ") serves run " + std::to_string(other.run_id) +

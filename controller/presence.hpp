@@ -14,8 +14,7 @@ namespace stillframe::controller {
 bool is_overruled(std::int64_t since_ns, std::int64_t now_ns, double sample_rate_hz) noexcept;
 
 /// Which of two controllers of one run gives way: who holds the frame stays; where both do, or
-/// none, who began first, and of two that began at one instant, or by different clocks, the one
-/// with the smaller number. Set-up.
+/// none, who began first (began_first). Set-up.
 class Presence {
  public:
   Presence(std::int64_t instance, std::int64_t started_ns)

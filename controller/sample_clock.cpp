@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "msgs/clock.hpp"
@@ -10,17 +11,24 @@ namespace stillframe::controller {
 
 namespace {
 
-constexpr double slope_s = 10;
+constexpr double slope_s = 10, first_late_s = 0.1, first_late_periods = 20;
 constexpr double farthest_periods = 1e9;  // beyond it a number is no number of a sample
 
 }  // namespace
 
-SampleClock::SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pacing)
+SampleClock::SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pacing,
+                         std::int64_t start_doubt_ns)
     : nominal_ns_(ns_per_s / sample_rate_hz),
       period_ns_(nominal_ns_),
       pacing_(pacing),
       start_ns_(start_ns),
-      reference_ns_(start_ns) {
+      reference_ns_(start_ns),
+      latest_start_ns_(std::numeric_limits<std::int64_t>::max()) {
+  if (pacing == Pacing::other_host) {
+    latest_start_ns_ =
+        start_ns + start_doubt_ns +
+        std::llround(std::max(first_late_s * ns_per_s, first_late_periods * nominal_ns_));
+  }
   if (!(sample_rate_hz > 0)) throw std::invalid_argument("SampleClock: no positive sample rate");
 }
 
@@ -45,6 +53,10 @@ void SampleClock::see(Measurement& measurement) noexcept {
   const bool early = last_ - first_ < settle && error < 0 && error > -2 * period_ns_;
   const bool off = !(early || std::abs(error) < period_ns_ / 2) || seq <= last_;
   if (!locked_) {
+    if (measurement.received_ns - latest_start_ns_ >
+        std::llround(static_cast<double>(card) * nominal_ns_)) {
+      return;
+    }
     reference_ns_ = measurement.received_ns;
     lock(card, measurement.received_ns);
     locked_ = true;
@@ -53,21 +65,25 @@ void SampleClock::see(Measurement& measurement) noexcept {
     n_off_ = 0;
     track(seq, error);
   } else {
-    if (n_off_ == 0 || card <= before_) {
-      n_off_ = 0;
-      off_since_ns_ = measurement.received_ns;
+    n_off_ = n_off_ > 0 && card > before_ ? n_off_ + 1 : 1;
+    before_ = card;
+    if (n_off_ == 1) off_since_ns_ = measurement.received_ns;
+    if (n_off_ == 1 || n_off_ == settle / 2 + 1) {
+      least_off_before_ = least_off_;
       least_off_ = error;
     }
-    ++n_off_;
-    before_ = card;
     least_off_ = std::min(least_off_, error);
-    // All of a burst behind a stall are off as well, but come at once.
-    const double lasted = static_cast<double>(measurement.received_ns - off_since_ns_) / period_ns_;
-    if (n_off_ >= settle && lasted >= settle / 2.0) {
-      lock(card, measurement.received_ns - std::llround(error - least_off_));
-      ++n_locks_;
+    if (n_off_ == settle) {
       n_off_ = 0;
-      seq = card + epoch_;
+      const double lasted =
+          static_cast<double>(measurement.received_ns - off_since_ns_) / period_ns_;
+      const bool steady = std::abs(least_off_ - least_off_before_) < period_ns_ / 4;
+      if (lasted >= settle / 2.0 && steady) {
+        const double earliest = std::min(least_off_, least_off_before_);
+        lock(card, measurement.received_ns - std::llround(error - earliest));
+        ++n_locks_;
+        seq = card + epoch_;
+      }
     }
   }
   if (pacing_ == Pacing::other_host) return;

@@ -21,8 +21,9 @@ enum class Pacing {
 ///   e = arrival - l_k:   e < 0: l_r += e;   0 < e < T / 2: l_r += min(e, 500e-6 T per sample);
 ///   d: the slope of l_r over the last 10 s or more.
 /// The first sample of a card is number 0; it may have come as late as it likes. Where |e| is T / 2
-/// or more for `settle` samples in a row that come one after the other, and not at once as behind a
-/// stall, the card has stepped, paused or begun anew: by the earliest of them its samples are
+/// or more for `settle` samples in a row that come one after the other, and the earliest of both
+/// halves of them show the same to T / 4 (behind a stall they come at once, or catch up), the card
+/// has stepped, paused or begun anew: by the earliest of them its samples are
 /// numbered from there on as the time says, so that numbers go on rising and a pause counts as
 /// samples lost. What a plant on another host calls its samples stays, and the line moves.
 /// Construction is set-up; the rest is hot.
@@ -32,7 +33,10 @@ class SampleClock {
   static constexpr double most_drift = 500e-6;  ///< 1, of a crystal
 
   /// sample_rate_hz as the card is set to. Errors: std::invalid_argument if it is not positive.
-  SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pacing);
+  /// start_doubt_ns: of a plant on another host, how far start_ns may be off: a first sample that
+  /// is later than that and 0.1 s, or 20 periods, comes out of a recording and is not followed.
+  SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pacing,
+              std::int64_t start_doubt_ns = 0);
 
   /// Takes an arrival, in the order of the card, and gives it its number and its time from the
   /// start of the run; does nothing if the clock is not disciplined.
@@ -46,6 +50,7 @@ class SampleClock {
   }
 
   bool disciplined() const noexcept { return pacing_ != Pacing::same_clock; }
+  bool keeps_numbers() const noexcept { return pacing_ == Pacing::other_host; }
   bool locked() const noexcept { return locked_; }  ///< a first sample has come
   /// The line of samples: l_r (ns), r and T (1 + d) (ns).
   std::int64_t reference_ns() const noexcept { return reference_ns_; }
@@ -72,7 +77,9 @@ class SampleClock {
   std::int64_t slope_ns_ = 0, slope_from_ = 0;
   double slope_part_ns_ = 0;
   int n_off_ = 0;  ///< samples in a row that are off the line
-  double least_off_ = 0;
+  double least_off_ = 0,
+         least_off_before_ = 0;   ///< e of the earliest of a half, and of the one before
+  std::int64_t latest_start_ns_;  ///< that a first sample may show
   std::int64_t off_since_ns_ = 0;
   std::int64_t before_ = 0;  ///< number of the last of them, as the card has it
   std::int64_t n_locks_ = 0;

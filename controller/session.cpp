@@ -25,8 +25,9 @@ constexpr double silent_samples = 3;            // in a row, of a plant that is 
 constexpr std::int64_t joined_after_ns = 500'000'000;
 constexpr std::int64_t announce_every_ns = 500'000'000;
 
-LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
+LoopSetting setting_of(const Gains& gains, double phase, const Start& start,
                        const ControllerLink& link) {
+  const std::int64_t start_ns = start.start_ns;
   const std::int64_t now = monotonic_ns();
   const auto samples = static_cast<double>(now - start_ns) * 1e-9 * gains.sample_rate_hz;
   return {.sample_rate_hz = gains.sample_rate_hz,
@@ -38,7 +39,8 @@ LoopSetting setting_of(const Gains& gains, double phase, std::int64_t start_ns,
           .n_frame = link.run_info().n_frame,
           .pacing = link.hosts()          ? Pacing::card
                     : link.is_elsewhere() ? Pacing::other_host
-                                          : Pacing::same_clock};
+                                          : Pacing::same_clock,
+          .start_doubt_ns = start.start_doubt_ns};
 }
 
 Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active,
@@ -54,7 +56,7 @@ Supervisor supervisor_of(const Gains& gains, const Policy& policy, bool active,
 
 Session::Session(Io& io, ControllerLink& link, const Gains& gains, const Policy& policy,
                  const Presence& presence, Latch& latch, Background& disk,
-                 const SessionOptions& options, std::int64_t start_ns)
+                 const SessionOptions& options, const Start& start)
     : io_(io),
       link_(link),
       policy_(policy),
@@ -62,11 +64,11 @@ Session::Session(Io& io, ControllerLink& link, const Gains& gains, const Policy&
       latch_(latch),
       disk_(disk),
       options_(options),
-      start_ns_(start_ns),
-      plant_start_ns_(link.hosts() ? start_ns : link.plant_state().start_monotonic_ns),
+      start_ns_(start.start_ns),
+      plant_start_ns_(link.hosts() ? start.start_ns : link.plant_state().start_monotonic_ns),
       sample_rate_hz_(gains.sample_rate_hz),
       loop_(io, supervisor_of(gains, policy, link.run_info().loop != "passive", latch), policy,
-            setting_of(gains, options.phase, start_ns, link)),
+            setting_of(gains, options.phase, start, link)),
       telemetry_(link, loop_, io, presence, options.policy_text),
       told_latched_(latch.fault() != Fault::none),
       alive_ns_(monotonic_ns()) {}

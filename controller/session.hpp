@@ -9,6 +9,7 @@
 #include "controller/background.hpp"
 #include "controller/controller_link.hpp"
 #include "controller/gains.hpp"
+#include "controller/handshake.hpp"
 #include "controller/io.hpp"
 #include "controller/latch.hpp"
 #include "controller/loop.hpp"
@@ -38,10 +39,10 @@ struct SessionOptions {
 class Session {
  public:
   /// link follows the run, or hosts it; all arguments outlive the session. disk writes the flight
-  /// records. start_ns: t_0 of the run on CLOCK_MONOTONIC. Errors: as Supervisor.
+  /// records. Errors: as Supervisor.
   Session(Io& io, ControllerLink& link, const Gains& gains, const Policy& policy,
           const Presence& presence, Latch& latch, Background& disk, const SessionOptions& options,
-          std::int64_t start_ns);
+          const Start& start);
 
   /// Runs to the end, and lets go of the frame before it answers.
   Outcome run();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -8,9 +10,10 @@
 
 namespace stillframe {
 
-/// A number that no other process has had, nor any log of one: above 0, exact in a double. Its
-/// upper part names the clock that the process reads, CLOCK_MONOTONIC of this system since it
-/// booted (and of this time namespace). Set-up.
+/// A number that no other process has, nor any log of one: above 0, exact in a double (of two
+/// processes of one boot, one pair in 500 million has the same). Its upper part names the clock
+/// that the process reads, CLOCK_MONOTONIC of this system since it booted (and of this time
+/// namespace). Set-up.
 std::int64_t new_instance();
 
 /// A number for a run, short enough to be typed: above 0, below 1e9. Set-up.
@@ -24,6 +27,24 @@ inline constexpr int bits_below_clock = 29;
 inline bool on_one_clock(std::int64_t instance, std::int64_t other) noexcept {
   const std::int64_t clock = instance >> bits_below_clock, other_clock = other >> bits_below_clock;
   return clock == 0 || other_clock == 0 || clock == other_clock;
+}
+
+/// Who of two processes began first, by what each says of itself; of two that began at one instant
+/// the one with the smaller number. Of two clocks the ages are compared, and count as the
+/// same within 2 s and a thousandth: both sides have to come to one answer.
+struct Beginning {
+  std::int64_t instance = 0;
+  std::int64_t began_ns = 0, now_ns = 0;  ///< by its own clock: its beginning, and when it said so
+};
+inline bool began_first(const Beginning& one, const Beginning& other) noexcept {
+  if (on_one_clock(one.instance, other.instance)) {
+    return one.began_ns != other.began_ns ? one.began_ns < other.began_ns
+                                          : one.instance < other.instance;
+  }
+  const double age = static_cast<double>(one.now_ns) - static_cast<double>(one.began_ns);
+  const double other_age = static_cast<double>(other.now_ns) - static_cast<double>(other.began_ns);
+  if (std::abs(age - other_age) > 2e9 + 1e-3 * std::max(age, other_age)) return age > other_age;
+  return one.instance < other.instance;
 }
 
 /// What a measurement or command begins with, behind its fingerprint.

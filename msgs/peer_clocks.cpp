@@ -15,6 +15,8 @@ namespace {
 constexpr std::int64_t ask_again_ns = ns_per_s / 2;
 // At 500 ppm 2.5 ms.
 constexpr std::int64_t renew_ns = 5 * ns_per_s;
+// An answer that leaves more than this in doubt is one of a process that was late to look.
+constexpr std::int64_t wide_ns = ns_per_s / 20;
 constexpr std::int64_t drift_part = 2000;  // 500 ppm, of two crystals against each other
 
 /// A reading that sums of three fit an int64 with: 73 years.
@@ -51,14 +53,23 @@ std::optional<PeerClocks::Instant> PeerClocks::instant(std::int64_t peer, std::i
 
 bool PeerClocks::is_fresh(std::int64_t peer, std::int64_t sent_ns, std::int64_t now_ns) noexcept {
   const auto sent = instant(peer, sent_ns, now_ns);
-  return sent && sent->earliest_ns <= now_ns && sent->latest_ns > now_ns - fresh_ns;
+  if (!sent) return false;
+  const bool fresh = sent->earliest_ns <= now_ns && sent->earliest_ns > now_ns - fresh_ns;
+  if (!fresh) doubt(peer);
+  return fresh;
+}
+
+void PeerClocks::doubt(std::int64_t peer) noexcept {
+  const auto there = std::ranges::find(peers_, peer, &Peer::instance);
+  if (there != peers_.end() && !on_one_clock(peer, own_)) there->doubted = true;
 }
 
 std::optional<clock_exchange_t> PeerClocks::question(std::int64_t now_ns) noexcept {
   for (Peer& peer : peers_) {
     if (!peer.wanted) continue;
     const bool due = peer.asked_ns == 0 || now_ns - peer.asked_ns > ask_again_ns;
-    if (!due || (peer.known && now_ns - peer.known_ns < renew_ns)) continue;
+    const bool good = peer.known && peer.half_ns < wide_ns && !peer.doubted;
+    if (!due || (good && now_ns - peer.heard_ns < renew_ns)) continue;
     peer.wanted = false;
     peer.open = true;
     peer.asked_ns = now_ns;
@@ -104,6 +115,8 @@ void PeerClocks::learn(Peer& peer, const clock_exchange_t& answer, std::int64_t 
       (answer.answered_ns - now_ns - (answer.heard_ns - answer.asked_ns)) / 2;
   const std::int64_t doubt = peer.known ? peer.doubt_ns(now_ns) : 0;
   const bool excluded = peer.known && std::abs(offset - peer.offset_ns) > doubt + half;
+  peer.heard_ns = now_ns;
+  peer.doubted = false;
   if (peer.known && !excluded && half > doubt) return;
   peer.known = true;
   peer.offset_ns = offset;

@@ -33,8 +33,11 @@ class PeerClocks {
   /// None while the peer's clock is not known; it is asked for then.
   std::optional<Instant> instant(std::int64_t peer, std::int64_t reading_ns,
                                  std::int64_t now_ns) noexcept;
-  /// Whether what a peer says it sent at sent_ns was sent just now.
+  /// Whether what a peer says it sent at sent_ns was certainly sent just now.
   bool is_fresh(std::int64_t peer, std::int64_t sent_ns, std::int64_t now_ns) noexcept;
+
+  /// What a peer says cannot be: its clock may have stood still, and is asked for again.
+  void doubt(std::int64_t peer) noexcept;
 
   /// The next question that is due; to be published at once.
   std::optional<stillframe_msgs::clock_exchange_t> question(std::int64_t now_ns) noexcept;
@@ -56,6 +59,8 @@ class PeerClocks {
     bool open = false;
     bool known = false;
     std::int64_t offset_ns = 0, half_ns = 0, known_ns = 0;
+    std::int64_t heard_ns = 0;  ///< when the last answer came
+    bool doubted = false;
     std::int64_t doubt_ns(std::int64_t now_ns) const noexcept;
   };
   Peer& of(std::int64_t instance, std::int64_t now_ns) noexcept;

@@ -180,9 +180,12 @@ bool PlantLink::is_sound(const command_t& command) {
   // nor after now.
   const std::int64_t now = monotonic_ns();
   const auto sent = clocks_.instant(command.instance, command.sent_ns, now);
-  if (command.sent_ns < 0 || !sent || sent->earliest_ns > now) return false;
-  return static_cast<double>(sent->latest_ns - start_ns_) >=
-         period_ns_ * static_cast<double>(command.seq - 1);
+  if (command.sent_ns < 0 || !sent) return false;
+  const bool sound =
+      sent->earliest_ns <= now && static_cast<double>(sent->latest_ns - start_ns_) >=
+                                      period_ns_ * static_cast<double>(command.seq - 1);
+  if (!sound) clocks_.doubt(command.instance);
+  return sound;
 }
 
 void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
@@ -219,10 +222,11 @@ void PlantLink::judge_rival(const run_state_t& other) {
   const bool other_runs = other.state == run_state_t::RUNNING;
   if (!other_runs && other.state != run_state_t::WAITING) return;
   const bool runs = state_ == run_state_t::RUNNING;
-  // Both sides have to come to the same, so times count where both read the same.
-  const bool comparable = on_one_clock(info_.plant_instance, other.plant_instance);
-  const bool first = std::pair(comparable ? start_ns_ : 0, info_.plant_instance) <
-                     std::pair(comparable ? other.start_monotonic_ns : 0, other.plant_instance);
+  // Of two that wait none has begun.
+  const bool first =
+      runs ? began_first({info_.plant_instance, start_ns_, monotonic_ns()},
+                         {other.plant_instance, other.start_monotonic_ns, other.sent_ns})
+           : info_.plant_instance < other.plant_instance;
   const bool stays = runs != other_runs ? runs : first;
   if (!stays) {
     rival_ = "another plant " + std::string(other_runs ? "runs" : "waits") + " as run " +

@@ -192,7 +192,7 @@ PlantOutcome run_wall_clock(Plant& plant, PlantLink& link, const PlantRunOptions
       return run.fail("no command for " + std::to_string(options.timeout_s) +
                       " s; the plant itself " + "was late by a period or more in " +
                       std::to_string(run.timing().n_late) + " of " + std::to_string(k) +
-                      " samples");
+                      " samples" + link.unanswered());
     }
     // For a controller that comes, or comes back, while the run goes on.
     if (now - announced_ns > announce_every_ns) {

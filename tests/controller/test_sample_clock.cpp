@@ -219,9 +219,11 @@ TEST(SampleClock, APlantElsewhereKeepsItsNumbers) {
     card.k = card.number = static_cast<std::int64_t>(random() % 1'000'000);
     SCOPED_TRACE(testing::Message()
                  << card.rate_hz << " Hz, " << card.ppm << " ppm, " << card.jitter);
-    // What the exchange of clocks makes of its start may be off by any part of a period, and more.
+    // What the exchange of clocks makes of its start is right for now, and may be off by any part
+    // of a period, and more.
     const double off = 3 * drift(random) / 200;
-    SampleClock clock(card.start_ns + std::llround(off * 1e9 / card.rate_hz), card.rate_hz,
+    const double start = card.taken_ns(card.k) - static_cast<double>(card.k) * 1e9 / card.rate_hz;
+    SampleClock clock(card.start_ns + std::llround(start + off * 1e9 / card.rate_hz), card.rate_hz,
                       Pacing::other_host);
     const auto follows = [&](int n) {
       double worst = 0;
@@ -299,6 +301,80 @@ TEST(SampleClock, TheLoopGoesAlongWithACard) {
         EXPECT_GT(counters.n_missing, 1000) << ppm;
       }
     }
+  }
+}
+
+/// A plant whose clock stands still, or that is stopped and catches up: the loop never sleeps
+/// through more than what it waits for, and goes on by the plant's samples.
+TEST(SampleClock, TheLoopStaysAwakeBesideAPlantElsewhere) {
+  const Gains gains = toy::damped_gains();
+  constexpr std::int64_t period = 1'000'000;
+  struct Pause {
+    int samples;
+    double spacing;  ///< of the samples behind it, periods; 0: the clock itself stood still
+  };
+  for (const Pause pause : {Pause{15, 0.8},
+                            {30, 0.55},
+                            {100, 0.3},
+                            {300, 0.9},
+                            {1000, 0.05},
+                            {3000, 0.3},
+                            {10, 0},
+                            {300, 0},
+                            {3000, 0}}) {
+    SCOPED_TRACE(testing::Message() << pause.samples << " periods, spacing " << pause.spacing);
+    InProcessIo io(gains.n_legs(), 4096);
+    const Supervisor supervisor(gains, {}, true);
+    Loop loop(io, supervisor, {},
+              {.sample_rate_hz = 1000, .start_ns = 0, .pacing = Pacing::other_host});
+    constexpr std::int64_t n_before = 3000, n_after = 20'000;
+    std::int64_t k = 0, arrival = 40'000, last_now = 0, longest = 0;
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(gains.n_legs());
+    Command command = command_of(gains.n_legs());
+    const auto next_arrival = [&] {
+      const std::int64_t due = k * period + 40'000;
+      if (k < n_before) return due;
+      const std::int64_t stall = pause.samples * period;
+      if (pause.spacing == 0) return due + stall;
+      const std::int64_t first = n_before * period + stall;
+      const auto caught_up =
+          std::llround(pause.spacing * static_cast<double>(period)) * (k - n_before);
+      return std::max<std::int64_t>(due, first + caught_up);
+    };
+    while (k < n_before + n_after) {
+      const std::int64_t now = loop.next_ns() + 15'000;
+      longest = std::max(longest, now - last_now);
+      last_now = now;
+      for (; arrival <= now; ++k, arrival = next_arrival()) {
+        Measurement m = measurement_of(gains.n_legs(), 0);
+        m.seq = k;
+        m.time_ns = k * period;
+        m.received_ns = arrival;
+        m.applied = m.sigma = force;
+        for (Index i = 0; i < m.sigma.size(); ++i)
+          m.sigma(i) += 0.01 * std::sin(static_cast<double>(7 * k + i));
+        io.put(m);
+      }
+      loop.period(now);
+      while (io.take(command)) force = command.force;
+    }
+    EXPECT_LE(longest, 2 * period);
+    EXPECT_EQ(loop.counters().n_locks, pause.spacing == 0 ? 1 : 0);
+    EXPECT_EQ(loop.counters().state, State::active);
+  }
+}
+
+/// What is heard first is a recording of this very run: it is as late as it was recorded ago.
+TEST(SampleClock, ARecordingDoesNotBeginTheLine) {
+  for (const bool recording : {true, false}) {
+    SampleClock clock(1'000'000'000, 1000, Pacing::other_host, 2'000'000);
+    for (std::int64_t k = 5000; k < 5100; ++k) {
+      Measurement m{.seq = k, .time_ns = k * 1'000'000};
+      m.received_ns = 1'000'000'000 + m.time_ns + 100'000 + (recording ? 4'000'000'000 : 0);
+      clock.see(m);
+      EXPECT_NEAR(clock.age(m, m.received_ns), recording ? 4.0001 : 0, 0.0002);
+    }
+    EXPECT_EQ(clock.locked(), !recording);
   }
 }
 
