@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "msgs/clock.hpp"
 
@@ -103,6 +104,11 @@ void SampleClock::track(std::int64_t seq, double error) noexcept {
   reference_ns_ += static_cast<std::int64_t>(whole);
   part_ns_ -= whole;
   reference_ = seq;
+  // Behind a gap or a lock the first arrivals are late ones, and the line may have gone along with
+  // them.
+  in_row_ = n > settle ? 0 : in_row_ + 1;
+  if (in_row_ < settle) return;
+  if (std::exchange(new_line_, false)) return begin_slope();
   const auto samples = static_cast<double>(reference_ - slope_from_);
   if (samples * nominal_ns_ < slope_s * ns_per_s) return;
   const double slope =
@@ -132,7 +138,8 @@ void SampleClock::lock(std::int64_t card, std::int64_t taken_ns) noexcept {
   reference_ = seq;
   reference_ns_ = taken_ns;
   part_ns_ = 0;
-  begin_slope();
+  in_row_ = 0;
+  new_line_ = true;
 }
 
 }  // namespace stillframe::controller

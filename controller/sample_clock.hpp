@@ -76,7 +76,9 @@ class SampleClock {
   std::int64_t first_ = 0;                     ///< of the numbers that go on since a lock
   std::int64_t slope_ns_ = 0, slope_from_ = 0;
   double slope_part_ns_ = 0;
-  int n_off_ = 0;  ///< samples in a row that are off the line
+  std::int64_t in_row_ = 0;  ///< samples on the line since a gap or lock
+  bool new_line_ = true;     ///< whose slope has not begun
+  int n_off_ = 0;            ///< samples in a row that are off the line
   double least_off_ = 0,
          least_off_before_ = 0;   ///< e of the earliest of a half, and of the one before
   std::int64_t latest_start_ns_;  ///< that a first sample may show

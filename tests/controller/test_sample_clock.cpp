@@ -364,6 +364,25 @@ TEST(SampleClock, TheLoopStaysAwakeBesideAPlantElsewhere) {
   }
 }
 
+/// The first samples behind a gap are late; the slope that ends with them is not that of the
+/// crystal.
+TEST(SampleClock, AGapDoesNotBendTheLine) {
+  for (const std::int64_t gap : {300, 2500, 5500}) {
+    SampleClock clock(0, 1000, Pacing::other_host);
+    double worst = 0;
+    for (std::int64_t k = 0; k < 60'000; ++k) {
+      if (k % 10'001 > 10'000 - gap) continue;
+      Measurement m{.seq = k, .time_ns = k * 1'000'000};
+      m.received_ns = m.time_ns + (k % 10'001 < 5 ? 450'000 : 30'000);
+      clock.see(m);
+      worst = std::max(worst, std::abs(clock.drift()));
+    }
+    // Five samples of half a ms are 0.02 ms of the ten seconds where the reference had not gone
+    // along.
+    EXPECT_LT(worst, 3e-6) << gap;
+  }
+}
+
 /// What is heard first is a recording of this very run: it is as late as it was recorded ago.
 TEST(SampleClock, ARecordingDoesNotBeginTheLine) {
   for (const bool recording : {true, false}) {
