@@ -10,10 +10,10 @@ namespace stillframe::test {
 /// Verbs that do not run anything: text in, text out.
 class Verb : public Workspace {
  protected:
-  nlohmann::json json(std::vector<std::string> arguments) const {
+  nlohmann::json json(std::vector<std::string> arguments, int exit_code = 0) const {
     arguments.push_back("--json");
     const Said said = run(arguments);
-    EXPECT_EQ(said.exit_code, 0) << said.error;
+    EXPECT_EQ(said.exit_code, exit_code) << said.error;
     EXPECT_EQ(said.error, "");
     return nlohmann::json::parse(said.output);
   }

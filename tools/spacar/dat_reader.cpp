@@ -334,8 +334,9 @@ class DatReader {
       std::string why = "its GJ is " + shortest_digits(element.torsion_factor) +
                         " times that of free torsion, as " + std::to_string(n_held) +
                         (n_held == 1 ? " end cannot warp" : " ends cannot warp");
-      if (goes_on) why += "; that warping goes on into its neighbour is left out";
-      model_.remarks.approximated.push_back(
+      if (goes_on) why += into_neighbour;
+      auto& remarks = goes_on ? model_.remarks.left_out : model_.remarks.approximated;
+      remarks.push_back(
           {.line = *element.lines.begin(), .what = "BEAMW " + std::to_string(number), .why = why});
     }
   }

@@ -619,6 +619,7 @@ class LightReader {
       }
       element.direction.reset();
     }
+    read_parts(element, set, stiff);
     if (stiff || heavy) {
       const Section its = section(set, stiff);
       // A strip needs to know which way it is flat; the default of SPACAR Light is y.
@@ -629,12 +630,15 @@ class LightReader {
       if (heavy) element.inertia = section_inertia(its);
       if (stiff) read_warping(element, set, its, along.norm());
     }
-    if (const Field* n = find(set, "nbeams"); n != nullptr && stiff) {
-      static_cast<void>(number(*n));
-      element.n_parts = whole_numbers(*n, 1000, "a number of beams").at(0);
-      n_beams_ += element.n_parts;
-      if (n_beams_ > most_in_script) fail(*n, "more than 10000 beams in all", "are 10000");
-    }
+  }
+
+  void read_parts(Element& element, const PropertySet& set, bool stiff) {
+    const Field* n = find(set, "nbeams");
+    if (n == nullptr || !stiff) return;
+    static_cast<void>(number(*n));
+    element.n_parts = whole_numbers(*n, 1000, "a number of beams").at(0);
+    n_beams_ += element.n_parts;
+    if (n_beams_ > most_in_script) fail(*n, "more than 10000 beams in all", "are 10000");
   }
 
   /// Warping is held where a node is fixed, and where a rigid body is that does not warp. The older
@@ -652,14 +656,14 @@ class LightReader {
     }
     element.torsion_factor =
         warping_factor(element.stiffness[1], section_warping(its), length, n_held);
+    goes_on = goes_on || (element.n_parts > 1 && element.torsion_factor > 1);
     const Field& field = set.fields.at(warps ? "warping" : "cw");
     std::string why = "GJ of " + element.name + " is " + shortest_digits(element.torsion_factor) +
                       " times that of free torsion, as " + std::to_string(n_held) +
                       (n_held == 1 ? " end cannot warp" : " ends cannot warp");
-    if (goes_on) why += "; that warping goes on into its neighbour is left out";
-    if (warps) {
-      model_.remarks.approximated.push_back({.line = field.line, .what = field.text, .why = why});
-    }
+    if (goes_on) why += into_neighbour;
+    auto& remarks = goes_on ? model_.remarks.left_out : model_.remarks.approximated;
+    if (warps) remarks.push_back({.line = field.line, .what = field.text, .why = why});
   }
 
   /// SPACAR Light releases in the last beam of an element alone.

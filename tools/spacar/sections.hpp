@@ -35,4 +35,11 @@ double section_warping(const Section& section);
 /// over a length L with one end held against warping, or both. 1 without ends or without E I_w.
 double warping_factor(double torsion, double warping, double length, int n_held_ends);
 
+/// What to say of a strip that is divided: a factor of each of its beams cannot have the stiffness
+/// by which two halves hold each other.
+inline constexpr const char* into_neighbour =
+    "; that warping goes on into its neighbour is left out, and torsion of what lies between is "
+    "too "
+    "soft";
+
 }  // namespace stillframe::tools::spacar
