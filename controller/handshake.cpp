@@ -1,5 +1,7 @@
 #include "controller/handshake.hpp"
 
+#include <limits>
+
 #include "core/errors/formatted.hpp"
 #include "core/errors/input_error.hpp"
 #include "msgs/clock.hpp"
@@ -104,9 +106,10 @@ Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::i
       const run_state_t& plant = link.plant_state();
       if (plant.state == run_state_t::RUNNING) {
         const auto start = link.start();
-        if (!start) continue;
-        const std::int64_t doubt_ns = (start->latest_ns - start->earliest_ns) / 2;
-        const std::int64_t start_ns = start->earliest_ns + doubt_ns;
+        if (!start && PeerClocks::is_reading(plant.start_monotonic_ns)) continue;
+        const std::int64_t doubt_ns = start ? (start->latest_ns - start->earliest_ns) / 2 : 0;
+        const std::int64_t start_ns =
+            start ? start->earliest_ns + doubt_ns : std::numeric_limits<std::int64_t>::max();
         const std::string reason =
             unsound_start(plant.start_monotonic_ns, start_ns, monotonic_ns());
         if (reason.empty()) return {{}, start_ns, doubt_ns};

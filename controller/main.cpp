@@ -220,7 +220,7 @@ void say_counters(const LoopCounters& counters) {
     spdlog::warn("{} faults, {} times back in the loop", counters.n_faults.load(),
                  counters.n_rejoins.load());
   }
-  if (counters.drift != 0) {
+  if (counters.drift != 0 || counters.n_locks > 0) {
     spdlog::info("the clock of the samples: {:+.1f} ppm of this machine's, {} times found anew",
                  -1e6 * counters.drift, counters.n_locks.load());
   }

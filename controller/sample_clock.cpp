@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -24,12 +23,8 @@ SampleClock::SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pa
       pacing_(pacing),
       start_ns_(start_ns),
       reference_ns_(start_ns),
-      latest_start_ns_(std::numeric_limits<std::int64_t>::max()) {
-  if (pacing == Pacing::other_host) {
-    latest_start_ns_ =
-        start_ns + start_doubt_ns +
-        std::llround(std::max(first_late_s * ns_per_s, first_late_periods * nominal_ns_));
-  }
+      most_shown_ns_(static_cast<double>(start_doubt_ns) +
+                     std::max(first_late_s * ns_per_s, first_late_periods * nominal_ns_)) {
   if (!(sample_rate_hz > 0)) throw std::invalid_argument("SampleClock: no positive sample rate");
 }
 
@@ -49,15 +44,15 @@ void SampleClock::see(Measurement& measurement) noexcept {
   if (!disciplined()) return;
   const std::int64_t card = measurement.seq;
   std::int64_t seq = card + epoch_;
-  if (pacing_ == Pacing::other_host && seq <= last_) return;
+  // A datagram may come twice.
+  if (keeps_numbers() && (seq <= last_ || (n_off_ > 0 && seq <= before_))) return;
   const double error = error_ns(seq, measurement.received_ns);
   const bool early = last_ - first_ < settle && error < 0 && error > -2 * period_ns_;
   const bool off = !(early || std::abs(error) < period_ns_ / 2) || seq <= last_;
   if (!locked_) {
-    if (measurement.received_ns - latest_start_ns_ >
-        std::llround(static_cast<double>(card) * nominal_ns_)) {
-      return;
-    }
+    const double shows = static_cast<double>(measurement.received_ns - start_ns_) -
+                         static_cast<double>(card) * nominal_ns_;
+    if (keeps_numbers() && std::abs(shows) > most_shown_ns_) return;
     reference_ns_ = measurement.received_ns;
     lock(card, measurement.received_ns);
     locked_ = true;
@@ -78,8 +73,8 @@ void SampleClock::see(Measurement& measurement) noexcept {
       n_off_ = 0;
       const double lasted =
           static_cast<double>(measurement.received_ns - off_since_ns_) / period_ns_;
-      const bool steady = std::abs(least_off_ - least_off_before_) < period_ns_ / 4;
-      if (lasted >= settle / 2.0 && steady) {
+      const bool catches_up = least_off_ > 0 && least_off_before_ - least_off_ > period_ns_ / 4;
+      if (lasted >= settle / 2.0 && !catches_up) {
         const double earliest = std::min(least_off_, least_off_before_);
         lock(card, measurement.received_ns - std::llround(error - earliest));
         ++n_locks_;

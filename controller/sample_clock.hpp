@@ -21,9 +21,9 @@ enum class Pacing {
 ///   e = arrival - l_k:   e < 0: l_r += e;   0 < e < T / 2: l_r += min(e, 500e-6 T per sample);
 ///   d: the slope of l_r over the last 10 s or more.
 /// The first sample of a card is number 0; it may have come as late as it likes. Where |e| is T / 2
-/// or more for `settle` samples in a row that come one after the other, and the earliest of both
-/// halves of them show the same to T / 4 (behind a stall they come at once, or catch up), the card
-/// has stepped, paused or begun anew: by the earliest of them its samples are
+/// or more for `settle` samples in a row that come one after the other (behind a stall they come at
+/// once, or catch up: the earliest of the second half is late by less than that of the first), the
+/// card has stepped, paused or begun anew: by the earliest of them its samples are
 /// numbered from there on as the time says, so that numbers go on rising and a pause counts as
 /// samples lost. What a plant on another host calls its samples stays, and the line moves.
 /// Construction is set-up; the rest is hot.
@@ -34,7 +34,8 @@ class SampleClock {
 
   /// sample_rate_hz as the card is set to. Errors: std::invalid_argument if it is not positive.
   /// start_doubt_ns: of a plant on another host, how far start_ns may be off: a first sample that
-  /// is later than that and 0.1 s, or 20 periods, comes out of a recording and is not followed.
+  /// is off by more than that and 0.1 s, or 20 periods, is a recording's or forged, and not
+  /// followed.
   SampleClock(std::int64_t start_ns, double sample_rate_hz, Pacing pacing,
               std::int64_t start_doubt_ns = 0);
 
@@ -80,8 +81,8 @@ class SampleClock {
   bool new_line_ = true;     ///< whose slope has not begun
   int n_off_ = 0;            ///< samples in a row that are off the line
   double least_off_ = 0,
-         least_off_before_ = 0;   ///< e of the earliest of a half, and of the one before
-  std::int64_t latest_start_ns_;  ///< that a first sample may show
+         least_off_before_ = 0;  ///< e of the earliest of a half, and of the one before
+  double most_shown_ns_;         ///< by which a first sample may be off its place
   std::int64_t off_since_ns_ = 0;
   std::int64_t before_ = 0;  ///< number of the last of them, as the card has it
   std::int64_t n_locks_ = 0;

@@ -275,14 +275,18 @@ void Session::look_for_end() {
 // A rig has no process of its own that says so.
 void Session::announce() {
   const std::int64_t now = monotonic_ns();
+  const std::int64_t n_locks = loop_.counters().n_locks;
+  if (n_locks != told_locks_) {
+    options_.warn(
+        link_.hosts()
+            ? "the clock of the samples has stepped, paused or begun anew"
+            : "the samples come at another time from here on: the plant's clock has stood "
+              "still, or their way takes longer, which delay_samples has to count");
+    told_locks_ = n_locks;
+  }
   if (!link_.hosts() || now - announced_ns_ < announce_every_ns) return;
   announced_ns_ = now;
   link_.announce(start_ns_);
-  const std::int64_t n_locks = loop_.counters().n_locks;
-  if (n_locks != told_locks_) {
-    options_.warn("the clock of the samples has stepped, paused or begun anew");
-    told_locks_ = n_locks;
-  }
 }
 
 std::string Session::never_active() const {

@@ -19,9 +19,6 @@ constexpr std::int64_t renew_ns = 5 * ns_per_s;
 constexpr std::int64_t wide_ns = ns_per_s / 20;
 constexpr std::int64_t drift_part = 2000;  // 500 ppm, of two crystals against each other
 
-/// A reading that sums of three fit an int64 with: 73 years.
-bool is_reading(std::int64_t ns) noexcept { return ns >= 0 && ns < (std::int64_t{1} << 61); }
-
 }  // namespace
 
 std::int64_t PeerClocks::Peer::doubt_ns(std::int64_t now_ns) const noexcept {

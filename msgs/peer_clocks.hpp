@@ -25,6 +25,11 @@ class PeerClocks {
  public:
   explicit PeerClocks(std::int64_t own_instance) noexcept : own_(own_instance) {}
 
+  /// Whether a clock can show this: not negative, and so that sums fit an int64 (73 years).
+  static bool is_reading(std::int64_t ns) noexcept {
+    return ns >= 0 && ns < (std::int64_t{1} << 61);
+  }
+
   /// Between which instants of the own clock a peer's reading fell.
   struct Instant {
     std::int64_t earliest_ns = 0, latest_ns = 0;

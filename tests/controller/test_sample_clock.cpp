@@ -383,6 +383,27 @@ TEST(SampleClock, AGapDoesNotBendTheLine) {
   }
 }
 
+/// Datagrams come twice, by two ways, while the clock of the plant has stood still.
+TEST(SampleClock, WhatComesTwiceDoesNotHoldTheLine) {
+  SampleClock clock(0, 1000, Pacing::other_host);
+  for (std::int64_t k = 0; k < 2000; ++k) {
+    for (int copy = 0; copy < 2; ++copy) {
+      Measurement m{.seq = k, .time_ns = k * 1'000'000};
+      m.received_ns = m.time_ns + 30'000 + copy * 100'000 + (k > 1000 ? 1'000'000'000 : 0);
+      clock.see(m);
+    }
+  }
+  EXPECT_EQ(clock.n_locks(), 1);
+}
+
+/// A number from the future, as the first, would make all others old.
+TEST(SampleClock, ANumberFromTheFutureDoesNotBeginTheLine) {
+  SampleClock clock(0, 1000, Pacing::other_host);
+  Measurement forged{.seq = 1'000'000'000, .time_ns = 1'000'000'000'000'000};
+  clock.see(forged);
+  EXPECT_FALSE(clock.locked());
+}
+
 /// What is heard first is a recording of this very run: it is as late as it was recorded ago.
 TEST(SampleClock, ARecordingDoesNotBeginTheLine) {
   for (const bool recording : {true, false}) {
