@@ -9,6 +9,7 @@
 #include "controller/realtime.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/clock_bus.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 
@@ -73,7 +74,7 @@ Heard ControllerLink::take(int timeout_ms) noexcept {
   heard_ = {};
   if (!line_) {
     heard_.message = handle_one(*lcm_, timeout_ms);
-    ask_clocks();
+    ask_clocks(*lcm_, clocks_);
     return heard_;
   }
   if (!direct_) {
@@ -299,18 +300,7 @@ void ControllerLink::on_status(const lcm::ReceiveBuffer* buffer, const std::stri
 }
 
 void ControllerLink::on_clock(const lcm::ReceiveBuffer* buffer, const std::string&) {
-  stillframe_msgs::clock_exchange_t message;
-  if (!decode(*buffer, message)) {
-    ++n_malformed_;
-  } else if (const auto answer = clocks_.take(message, monotonic_ns())) {
-    lcm_->publish(channels::clock, &*answer);
-  }
-}
-
-void ControllerLink::ask_clocks() {
-  while (const auto question = clocks_.question(monotonic_ns())) {
-    lcm_->publish(channels::clock, &*question);
-  }
+  if (!take_clock(*lcm_, clocks_, *buffer)) ++n_malformed_;
 }
 
 std::optional<PeerClocks::Instant> ControllerLink::start() {

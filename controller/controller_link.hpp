@@ -120,7 +120,6 @@ class ControllerLink {
 
   void on_request(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_clock(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  void ask_clocks();
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void publish_plant_state(std::int32_t state, std::int64_t start_ns);
   void note_announced(const stillframe_msgs::run_state_t& state);

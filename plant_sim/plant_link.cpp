@@ -9,6 +9,7 @@
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/clock_bus.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "plant_sim/measurement_message.hpp"
@@ -111,9 +112,7 @@ void PlantLink::repeat_measurement() { send(channels::measurement, measurement_b
 bool PlantLink::listen(int timeout_ms) noexcept {
   if (!line_) {
     const bool heard = handle_one(*lcm_, timeout_ms);
-    while (const auto question = clocks_.question(monotonic_ns())) {
-      lcm_->publish(channels::clock, &*question);
-    }
+    ask_clocks(*lcm_, clocks_);
     return heard;
   }
   switch (line_->take(timeout_ms)) {
@@ -208,11 +207,7 @@ void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
 }
 
 void PlantLink::on_clock(const lcm::ReceiveBuffer* buffer, const std::string&) {
-  clock_exchange_t message;
-  if (!decode(*buffer, message)) return;
-  if (const auto answer = clocks_.take(message, monotonic_ns())) {
-    lcm_->publish(channels::clock, &*answer);
-  }
+  take_clock(*lcm_, clocks_, *buffer);
 }
 
 // Another plant of this number: who runs stays, and of two that do the first, and of two that wait

@@ -9,9 +9,9 @@
 #include "core/errors/formatted.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/clock_bus.hpp"
 #include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
-#include "msgs/peer_clocks.hpp"
 #include "report/table.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
@@ -47,11 +47,7 @@ class Listener {
   }
 
   /// Asks those who were heard for clocks that are not known.
-  void ask_clocks() {
-    while (const auto question = clocks_.question(monotonic_ns())) {
-      lcm_.publish(channels::clock, &*question);
-    }
-  }
+  void ask() { ask_clocks(lcm_, clocks_); }
 
   const std::optional<controller_status_t>& answer() const { return answer_; }
   int n_answers() const { return n_answers_; }
@@ -75,11 +71,7 @@ class Listener {
   }
 
   void on_clock(const lcm::ReceiveBuffer* buffer, const std::string&) {
-    stillframe_msgs::clock_exchange_t message;
-    if (!decode(*buffer, message)) return;
-    if (const auto answer = clocks_.take(message, monotonic_ns())) {
-      lcm_.publish(channels::clock, &*answer);
-    }
+    take_clock(lcm_, clocks_, *buffer);
   }
 
   lcm::LCM& lcm_;
@@ -125,7 +117,7 @@ void listen(lcm::LCM& lcm, Listener& listener, control_request_t request, int n_
       next = now + repeat_ns;
     }
     handle_one(lcm, static_cast<int>((std::min(next, end) - now) / 1'000'000) + 1);
-    listener.ask_clocks();
+    listener.ask();
   }
 }
 
