@@ -17,19 +17,25 @@ namespace {
 
 struct ImportOptions {
   std::filesystem::path file, out;
+  std::vector<std::string> given;
   bool json = false;
 };
 
-spacar::Model read_model(const std::filesystem::path& file) {
+spacar::Model read_model(const ImportOptions& options) {
+  const std::filesystem::path& file = options.file;
   const std::string kind = spacar::lower(file.extension().string());
   if (kind != ".dat" && kind != ".m") {
     throw InputError(file.string() +
                      ": found a file of another name, allowed are FILE.dat of "
                      "SPACAR and FILE.m of SPACAR Light");
   }
+  if (kind == ".dat" && !options.given.empty()) {
+    throw InputError("--set " + options.given.front() +
+                     ": is for scripts (FILE.m); a .dat file has no variables");
+  }
   const std::vector<std::string> lines = spacar::lines_of_file(file);
   return kind == ".dat" ? spacar::model_of_dat(lines, file.string())
-                        : spacar::model_of_light(lines, file.string());
+                        : spacar::model_of_light(lines, file.string(), options.given);
 }
 
 /// A scene that its own reader would refuse is not written: what it says has its cause in the file.
@@ -59,7 +65,7 @@ void print_remarks(const char* title, const std::vector<spacar::Remark>& remarks
 }
 
 int run(const ImportOptions& options) {
-  spacar::Model model = read_model(options.file);
+  spacar::Model model = read_model(options);
   const std::string text = spacar::scene_text(model);
   require_scene(text, options.file);
   std::filesystem::path out = options.out;
@@ -100,6 +106,10 @@ void add_import(cli::Command& app, int& exit_code) {
       .required()
       .type_name("FILE");
   verb.option("--out", options->out, "The scene (default: FILE.yaml here)").type_name("FILE.yaml");
+  verb.option("--set", options->given,
+              "What a script has from elsewhere, as an argument of its function; may be repeated")
+      .one_each_time()
+      .type_name("NAME=VALUE");
   verb.flag("--json", options->json, "Print JSON (keys below)");
   verb.footer(
       "Each entry of the scene says from which line it came. What has no place in a scene is named "

@@ -171,6 +171,7 @@ void add_sweep(cli::Command& app, int& exit_code) {
               "PATH=VALUE,VALUE,... or PATH=FROM:TO:COUNT or PATH=FROM:TO:COUNT:log; may be given "
               "again")
       .required()
+      .one_each_time()
       .type_name("PATH=VALUES");
   verb.option("--controller", options->controller, "Controller block that replaces the scene's")
       .type_name("FILE");

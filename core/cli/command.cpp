@@ -44,6 +44,7 @@ Option Option::check(const Check& check) { return Option(option_->check(check.va
 Option Option::show_default() { return Option(option_->capture_default_str()); }
 Option Option::default_text(const std::string& text) { return Option(option_->default_str(text)); }
 Option Option::delimiter(char between) { return Option(option_->delimiter(between)); }
+Option Option::one_each_time() { return Option(option_->allow_extra_args(false)); }
 Option Option::optional_value() { return Option(option_->expected(0, 1)); }
 Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
 

@@ -51,6 +51,9 @@ class Option {
   Option show_default();
   Option default_text(const std::string& text);
   Option delimiter(char between);
+  /// Of an option that may be given again: takes one text each time, so that a positional one may
+  /// follow.
+  Option one_each_time();
   /// The value may be left out.
   Option optional_value();
   Option excludes(Option other);

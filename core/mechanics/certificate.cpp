@@ -166,6 +166,9 @@ class Certifier {
         }
       }
     }
+    if (viscous && model_.modal_dampers.size() > 0) {
+      sigma += model_.modal_dampers * (model_.modal_dampers.transpose() * data_.e_dot);
+    }
     return sigma;
   }
 

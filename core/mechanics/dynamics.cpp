@@ -21,6 +21,9 @@ void stress_resultants(const Model& model, Data& data, const MotionState& state,
   }
   data.sigma = data.load_factor * model.preload + sigma_a;
   add_element_stresses(model, data.e, data.e_dot, data.sigma);
+  if (model.modal_dampers.size() == 0) return;
+  data.damper_rates.noalias() = model.modal_dampers.transpose() * data.e_dot;
+  data.sigma.noalias() += model.modal_dampers * data.damper_rates;
 }
 
 }  // namespace

@@ -151,6 +151,7 @@ Data::Data(const Model& model)
       f_dd(Eigen::VectorXd::Zero(model.n_d)),
       x_ddot(Eigen::VectorXd::Zero(model.n_x)),
       sigma_balanced(Eigen::VectorXd::Zero(model.n_e)),
+      damper_rates(Eigen::VectorXd::Zero(model.modal_dampers.cols())),
       condition(Eigen::VectorXd::Zero(model.n_c)),
       conditions(RowMatrix::Zero(model.n_c, model.n_d)),
       local_rows(RowMatrix::Zero(largest_inertia(model), model.n_d)) {

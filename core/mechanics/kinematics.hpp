@@ -42,6 +42,7 @@ struct Data {
   Eigen::MatrixXd M_dd, M_factor;          ///< n_d x n_d, the latter its Cholesky factor
   Eigen::VectorXd sigma, f, f_dd, x_ddot;  ///< n_e, n_x, n_d, n_x
   Eigen::VectorXd sigma_balanced;          ///< n_e, those that balance all nodal forces
+  Eigen::VectorXd damper_rates;            ///< n_d or 0, P^T e'
   Eigen::VectorXd condition;               ///< n_c, work space
   RowMatrix conditions;                    ///< n_c x n_d, work space
   RowMatrix local_rows;                    ///< largest n_local of the inertias x n_d, work space

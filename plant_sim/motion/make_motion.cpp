@@ -56,11 +56,17 @@ MotionChoice choose_method(const Scene& scene, const Model& model, const Drive& 
                      ": method: linear and exponential do without a rate limit of the actuators, "
                      "and without hysteresis behind a lag; take another, or 'auto'");
   }
+  if (stated == PlantMethod::nodal && scene.modal_damping) {
+    throw InputError(scene.simulation.place +
+                     ": method: nodal lives on forces between neighbours, and modal_damping "
+                     "couples all deformations; take another, or 'auto'");
+  }
   if (stated != PlantMethod::automatic) return {stated, "the scene says so"};
   if (!in_closed_form(drive)) {
-    return {PlantMethod::nodal, "the forces of the legs bend within a sample"};
+    return {scene.modal_damping ? PlantMethod::dormand_prince : PlantMethod::nodal,
+            "the forces of the legs bend within a sample"};
   }
-  if (model.n_d > most_dofs_of_exponentials) {
+  if (model.n_d > most_dofs_of_exponentials && !scene.modal_damping) {
     return {PlantMethod::nodal, "more dofs than dense exponentials are good for"};
   }
   return {PlantMethod::exponential, "forces of the legs in closed form: the linear part is exact"};
@@ -94,6 +100,7 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
                                 "the operating point moves, and the forces of the legs bend "
                                 "within a sample"};
   }
+  const bool never_nodal = beside_rotor || scene.modal_damping;
   const auto equations = [&] {
     return MinimalEquations(model, nominal, drive.legs(), filter_rate);
   };
@@ -114,14 +121,14 @@ std::unique_ptr<Motion> make_motion(const MergedScene& merged, const Model& mode
   }
   const double rate = spectral_radius(linear.A), fastest = rate * durations.front();
   if (choice.method == PlantMethod::dormand_prince) return explicit_motion(rate);
-  if (automatic && fastest > most_exact && !beside_rotor) {
+  if (automatic && fastest > most_exact && !never_nodal) {
     choice = {PlantMethod::nodal, "modes turn by more than a hundred radians in a sample"};
     return nodal_motion();
   }
   auto small = std::make_unique<ExponentialMotion>(std::move(minimal), std::move(linear), points,
                                                    exponential_share * tolerance, drive, durations);
-  if (!automatic || (beside_rotor && fastest > most_affordable)) return small;
-  if (beside_rotor) {
+  if (!automatic || (never_nodal && fastest > most_affordable)) return small;
+  if (never_nodal) {
     return std::make_unique<AdaptiveMotion>(std::move(small), explicit_motion(rate), 1.0, size);
   }
   return std::make_unique<AdaptiveMotion>(std::move(small), nodal_motion(), nodal_weight, size);

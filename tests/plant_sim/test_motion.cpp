@@ -97,6 +97,37 @@ INSTANTIATE_TEST_SUITE_P(
                     Course{"flexible_frame", "frame_flexible", 0, 20, 1e-2, 1}),
     [](const auto& one) { return one.param.name; });
 
+/// Where one spring alone is deformed, what damps its mode is a damper beside it: the boom with a
+/// stiff elbow, swinging by a radian.
+TEST(ModalDamping, OfOneSpringIsADamperBesideItInLargeMotion) {
+  Scene modal = scene_of("swinging_boom");
+  for (SceneElement& element : modal.elements) {
+    if (element.name != "joint") continue;
+    element.zero.assign(1, true);
+    element.stiffness.setZero();
+    element.damping.setZero();
+  }
+  modal.dofs.pop_back();
+  Scene damper = modal;
+  modal.modal_damping = {{0.05}, "scene"};
+  const Model model = make_model(modal);
+  const double c = std::pow(model.modal_dampers(model.deformation_row("rope"), 0), 2);
+  EXPECT_GT(c, 0.5);  // as much as the rope has itself
+  for (SceneElement& element : damper.elements) {
+    if (element.name == "rope") element.damping(0, 0) += c;
+  }
+  modal.controller->sample_rate_hz = damper.controller->sample_rate_hz = 100;
+  const Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(1, 500),
+                        floor = rising_floor(1, 500, 100, 5);
+  const auto reference = trajectory(with_method(damper, PlantMethod::nodal, 1e-12), forces, floor);
+  for (const PlantMethod method :
+       {PlantMethod::automatic, PlantMethod::exponential, PlantMethod::dormand_prince}) {
+    const auto found = trajectory(with_method(modal, method, 1e-8), forces, floor);
+    EXPECT_LT(error_in_tolerances(found, reference, 1, 1e-8), promised) << method_name(method);
+  }
+  EXPECT_THROW(trajectory(with_method(modal, PlantMethod::nodal, 1e-8), forces, floor), InputError);
+}
+
 TEST(ExponentialMotion, AgreesUnderGravityAndInAFlexibleFrame) {
   for (const char* name : {"frame_under_gravity", "frame_flexible"}) {
     const Scene scene = scene_of(name);

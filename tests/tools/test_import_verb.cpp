@@ -458,7 +458,7 @@ eprops(3).cshape = 'rect'; eprops(3).dim = [0.1 0.01]; eprops(3).orien = [0 0 1]
 eprops(3).flex = 1:6; eprops(3).warping = true;
 eprops(4).elems = 5; eprops(4).emod = 2e6; eprops(4).smod = 1e6; eprops(4).dens = 10;
 eprops(4).cshape = 'circ'; eprops(4).dim = 0.02; eprops(4).orien = [0 0 1]; eprops(4).flex = 1:6;
-opt.gravity = [0 0 -9.81]; opt.filename = 'x'; opt.loadsteps = 5; opt.transfer = {true, 0};
+opt.gravity = [0 0 -9.81]; opt.filename = 'x'; opt.loadsteps = 5; opt.transfer = {true, 0.01};
 opt.rls(2).def = 1;
 opt.calcbuck = true;
 out = spacarlight(nodes, elements, nprops, eprops, opt);
@@ -470,6 +470,7 @@ end
     EXPECT_EQ(remark["what"], "eprops(3).warping");
   }
   EXPECT_TRUE(document["approximated"].empty()) << document["approximated"];
+  expect_in_scene("modal_damping: 0.01 ");
   expect_in_scene("n2: {position: [0.5, 0, 0]}");
   expect_in_scene("n5: {position: [1, 1, 0]}");
   expect_in_scene("n6: {position: [2, 0, 0]}");
@@ -705,7 +706,7 @@ TEST_F(ImportVerb, WhatOfAScriptIsNotRunIsNamedWithItsLine) {
                               "nprops(2).rot_z = 0.1;\nnprops(2).force = [q 0 0];\n"
                               "nodes2(3, :) = 1;\nnprops(2).mass");
   text = replaced(text, "out = spac",
-                  "eprops(1).strange = 1; opt.transfer = {true 0.01};\nout = spac");
+                  "eprops(1).strange = 1; opt.transfer = {true -0.01};\nout = spac");
   text = replaced(text, "eprops);", "eprops, opt);");
   const Said said = run({"import", write("left.m", text), "--out", folder_ / "left.yaml"});
   EXPECT_EQ(said.exit_code, 4) << said.error;
@@ -715,6 +716,30 @@ TEST_F(ImportVerb, WhatOfAScriptIsNotRunIsNamedWithItsLine) {
         "line 24: eprops(1).strange: ", "line 24: opt.transfer: gives each mode"}) {
     EXPECT_NE(said.output.find(line), std::string::npos) << line << "\n" << said.output;
   }
+}
+
+TEST_F(ImportVerb, TakesWhatAScriptHasFromElsewhere) {
+  std::string text = replaced(cantilever_m, "nprops(2).mass", "nprops(2).mass = p.load(2).m; %");
+  text = replaced(text, "out = spac", "opt.transfer = {true, p.zeta};\nout = spac");
+  text = replaced(text, "clear, clc", "");  // which would end p, too
+  text = "function out = model(p)\n" + replaced(text, "eprops);", "eprops, opt);");
+  const std::filesystem::path file = write("argument.m", text), out = folder_ / "argument.yaml";
+  const Said without = run({"import", file, "--out", out});
+  EXPECT_EQ(without.exit_code, 4);
+  EXPECT_NE(without.output.find("'p.load(2).m' is not known; --set p.load(2).m=VALUE says it"),
+            std::string::npos)
+      << without.output;
+  const Said with =
+      run({"import", "--set", "p.load(2).m=3/2", "--set", "p.zeta=1e-2", file, "--out", out});
+  EXPECT_EQ(with.exit_code, 0) << with.output << with.error;
+  const std::string scene = text_of(out);
+  EXPECT_NE(scene.find("mass: 1.5,"), std::string::npos) << scene;
+  EXPECT_NE(scene.find("modal_damping: 0.01 "), std::string::npos) << scene;
+  const Said wrong = run({"import", "--set", "p.zeta", file, "--out", out});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.error.find("--set p.zeta: found no assignment, allowed is one, NAME=VALUE"),
+            std::string::npos)
+      << wrong.error;
 }
 
 // --- relations

@@ -303,8 +303,13 @@ class LightReader {
     const bool has_ratio = value.type == Value::Type::cell && value.cell.size() > 1;
     if (!has_ratio) return;
     const Value& ratio = value.cell[1];
-    if (ratio.type == Value::Type::numbers && ratio.numbers.isZero(0)) return;
-    leave_out(field, "gives each mode a damping ratio, and a scene damps elements");
+    if (ratio.type == Value::Type::numbers && ratio.numbers.size() == 1 && ratio.numbers(0) >= 0 &&
+        ratio.numbers(0) <= 1) {
+      model_.modal_damping = ratio.numbers(0);
+      model_.modal_damping_lines = {field.line};
+      return;
+    }
+    leave_out(field, "gives each mode a damping ratio, which a scene has from 0 to 1");
   }
 
   // --- property sets
@@ -707,8 +712,9 @@ class LightReader {
 
 }  // namespace
 
-Model model_of_light(const std::vector<std::string>& lines, const std::string& name) {
-  const Script script = run_script(lines, name);
+Model model_of_light(const std::vector<std::string>& lines, const std::string& name,
+                     const std::vector<std::string>& given) {
+  const Script script = run_script(lines, name, given);
   return LightReader(script, name).read();
 }
 

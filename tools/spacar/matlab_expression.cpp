@@ -244,7 +244,12 @@ Value Expression::field(const Path& path) const {
   for (const Assigned& assigned : script_.fields) {
     if (assigned.path == path) return assigned.value;
   }
-  throw Unknown("'" + path.front().first + "." + path.back().first + "' is not known");
+  std::string name;
+  for (const auto& [field, index] : path) {
+    name += (name.empty() ? "" : ".") + field;
+    if (index > 0) name += "(" + std::to_string(index) + ")";
+  }
+  throw Unknown("'" + shown(name) + "' is not known; --set " + shown(name) + "=VALUE says it");
 }
 
 Path Expression::path() {

@@ -31,6 +31,19 @@ bool is_call(const Token& token) {
   return token.kind == TokenKind::name && (name == "spacarlight" || name == "spacar_light");
 }
 
+/// Where the '=' of an assignment stands.
+std::optional<std::size_t> assignment(const Statement& statement) {
+  int depth = 0;
+  for (std::size_t i = 0; i < statement.tokens.size(); ++i) {
+    const Token& token = statement.tokens[i];
+    if (token.kind != TokenKind::symbol) continue;
+    if (token.text == "(" || token.text == "[" || token.text == "{") ++depth;
+    if (token.text == ")" || token.text == "]" || token.text == "}") --depth;
+    if (token.text == "=" && depth == 0) return i;
+  }
+  return std::nullopt;
+}
+
 class Runner {
  public:
   Runner(const std::vector<Statement>& statements, const std::string& name)
@@ -100,19 +113,6 @@ class Runner {
              "are nodes, elements, nprops, eprops, and opt, or rls and opt");
     }
     return true;
-  }
-
-  /// Where the '=' of an assignment stands.
-  static std::optional<std::size_t> assignment(const Statement& statement) {
-    int depth = 0;
-    for (std::size_t i = 0; i < statement.tokens.size(); ++i) {
-      const Token& token = statement.tokens[i];
-      if (token.kind != TokenKind::symbol) continue;
-      if (token.text == "(" || token.text == "[" || token.text == "{") ++depth;
-      if (token.text == ")" || token.text == "]" || token.text == "}") --depth;
-      if (token.text == "=" && depth == 0) return i;
-    }
-    return std::nullopt;
   }
 
   /// A field, and those of it: opt.rls = [] ends opt.rls(2).def.
@@ -288,8 +288,19 @@ class Runner {
 
 }  // namespace
 
-Script run_script(const std::vector<std::string>& lines, const std::string& name) {
-  return Runner(statements_of(lines, name), name).run();
+Script run_script(const std::vector<std::string>& lines, const std::string& name,
+                  const std::vector<std::string>& given) {
+  std::vector<Statement> statements;
+  for (const std::string& text : given) {
+    const std::vector<Statement> one = statements_of({text}, "--set " + text);
+    if (one.size() != 1 || !assignment(one.front())) {
+      throw InputError("--set " + text + ": found no assignment, allowed is one, NAME=VALUE");
+    }
+    statements.push_back(one.front());
+  }
+  const std::vector<Statement> own = statements_of(lines, name);
+  statements.insert(statements.end(), own.begin(), own.end());
+  return Runner(statements, name).run();
 }
 
 }  // namespace stillframe::tools::spacar

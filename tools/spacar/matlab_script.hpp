@@ -36,6 +36,8 @@ struct Script {
 /// functions, scalars and fields of structures. Everything else is a remark with its line, and what
 /// it would have set is unknown from there on. Errors: InputError of what is no MATLAB, or of a
 /// script without the call.
-Script run_script(const std::vector<std::string>& lines, const std::string& name);
+/// given: assignments of what the script has from elsewhere, before its first line.
+Script run_script(const std::vector<std::string>& lines, const std::string& name,
+                  const std::vector<std::string>& given = {});
 
 }  // namespace stillframe::tools::spacar

@@ -76,6 +76,8 @@ struct Model {
   bool planar = false;
   std::optional<Eigen::Vector3d> gravity;
   std::set<int> gravity_lines;
+  double modal_damping = 0;  ///< ratio of each mode
+  std::set<int> modal_damping_lines;
   std::vector<Node> nodes;
   std::vector<Element> elements;
   std::vector<Mass> masses;

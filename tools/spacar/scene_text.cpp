@@ -207,6 +207,10 @@ std::string scene_text(Model& model) {
     text += with_comment("gravity: " + vector_of(*model.gravity, model.planar),
                          lines_of(model.gravity_lines));
   }
+  if (model.modal_damping > 0) {
+    text += with_comment("modal_damping: " + shortest_digits(model.modal_damping),
+                         lines_of(model.modal_damping_lines));
+  }
   const bool moves = std::any_of(model.motions.begin(), model.motions.end(), [](const Motion& m) {
     return m.rate != 0 || m.acceleration != 0;
   });

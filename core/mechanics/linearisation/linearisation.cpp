@@ -41,6 +41,7 @@ struct Lineariser::Work {
   void project();
   void project_element(size_t k);
   void project_inertia(const ModelInertia& item);
+  void project_modal_dampers();
   void drop_rounding();
   void split();
   void split_into(const MatrixXd& block, MatrixXd& dofs, MatrixXd& motions) const;
@@ -61,8 +62,9 @@ struct Lineariser::Work {
   bool moving = false;
   Columns columns;  ///< after what resolve() writes
   LocalColumns local;
-  MatrixXd M, C, D, K, N, G;  ///< n_T x n_Q
-  MatrixXd B;                 ///< n_T x n_u
+  MatrixXd M, C, D, K, N, G;                      ///< n_T x n_Q
+  MatrixXd B;                                     ///< n_T x n_u
+  RowMatrix damper_columns, damper_column_rates;  ///< n_d x n_Q, P^T E and P^T E_1
 };
 
 Columns Lineariser::Work::resolve(const std::vector<SceneSignal>& scene_inputs,
@@ -116,6 +118,7 @@ void Lineariser::Work::project() {
   const Index n_T = columns.T.cols(), n_Q = columns.X.cols();
   for (MatrixXd* matrix : {&M, &C, &D, &K, &N, &G}) matrix->setZero(n_T, n_Q);
   for (size_t k = 0; k < model.elements.size(); ++k) project_element(k);
+  if (model.modal_dampers.size() > 0) project_modal_dampers();
   for (const ModelInertia& item : model.inertias) project_inertia(item);
   if (blocks.mass) drop_rounding();
   if (blocks.stiffness) G = geometric_stiffness(model, data, columns);
@@ -133,6 +136,28 @@ void Lineariser::Work::project_element(size_t k) {
   if (blocks.stiffness) local.add(item.S, 0, 1.0, K);
   if (blocks.damping && item.damped) local.add(item.S_d, 0, 1.0, D);
   if (blocks.stiffness && rates) local.add(item.S_d, 1, 1.0, N);
+}
+
+/// P^T E and P^T E_1 of all deformations, and what they make of D and N.
+void Lineariser::Work::project_modal_dampers() {
+  const Index n_P = model.modal_dampers.cols();
+  RowMatrix E, E_T, E_1, E_2, tests = RowMatrix::Zero(n_P, columns.T.cols());
+  damper_columns.setZero(n_P, columns.X.cols());
+  damper_column_rates.setZero(n_P, columns.X.cols());
+  for (size_t k = 0; k < model.elements.size(); ++k) {
+    deformation_columns(model, data, columns, k, E);
+    deformation_tests(model, data, columns, k, E_T);
+    if (moving) deformation_column_rates(model, data, columns, k, E_1, E_2);
+    for (Index i = 0; i < E.rows(); ++i) {
+      const auto P = model.modal_dampers.row(model.elements[k].row[static_cast<size_t>(i)]);
+      if (P.isZero(0)) continue;
+      tests.noalias() += P.transpose() * E_T.row(i);
+      damper_columns.noalias() += P.transpose() * E.row(i);
+      if (moving) damper_column_rates.noalias() += P.transpose() * E_1.row(i);
+    }
+  }
+  if (blocks.damping) D.noalias() += tests.transpose() * damper_columns;
+  if (blocks.stiffness && moving) N.noalias() += tests.transpose() * damper_column_rates;
 }
 
 void Lineariser::Work::project_inertia(const ModelInertia& item) {
@@ -277,6 +302,11 @@ void Lineariser::Work::element_output(Index i) {
       add_columns(item.S_d.row(mode) * E, i, result.Y_v, result.R_v);
       if (moving) add_columns(item.S_d.row(mode) * E_1, i, result.Y_p, result.R_p);
     }
+  }
+  if (model.modal_dampers.size() > 0) {
+    const auto P = model.modal_dampers.row(output.row);
+    add_columns(P * damper_columns, i, result.Y_v, result.R_v);
+    if (moving) add_columns(P * damper_column_rates, i, result.Y_p, result.R_p);
   }
   for (size_t j = 0; j < inputs.size(); ++j) {
     if (inputs[j].quantity == Quantity::stress && inputs[j].row == output.row) {

@@ -96,6 +96,8 @@ struct Model {
   Eigen::VectorXd fixed_load;  ///< n_0: the same on fixed coordinates, which only reactions feel
   std::vector<ModelLoad> turning_loads;
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  ///< m/s^2
+  /// n_e x n_d or empty, P: deformations of all elements also resist by P P^T e'.
+  Eigen::MatrixXd modal_dampers;
 
   /// The operating point that the scene states: dofs, and prescribed motions with their rates.
   OperatingPoint operating_point = OperatingPoint::equilibrium;

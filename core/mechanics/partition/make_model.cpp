@@ -17,6 +17,7 @@
 #include "core/mechanics/inertia/lumped.hpp"
 #include "core/mechanics/inertia/planar_beam_mass.hpp"
 #include "core/mechanics/inertia/superelement_mass.hpp"
+#include "core/mechanics/modal_damping.hpp"
 #include "core/mechanics/model/builder.hpp"
 #include "core/mechanics/model/section.hpp"
 #include "core/mechanics/partition/automatic_dofs.hpp"
@@ -378,6 +379,7 @@ Model make_model(const Scene& scene) {
                  std::to_string(scene.dofs.size()) + " degrees of freedom");
   Model model = ModelBuilder(scene).build();
   check_partition(model, scene.dofs_place);
+  if (scene.modal_damping) add_modal_damping(scene, model);
   return model;
 }
 

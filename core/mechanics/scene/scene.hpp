@@ -214,6 +214,13 @@ struct SceneReduction {
   std::string place;
 };
 
+/// `modal_damping`: the damping ratio of each natural mode of the operating point, the lowest
+/// first; the last is that of all above.
+struct SceneModalDamping {
+  std::vector<double> ratios;
+  std::string place;
+};
+
 enum class OperatingPoint { equilibrium, as_written };
 
 struct Scene {
@@ -238,6 +245,7 @@ struct Scene {
   std::optional<SceneUncertainty> uncertainty;
   SceneSimulation simulation;
   std::optional<SceneReduction> reduction;
+  std::optional<SceneModalDamping> modal_damping;
 };
 
 }  // namespace stillframe

@@ -166,6 +166,11 @@ SceneBuilder& SceneBuilder::gravity(const SceneNumbers& acceleration) {
   return *this;
 }
 
+SceneBuilder& SceneBuilder::modal_damping(const SceneNumbers& ratios) {
+  head_ += "modal_damping: " + ratios.text() + "\n";
+  return *this;
+}
+
 SceneBuilder& SceneBuilder::as_written() {
   head_ += "operating_point: as_written\n";
   return *this;

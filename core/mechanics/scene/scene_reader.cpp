@@ -77,14 +77,28 @@ SceneReduction read_reduction(const YamlReader& block) {
   return reduction;
 }
 
+SceneModalDamping read_modal_damping(const YamlReader& value) {
+  // At 1 a mode does not ring any more; what is meant then is a damper.
+  const auto ratio = [](const YamlReader& number) { return number_within(number, 0, 1); };
+  SceneModalDamping damping{.ratios = {}, .place = value.place()};
+  if (!value.is_sequence()) {
+    damping.ratios.push_back(ratio(value));
+  } else {
+    for (const YamlReader& item : value.items()) damping.ratios.push_back(ratio(item));
+    if (damping.ratios.empty()) value.fail("found no number, allowed are one and more");
+  }
+  return damping;
+}
+
 /// given: a controller block in the place of the scene's.
 Scene read_scene_map(const YamlReader& root, const std::string& text,
                      const std::optional<Block>& given) {
-  root.allow_only({"title",        "planar",      "gravity",     "operating_point", "nodes",
-                   "masses",       "elements",    "supports",    "prescribed",      "dofs",
-                   "loads",        "inputs",      "outputs",     "monitors",        "compare",
-                   "controller",   "instruments", "uncertainty", "floor",           "simulation",
-                   "disturbances", "accept",      "reduce",      "corrections"});
+  root.allow_only(
+      {"title",        "planar",      "gravity",     "operating_point", "nodes",
+       "masses",       "elements",    "supports",    "prescribed",      "dofs",
+       "loads",        "inputs",      "outputs",     "monitors",        "compare",
+       "controller",   "instruments", "uncertainty", "floor",           "simulation",
+       "disturbances", "accept",      "reduce",      "corrections",     "modal_damping"});
   Scene scene;
   scene.text = text;
   scene.title = root.require("title").text();
@@ -112,6 +126,14 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   if (const auto block = root.find("uncertainty")) scene.uncertainty = read_uncertainty(*block);
   if (const auto block = root.find("simulation")) scene.simulation = read_simulation(*block);
   if (const auto block = root.find("reduce")) scene.reduction = read_reduction(*block);
+  if (const auto value = root.find("modal_damping")) {
+    scene.modal_damping = read_modal_damping(*value);
+    if (scene.reduction) {
+      value->fail(
+          "a scene that is reduced (`reduce`) has no modal damping; give elements a "
+          "damping_time, or leave out one of the two");
+    }
+  }
   if (const auto block = root.find("accept")) read_acceptance(*block, scene);
   return scene;
 }

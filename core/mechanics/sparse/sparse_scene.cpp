@@ -14,6 +14,7 @@ bool rests(const Model& model) { return model.q_r_dot_0.isZero(0) && model.q_r_d
 
 std::optional<Model> large_scene(const Scene& scene, Eigen::Index n_asked, Eigen::Index fewest) {
   if (!scene.automatic_dofs || scene.operating_point != OperatingPoint::equilibrium) return {};
+  if (scene.modal_damping) return {};  // it couples everything with everything
   Model model = free_model(scene);
   if (!rests(model) || !model.turning_loads.empty()) return {};
   // A Krylov space is still a small part.

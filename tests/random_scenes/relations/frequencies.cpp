@@ -124,8 +124,15 @@ std::optional<Finding> check_frequencies(Case& scene, std::uint64_t) {
                  eps * (minimal_rounding(i) + nodal_rounding),
                  "natural frequency " + std::to_string(i + 1), minimal(i));
   }
-  // The sum of all decay rates.
-  const double decay = M.ldlt().solve(projected(nodal.C)).trace();
+  // The sum of all decay rates; dampers of modes are not among those in nodal coordinates.
+  double decay = M.ldlt().solve(projected(nodal.C)).trace();
+  if (const auto& modal = scene.scene().modal_damping) {
+    for (Index i = 0; i < n_d; ++i) {
+      const auto last = static_cast<Index>(modal->ratios.size()) - 1;
+      decay += 2 * modal->ratios[static_cast<size_t>(std::min(i, last))] *
+               std::sqrt(std::max(minimal(i), 0.0));
+    }
+  }
   const double expected = scene.linear().M.ldlt().solve(scene.linear().damping()).trace();
   const double sizes = (V.transpose() * nodal.C.cwiseAbs() * V).trace();
   finding.take(std::abs(decay - expected),

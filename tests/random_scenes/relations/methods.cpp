@@ -69,13 +69,15 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
   // much of the bound is not known. In nodal coordinates a rotor accelerates, and that is what its
   // tolerance is of (docs/scene.md): there the explicit pair is the other one, of the same
   // coordinates but of no linear part.
-  const bool turning = scene.operating_point().moving();
-  if (turning && !mild) {
-    finding.skipped = {"all methods beside a rotor"};
+  // Nor do dampers of modes have a place in nodal coordinates.
+  const bool turning = scene.operating_point().moving(),
+             never_nodal = turning || own.modal_damping.has_value();
+  if (never_nodal && !mild) {
+    finding.skipped = {turning ? "all methods beside a rotor" : "all methods of damped modes"};
     return finding;
   }
   constexpr double of_reference = 1e-2;
-  const Signals reference = run(turning ? PlantMethod::dormand_prince : PlantMethod::nodal,
+  const Signals reference = run(never_nodal ? PlantMethod::dormand_prince : PlantMethod::nodal,
                                 of_reference * tolerance, all);
   if (too_short(finding, "the runs", reference.n_samples(), all)) return finding;
   const double bound = 30 * tolerance;  // what docs/scene.md promises
@@ -113,7 +115,7 @@ std::optional<Finding> check_methods(Case& scene, std::uint64_t) {
     finding.take(1, 0, ends.front() + ", by" + ended);
     return finding;
   }
-  if ((exact || mild) && !turning) {  // a reference is of no more use than as a method
+  if ((exact || mild) && !never_nodal) {  // a reference is of no more use than as a method
     const Signals other = run(exact ? PlantMethod::exponential : PlantMethod::dormand_prince,
                               of_reference * tolerance, all);
     if (!too_short(finding, "the reference of nodal", other.n_samples(), all)) {

@@ -117,6 +117,7 @@ std::optional<Finding> check_sparse(Case& scene, std::uint64_t) {
   if (!scene.at_rest() || scene.scene().operating_point != OperatingPoint::equilibrium) {
     return std::nullopt;
   }
+  if (scene.scene().modal_damping) return std::nullopt;  // it couples all, and goes the dense way
   const Model model = free_model(scene.scene());
   const Modes minimal = modes(scene.linear());
   if (!model.turning_loads.empty() || minimal.natural_frequencies_hz.size() == 0) {
