@@ -44,9 +44,10 @@ bool independent(const SparseMatrix& E, const Vector& compliance) {
   return factors.info() == Eigen::Success && factors.vectorD().minCoeff() > least_pivot;
 }
 
-/// A stiffness for every compliance: where there is none, that of a fraction of the others'.
+/// A stiffness for every compliance: where there is none, that of a fraction of the others', or
+/// what a thousandth of it would still hold together against inertia, `largest` of A.
 template <class Vector>
-Vector stiffness_of(const Vector& compliance) {
+Vector stiffness_of(const Vector& compliance, double largest) {
   std::vector<double> sizes;
   for (const auto& c : compliance) {
     if (std::abs(c) > 0) sizes.push_back(std::abs(c));
@@ -57,7 +58,7 @@ Vector stiffness_of(const Vector& compliance) {
     constexpr double fraction = 1e-7;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
-    nearly_rigid = fraction * *middle;
+    nearly_rigid = std::min(fraction * *middle, 1e-3 / std::max(largest, 1e-300));
   }
   return compliance.unaryExpr([&](const typename Vector::Scalar& c) {
     return typename Vector::Scalar(1) / (std::abs(c) > 0 ? c : nearly_rigid);
@@ -208,7 +209,7 @@ bool MixedFactors<Scalar>::compute(const SparseMatrix& E, const Vector& complian
                                    const Eigen::SparseMatrix<Scalar>& A) {
   take_rows(E, compliance);
   A_ = A;
-  stiffness_ = stiffness_of(compliance);
+  stiffness_ = stiffness_of(compliance, A.diagonal().cwiseAbs().maxCoeff());
   if (!independent_) return false;
   // What moves most easily has most of a solution, and is least known to the factors.
   Vector force(E.cols()), s, x;
