@@ -1,6 +1,7 @@
 #include "msgs/peer_clocks.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "msgs/identity.hpp"
 
@@ -15,6 +16,8 @@ namespace {
 constexpr std::int64_t ask_again_ns = ns_per_s / 2;
 // At 500 ppm 2.5 ms.
 constexpr std::int64_t renew_ns = 5 * ns_per_s;
+// Of one that is asked every 5 s, and twice a second while it does not answer.
+constexpr std::int64_t answers_ns = 2 * renew_ns;
 // An answer that leaves more than this in doubt is one of a process that was late to look.
 constexpr std::int64_t wide_ns = ns_per_s / 20;
 constexpr std::int64_t drift_part = 2000;  // 500 ppm, of two crystals against each other
@@ -25,26 +28,37 @@ std::int64_t PeerClocks::Peer::doubt_ns(std::int64_t now_ns) const noexcept {
   return half_ns + (now_ns - known_ns) / drift_part;
 }
 
-PeerClocks::Peer& PeerClocks::of(std::int64_t instance, std::int64_t now_ns) noexcept {
+bool PeerClocks::Peer::stays(std::int64_t now_ns) const noexcept {
+  return known && now_ns - used_ns < fresh_ns && now_ns - heard_ns < answers_ns;
+}
+
+PeerClocks::Peer* PeerClocks::of(std::int64_t instance, std::int64_t now_ns) noexcept {
   auto peer = std::ranges::find(peers_, instance, &Peer::instance);
   if (peer == peers_.end()) {
-    peer = std::ranges::min_element(peers_, {}, &Peer::used_ns);
+    // Of more than there are places, each would push the next one out before it is heard again.
+    const auto key = [now_ns](const Peer& p) { return std::pair(p.stays(now_ns), p.used_ns); };
+    peer = std::ranges::min_element(peers_, {}, key);
+    if (peer->stays(now_ns)) {
+      full_ = true;
+      return nullptr;
+    }
     *peer = {.instance = instance};
   }
   peer->used_ns = now_ns;
-  return *peer;
+  return &*peer;
 }
 
 std::optional<PeerClocks::Instant> PeerClocks::instant(std::int64_t peer, std::int64_t reading_ns,
                                                        std::int64_t now_ns) noexcept {
   if (on_one_clock(peer, own_)) return Instant{reading_ns, reading_ns};
-  Peer& there = of(peer, now_ns);
-  there.wanted = true;
+  Peer* const there = of(peer, now_ns);
+  if (there == nullptr) return std::nullopt;
+  there->wanted = true;
   // Beyond that nothing could be told from a recording.
-  if (!there.known || there.doubt_ns(now_ns) > fresh_ns / 2 || !is_reading(reading_ns)) {
+  if (!there->known || there->doubt_ns(now_ns) > fresh_ns / 2 || !is_reading(reading_ns)) {
     return std::nullopt;
   }
-  const std::int64_t here = reading_ns - there.offset_ns, doubt = there.doubt_ns(now_ns);
+  const std::int64_t here = reading_ns - there->offset_ns, doubt = there->doubt_ns(now_ns);
   return Instant{here - doubt, here + doubt};
 }
 
@@ -96,6 +110,10 @@ std::optional<clock_exchange_t> PeerClocks::take(const clock_exchange_t& message
 }
 
 std::string PeerClocks::unanswered() const {
+  if (full_) {
+    return "; more than " + std::to_string(peers_.size()) +
+           " processes on other clocks are heard, and no more are asked what theirs read";
+  }
   const auto silent = [](const Peer& peer) { return peer.asked_ns != 0 && !peer.known; };
   if (!std::ranges::any_of(peers_, silent)) return "";
   return "; somebody on another clock was heard, who did not say on SF_CLOCK what that reads: a "

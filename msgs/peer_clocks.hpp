@@ -20,7 +20,9 @@ inline constexpr std::int64_t fresh_ns = 2 * ns_per_s;
 ///   known within rtt / 2 + 500e-6 of the time since, rtt = (back - asked) - (answered - heard),
 /// which holds however unequal the two ways are. The narrower of two exchanges stands; where they
 /// exclude each other, a clock has stopped or stepped, and the later one does. A recording answers
-/// no question, so nothing that it says is ever read. For one thread; noexcept, no allocation.
+/// no question, so nothing that it says is ever read. There are 16 places: who is heard and answers
+/// keeps his, and who comes to a full house is not known until one is silent for fresh_ns. For one
+/// thread; noexcept, no allocation.
 class PeerClocks {
  public:
   explicit PeerClocks(std::int64_t own_instance) noexcept : own_(own_instance) {}
@@ -52,7 +54,7 @@ class PeerClocks {
       const stillframe_msgs::clock_exchange_t& message, std::int64_t now_ns) noexcept;
 
   /// In words, to be put behind "nobody answered": that somebody was heard who did not say what its
-  /// clock reads. Empty if nobody was. Set-up.
+  /// clock reads, or found no place. Empty if nobody was. Set-up.
   std::string unanswered() const;
 
  private:
@@ -67,13 +69,15 @@ class PeerClocks {
     std::int64_t heard_ns = 0;  ///< when the last answer came
     bool doubted = false;
     std::int64_t doubt_ns(std::int64_t now_ns) const noexcept;
+    bool stays(std::int64_t now_ns) const noexcept;  ///< whatever others come
   };
-  Peer& of(std::int64_t instance, std::int64_t now_ns) noexcept;
+  Peer* of(std::int64_t instance, std::int64_t now_ns) noexcept;
   void learn(Peer& peer, const stillframe_msgs::clock_exchange_t& answer,
              std::int64_t now_ns) noexcept;
 
   std::int64_t own_;
   std::array<Peer, 16> peers_{};
+  bool full_ = false;  ///< somebody found no place
 };
 
 }  // namespace stillframe

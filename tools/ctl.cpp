@@ -41,7 +41,7 @@ class Listener {
   /// run_id: 0 for any; own: a number of this process; asks: whether it is the nonce of a request
   /// that is to be answered, or any status will do.
   Listener(lcm::LCM& lcm, std::int64_t run_id, std::int64_t own, bool asks)
-      : lcm_(lcm), run_id_(run_id), nonce_(asks ? own : 0), clocks_(own) {
+      : lcm_(lcm), run_id_(run_id), own_(own), nonce_(asks ? own : 0), clocks_(own) {
     lcm.subscribe(channels::status, &Listener::on_status, this);
     lcm.subscribe(channels::clock, &Listener::on_clock, this);
   }
@@ -54,17 +54,22 @@ class Listener {
   std::string unanswered() const { return clocks_.unanswered(); }
   /// The last status that was no answer.
   const std::optional<controller_status_t>& other() const { return other_; }
+  /// The last run of another number that somebody on another clock spoke of, or a recording.
+  std::optional<std::int64_t> elsewhere() const { return elsewhere_; }
 
  private:
   void on_status(const lcm::ReceiveBuffer* buffer, const std::string&) {
     controller_status_t status;
-    // A recording of a controller is none.
-    if (!decode(*buffer, status) ||
-        !clocks_.is_fresh(status.instance, status.sent_ns, monotonic_ns())) {
-      return;
-    }
+    if (!decode(*buffer, status)) return;
     const bool fits =
         answer_ ? status.instance == answer_->instance : run_id_ == 0 || status.run_id == run_id_;
+    // Of many that are not meant, on other clocks, each would take a place from the one that is.
+    if (!fits && !on_one_clock(status.instance, own_)) {
+      elsewhere_ = status.run_id;
+      return;
+    }
+    // A recording of a controller is none.
+    if (!clocks_.is_fresh(status.instance, status.sent_ns, monotonic_ns())) return;
     const bool answers = fits && (nonce_ == 0 || status.nonce == nonce_);
     n_answers_ += answers ? 1 : 0;
     (answers ? answer_ : other_) = std::move(status);
@@ -75,9 +80,10 @@ class Listener {
   }
 
   lcm::LCM& lcm_;
-  std::int64_t run_id_, nonce_;
+  std::int64_t run_id_, own_, nonce_;
   PeerClocks clocks_;
   std::optional<controller_status_t> answer_, other_;
+  std::optional<std::int64_t> elsewhere_;
   int n_answers_ = 0;
 };
 
@@ -89,6 +95,11 @@ std::int32_t number_of(const std::string& action) {
 
 std::string nobody(const CtlOptions& options, const std::string& url, const Listener& listener) {
   const std::string within = formatted(" within %g s", options.timeout_s);
+  if (!listener.other() && listener.elsewhere()) {
+    return "no controller of run " + std::to_string(options.run_id) + " heard" + within +
+           ", only of run " + std::to_string(*listener.elsewhere()) +
+           ", on another host or recorded" + listener.unanswered();
+  }
   if (!listener.other()) {
     return "no controller heard" + within + " on " + url +
            "; a controller says something of itself in wall-clock runs only, and must be in the "

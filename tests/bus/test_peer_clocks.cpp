@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -210,6 +211,66 @@ TEST(PeerClocks, AFloodForgetsOnlyWhoIsSilent) {
     pair.here.clocks.is_fresh(on_clock(9, 100 + i), 5, pair.here.reads(pair.now_ns));
     ASSERT_TRUE(pair.reading_of(pair.now_ns)) << i;
   }
+}
+
+/// Live peers, more than there are places, that all say something ten times a second: those that
+/// are known stay so, and another one gets the place of one that is silent, or answers no more.
+TEST(PeerClocks, MorePeersThanPlacesDoNotPushEachOtherOut) {
+  constexpr std::int64_t places = 16, n_peers = 40, ahead = 5'000'000'000'000;
+  PeerClocks here(on_clock(1, 1));
+  std::int64_t now = 1'000'000'000;
+  std::int64_t first_that_answers = 0;
+  std::array<std::int64_t, n_peers> n_fresh{};
+  const auto run = [&](std::int64_t from, std::int64_t to, std::int64_t duration_ns) {
+    n_fresh.fill(0);
+    for (const std::int64_t end = now + duration_ns; now < end;) {
+      for (std::int64_t i = from; i < to; ++i) {
+        now += 100'000'000 / (to - from);
+        n_fresh[static_cast<std::size_t>(i)] += here.is_fresh(on_clock(2 + i, 7), now + ahead, now);
+        while (auto question = here.question(now)) {
+          if ((question->asked >> bits_below_clock) - 2 < first_that_answers) continue;
+          question->heard_ns = question->answered_ns = now + ahead;
+          now += 100'000;
+          here.take(*question, now);
+        }
+      }
+    }
+    return std::ranges::count_if(n_fresh, [](std::int64_t n) { return n > 0; });
+  };
+  EXPECT_EQ(run(0, n_peers, 10'000'000'000), places);
+  const std::int64_t most = *std::ranges::max_element(n_fresh);
+  for (const std::int64_t n : n_fresh) EXPECT_TRUE(n == 0 || n > most - 2) << n;
+  EXPECT_NE(here.unanswered().find("more than 16"), std::string::npos);
+  // Those of before are silent.
+  EXPECT_EQ(run(20, 30, 4'000'000'000), 10);
+  first_that_answers = 30;
+  run(20, 36, 20'000'000'000);
+  run(20, 40, 10'000'000'000);
+  for (std::int64_t i = 30; i < 40; ++i) EXPECT_GT(n_fresh[static_cast<std::size_t>(i)], 60) << i;
+}
+
+/// Who answers no question keeps no place, however often he is heard: a recording, at a higher rate
+/// than all others.
+TEST(PeerClocks, WhoDoesNotAnswerMakesRoom) {
+  constexpr std::int64_t ahead = 5'000'000'000'000;
+  PeerClocks here(on_clock(1, 1));
+  const auto hear = [&](std::int64_t peer, std::int64_t now) {
+    const bool fresh = here.is_fresh(on_clock(peer, 7), now + ahead, now);
+    while (auto question = here.question(now)) {
+      if (question->asked == on_clock(99, 7)) continue;
+      question->heard_ns = question->answered_ns = now + ahead;
+      here.take(*question, now + 1000);
+    }
+    return fresh;
+  };
+  int n_fresh = 0;
+  for (std::int64_t now = 1'000'000'000; now < 11'000'000'000; now += 10'000'000) {
+    hear(99, now);
+    const std::int64_t part = now % 100'000'000;
+    for (std::int64_t peer = 2; part == 0 && peer < 17; ++peer) hear(peer, now + 1);
+    if (part == 50'000'000 && now > 5'000'000'000) n_fresh += hear(17, now + 1);
+  }
+  EXPECT_GT(n_fresh, 50);
 }
 
 /// Both sides come to the same, and who is older by more than what the network blurs stays.

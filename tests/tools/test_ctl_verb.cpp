@@ -8,8 +8,10 @@
 #include "controller/policy.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/peer_clocks.hpp"
+#include "stillframe_msgs/clock_exchange_t.hpp"
 #include "stillframe_msgs/control_request_t.hpp"
 #include "stillframe_msgs/controller_status_t.hpp"
 #include "tests/tools/verb.hpp"
@@ -88,6 +90,22 @@ class FakeController {
   int deaf_to_ = 0;
   std::vector<control_request_t> heard_;
   std::jthread thread_;
+};
+
+/// Answers for all processes of other hosts, whose clocks are ahead.
+struct Host {
+  lcm::LCM* lcm;
+  std::set<std::int64_t> asked;
+
+  static std::int64_t reads() { return monotonic_ns() + 40'000 * ns_per_s; }
+  void on_clock(const lcm::ReceiveBuffer*, const std::string&,
+                const stillframe_msgs::clock_exchange_t* message) {
+    if (message->answered_ns != 0) return;
+    asked.insert(message->asked);
+    stillframe_msgs::clock_exchange_t answer = *message;
+    answer.heard_ns = answer.answered_ns = reads();
+    lcm->publish(channels::clock, &answer);
+  }
 };
 
 class Ctl : public Verb {};
@@ -204,6 +222,33 @@ TEST_F(Ctl, RunIdChoosesAmongControllers) {
   EXPECT_EQ(json({"ctl", "status", "--run-id", "8", "--timeout", "60"}).at("run_id"), "8");
   EXPECT_EQ(json({"ctl", "stop", "--run-id", "8", "--timeout", "60"}).at("run_id"), "8");
   for (const auto& request : other.heard()) EXPECT_EQ(request.run_id, 8);
+}
+
+/// Controllers of more runs than there are places for clocks, all on another host, speak before the
+/// one that is meant; and of them nobody is asked.
+TEST_F(Ctl, ThoseThatAreNotMeantTakeNoPlace) {
+  const auto lcm = open_lcm(lcm_url(""));
+  require_hearing(*lcm);
+  Host host{lcm.get()};
+  lcm->subscribe(channels::clock, &Host::on_clock, &host);
+  const auto say_all = [&] {
+    for (std::int64_t run = 0; run <= 40; ++run) {
+      controller_status_t status = some_status(run == 40 ? 8 : 100 + run);
+      status.instance = (std::int64_t{2 + run} << bits_below_clock) + 1;
+      status.sent_ns = Host::reads();
+      lcm->publish(channels::status, &status);
+      while (handle_one(*lcm, 2)) {
+      }
+    }
+  };
+  const auto ctl = start({"ctl", "status", "--run-id", "8", "--timeout", "10"});
+  while (!ctl->wait(0.02)) say_all();
+  EXPECT_EQ(ctl->exit_code(), 0);
+  EXPECT_EQ(host.asked.size(), 1u);
+  const auto other = start({"ctl", "status", "--run-id", "9", "--timeout", "1"});
+  while (!other->wait(0.02)) say_all();
+  EXPECT_EQ(other->exit_code(), 4);
+  EXPECT_EQ(host.asked.size(), 1u);
 }
 
 TEST_F(Ctl, NobodyIsExitCode4) {
