@@ -154,6 +154,10 @@ void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string& 
     ++n_malformed_;
     return;
   }
+  if (const auto when = judge_time(command_); when != Sent::sound) {
+    ++(when == Sent::unknown ? n_clock_unknown_ : n_malformed_);
+    return;
+  }
   const Eigen::Map<const Eigen::VectorXd> force(command_.force.data(), info_.n_legs);
   switch (commands_.add(command_.seq, force)) {
     case CommandTrack::Result::taken:
@@ -172,19 +176,23 @@ void PlantLink::on_command(const lcm::ReceiveBuffer* buffer, const std::string& 
 bool PlantLink::is_sound(const command_t& command) {
   const bool finite = std::all_of(command.force.begin(), command.force.end(),
                                   [](double force) { return std::isfinite(force); });
-  if (command.n_legs != info_.n_legs || !finite || command.instance == 0) return false;
-  if (command.seq > last_allowed_) return false;
-  if (start_ns_ == 0 || command.seq < 0) return true;
-  // It answers its sample, or what would have been: nobody can have sent it before that was due,
-  // nor after now.
+  return command.n_legs == info_.n_legs && finite && command.instance != 0 &&
+         command.seq <= last_allowed_;
+}
+
+// It answers its sample, or what would have been: nobody can have sent it before that was due, nor
+// after now.
+PlantLink::Sent PlantLink::judge_time(const command_t& command) {
+  if (start_ns_ == 0 || command.seq < 0) return Sent::sound;
+  if (!PeerClocks::is_reading(command.sent_ns)) return Sent::unsound;
   const std::int64_t now = monotonic_ns();
   const auto sent = clocks_.instant(command.instance, command.sent_ns, now);
-  if (command.sent_ns < 0 || !sent) return false;
+  if (!sent) return Sent::unknown;
   const bool sound =
       sent->earliest_ns <= now && static_cast<double>(sent->latest_ns - start_ns_) >=
                                       period_ns_ * static_cast<double>(command.seq - 1);
   if (!sound) clocks_.doubt(command.instance);
-  return sound;
+  return sound ? Sent::sound : Sent::unsound;
 }
 
 void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {

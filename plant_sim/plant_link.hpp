@@ -83,6 +83,9 @@ class PlantLink {
   std::int64_t n_commands() const { return n_commands_; }
   /// Commands that were refused: of a wrong size, not finite, or of no sound time.
   std::int64_t n_malformed() const { return n_malformed_; }
+  /// Commands of a controller on another clock, which is not known or not any more: refused, and
+  /// nothing is wrong with them. They end with the first answer on SF_CLOCK.
+  std::int64_t n_clock_unknown() const { return n_clock_unknown_; }
   std::int64_t n_duplicate() const { return n_duplicate_; }
   /// Commands of this run for another plant, or of a controller that is not obeyed.
   std::int64_t n_foreign() const { return n_foreign_; }
@@ -91,6 +94,8 @@ class PlantLink {
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_state(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   bool is_sound(const stillframe_msgs::command_t& command);
+  enum class Sent { sound, unsound, unknown };
+  Sent judge_time(const stillframe_msgs::command_t& command);
   void on_clock(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void judge_rival(const stillframe_msgs::run_state_t& other);
   template <class Message>
@@ -112,7 +117,8 @@ class PlantLink {
   bool controller_ready_ = false;
   std::string controller_failure_;
   std::int64_t last_allowed_;
-  std::int64_t n_commands_ = 0, n_malformed_ = 0, n_duplicate_ = 0, n_foreign_ = 0;
+  std::int64_t n_commands_ = 0, n_malformed_ = 0, n_clock_unknown_ = 0;
+  std::int64_t n_duplicate_ = 0, n_foreign_ = 0;
   std::int64_t obeyed_ = 0;   ///< instance of the last controller that was, 0: none yet
   bool seat_is_free_ = true;  ///< and another one may follow it
   std::int32_t state_ = stillframe_msgs::run_state_t::WAITING;

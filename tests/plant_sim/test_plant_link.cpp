@@ -4,9 +4,11 @@
 
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "msgs/lcm_bus.hpp"
 #include "msgs/peer_clocks.hpp"
 #include "plant_sim/plant_link.hpp"
+#include "stillframe_msgs/clock_exchange_t.hpp"
 
 // Whom a plant obeys. Over LCM, in a network of its own.
 namespace stillframe {
@@ -140,6 +142,55 @@ TEST_F(Obedience, AControllerThatIsNotObeyedEndsNothing) {
   EXPECT_TRUE(link.controller_ready());
   say(channels::run_state, state("controller", run_state_t::FAILED, 7));
   EXPECT_EQ(link.controller_failure(), "the controller refused: a reason");
+}
+
+struct Question {
+  clock_exchange_t message;
+  void on_clock(const lcm::ReceiveBuffer*, const std::string&, const clock_exchange_t* heard) {
+    message = *heard;
+  }
+};
+
+/// A controller on another clock: until that is known nothing is wrong with its commands.
+TEST(PlantElsewhere, ACommandOfAnUnknownClockIsNotMalformed) {
+  const std::int64_t plant = (std::int64_t{1} << bits_below_clock) + 50;
+  const std::int64_t controller = (std::int64_t{2} << bits_below_clock) + 7;
+  constexpr std::int64_t ahead = 40'000 * ns_per_s, period_ns = 1'000'000;
+  PlantLink link(lcm_url(""), info_of(5, plant, "wall_clock"));
+  const std::int64_t start = monotonic_ns() - 1000 * period_ns;
+  link.set_clock(start, period_ns);
+  link.refuse_after(1'000'000);
+  const auto bus = open_lcm(lcm_url(""));
+  Question asked;
+  require_hearing(*bus);
+  bus->subscribe(channels::clock, &Question::on_clock, &asked);
+  command_t command{};
+  command.run_id = 5;
+  command.plant_instance = plant;
+  command.instance = controller;
+  command.n_legs = 2;
+  command.force = {1, 2};
+  const auto send = [&](std::int64_t seq, std::int64_t sent_ns) {
+    command.seq = seq;
+    command.sent_ns = sent_ns;
+    bus->publish(channels::command, &command);
+    EXPECT_TRUE(link.listen(10'000));
+    while (link.listen(50)) {  // it hears its own questions as well
+    }
+  };
+  send(10, monotonic_ns() + ahead);
+  EXPECT_EQ(link.n_clock_unknown(), 1);
+  EXPECT_EQ(link.n_malformed(), 0);
+  send(10, -1);  // no clock shows that
+  EXPECT_EQ(link.n_malformed(), 1);
+  ASSERT_TRUE(handle_one(*bus, 10'000));
+  asked.message.heard_ns = asked.message.answered_ns = monotonic_ns() + ahead;
+  bus->publish(channels::clock, &asked.message);
+  send(10, monotonic_ns() + ahead);
+  EXPECT_EQ(link.n_commands(), 1);
+  send(11, start + ahead - period_ns);  // and what is wrong then is
+  EXPECT_EQ(link.n_clock_unknown(), 1);
+  EXPECT_EQ(link.n_malformed(), 2);
 }
 
 // Of two plants of one number exactly one goes, whatever they do and whichever began first.
