@@ -204,12 +204,14 @@ void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
   }
   if (state.source != "controller" || state.plant_instance != info_.plant_instance) return;
   // Not before its clock is known: its commands could not be told from recordings.
-  if (state.state == run_state_t::READY &&
+  if (state.state == run_state_t::READY && ready_ == 0 &&
       clocks_.instant(state.instance, state.sent_ns, monotonic_ns())) {
-    controller_ready_ = true;
+    ready_ = state.instance;
   }
-  // Of a controller that it does not obey it is no concern.
-  if (state.state == run_state_t::FAILED && (obeyed_ == 0 || state.instance == obeyed_)) {
+  // Of any other it is no concern: a controller that comes with the wrong gains would end the run
+  // of the one that is there, which commands nothing while it listens and arms.
+  const std::int64_t expected = obeyed_ != 0 ? obeyed_ : ready_;
+  if (state.state == run_state_t::FAILED && (expected == 0 || state.instance == expected)) {
     controller_failure_ = "the controller refused: " + state.text;
   }
 }

@@ -53,8 +53,9 @@ class PlantLink {
   /// Handles one message if one comes within timeout_ms.
   bool listen(int timeout_ms) noexcept;
 
-  bool controller_ready() const { return controller_ready_; }
-  /// Why the controller gave up; empty while it has not.
+  bool controller_ready() const { return ready_ != 0; }
+  /// Why the controller gave up; empty while it has not: the one that is obeyed, before any is the
+  /// one that was ready first, and before any is that each.
   const std::string& controller_failure() const { return controller_failure_; }
 
   /// Wall-clock: t_0 of the run on CLOCK_MONOTONIC and its period, ns. From here on a command must
@@ -114,7 +115,7 @@ class PlantLink {
   stillframe_msgs::command_t command_;
   std::vector<std::uint8_t> bytes_;
   std::vector<std::uint8_t> measurement_bytes_;
-  bool controller_ready_ = false;
+  std::int64_t ready_ = 0;  ///< instance of the first controller that was, 0: none yet
   std::string controller_failure_;
   std::int64_t last_allowed_;
   std::int64_t n_commands_ = 0, n_malformed_ = 0, n_clock_unknown_ = 0;

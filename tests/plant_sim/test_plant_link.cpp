@@ -144,6 +144,24 @@ TEST_F(Obedience, AControllerThatIsNotObeyedEndsNothing) {
   EXPECT_EQ(link.controller_failure(), "the controller refused: a reason");
 }
 
+// A controller that comes with the wrong gains, while the one that was there first listens and
+// arms.
+TEST_F(Obedience, ASecondControllerThatRefusesEndsNothing) {
+  say(channels::run_state, state("controller", run_state_t::READY, 7));
+  say(channels::run_state, state("controller", run_state_t::FAILED, 8));
+  say(channels::run_state, state("controller", run_state_t::READY, 8));
+  say(channels::run_state, state("controller", run_state_t::FAILED, 8));
+  EXPECT_EQ(link.controller_failure(), "");
+  say(channels::run_state, state("controller", run_state_t::FAILED, 7));
+  EXPECT_EQ(link.controller_failure(), "the controller refused: a reason");
+}
+
+// Before any is ready there is none to go on for.
+TEST_F(Obedience, TheOnlyControllerThatRefusesEndsTheRun) {
+  say(channels::run_state, state("controller", run_state_t::FAILED, 8));
+  EXPECT_EQ(link.controller_failure(), "the controller refused: a reason");
+}
+
 struct Question {
   clock_exchange_t message;
   void on_clock(const lcm::ReceiveBuffer*, const std::string&, const clock_exchange_t* heard) {
