@@ -303,8 +303,8 @@ void ControllerLink::on_clock(const lcm::ReceiveBuffer* buffer, const std::strin
   if (!take_clock(*lcm_, clocks_, *buffer)) ++n_malformed_;
 }
 
-std::optional<PeerClocks::Instant> ControllerLink::start() {
-  return clocks_.instant(plant_instance_, plant_state_.start_monotonic_ns, monotonic_ns());
+std::optional<PeerClocks::Instant> ControllerLink::start(std::int64_t said_ns) {
+  return clocks_.instant(plant_instance_, said_ns, monotonic_ns());
 }
 
 bool ControllerLink::is_elsewhere() const noexcept {

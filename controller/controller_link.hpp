@@ -70,10 +70,12 @@ class ControllerLink {
 
   const stillframe_msgs::run_info_t& run_info() const noexcept { return run_info_; }
   const stillframe_msgs::run_state_t& plant_state() const noexcept { return plant_state_; }
-  /// When the plant that is followed says that its run began, on the own clock as that stands to
-  /// its now: an instant on one clock, else half of a way there and back wide. None if its clock is
-  /// not known. Set-up.
-  std::optional<PeerClocks::Instant> start();
+  /// When the run began that the plant which is followed says began at said_ns, on the own clock as
+  /// that stands to its now: an instant on one clock, else half of a way there and back wide. None
+  /// if its clock is not known. Set-up.
+  std::optional<PeerClocks::Instant> start(std::int64_t said_ns);
+  /// PeerClocks::doubt of that plant.
+  void doubt_plant() noexcept { clocks_.doubt(plant_instance_); }
   /// Whether that plant reads another clock, and paces its samples by it.
   bool is_elsewhere() const noexcept;
   /// PeerClocks::unanswered.

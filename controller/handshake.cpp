@@ -105,7 +105,7 @@ Start shake_hands(ControllerLink& link, const Gains& gains, std::optional<std::i
     if (heard.run_state) {
       const run_state_t& plant = link.plant_state();
       if (plant.state == run_state_t::RUNNING) {
-        const auto start = link.start();
+        const auto start = link.start(plant.start_monotonic_ns);
         if (!start && PeerClocks::is_reading(plant.start_monotonic_ns)) continue;
         const std::int64_t doubt_ns = start ? (start->latest_ns - start->earliest_ns) / 2 : 0;
         const std::int64_t start_ns =

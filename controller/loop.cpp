@@ -129,11 +129,18 @@ void Loop::enable() noexcept {
   enabled_ = on;
 }
 
+void Loop::bound_clock() noexcept {
+  const std::int64_t earliest = earliest_start_ns_.load(relaxed);
+  const std::int64_t latest = latest_start_ns_.load(relaxed);
+  earliest <= latest ? clock_.bound(earliest, latest) : clock_.unbound();
+}
+
 // Bounded, so that a flood costs lateness that is counted, and not a loop that never answers again.
 Defect Loop::take_newest(std::int64_t now_ns) noexcept {
   bool any = false;
   const bool began = clock_.locked();
   const bool waits = clock_.disciplined() && !began;
+  bound_clock();
   for (int n = 0; n < most_taken && io_.receive(incoming_); ++n) {
     // What has waited since before the loop began is nobody's to answer: the newest is the first.
     if (waits) {
@@ -154,6 +161,7 @@ Defect Loop::take_newest(std::int64_t now_ns) noexcept {
     if (!began || moved) deadlines_.begin(clock_.reference_ns(), clock_.reference(), now_ns);
     deadlines_.follow(clock_.reference_ns(), clock_.reference(), clock_.period_ns());
     counters_.n_locks.store(clock_.n_locks(), relaxed);
+    counters_.n_held.store(clock_.n_held(), relaxed);
     counters_.drift.store(clock_.drift(), relaxed);
   }
   if (!any) return Defect::missing;

@@ -29,6 +29,7 @@ struct LoopCounters {
   std::atomic<std::int64_t> n_saturated{0}, n_faults{0}, n_rejoins{0};
   std::atomic<std::int64_t> n_records_dropped{0}, n_page_faults{0};
   std::atomic<std::int64_t> n_locks{0};  ///< SampleClock::n_locks
+  std::atomic<std::int64_t> n_held{0};   ///< SampleClock::n_held
   std::atomic<double> drift{0};          ///< SampleClock::drift
   std::atomic<std::int64_t> woke_ns{0};  ///< when the last period began, CLOCK_MONOTONIC
   std::atomic<std::int64_t> worst_wake_up_ns{0}, worst_compute_ns{0};
@@ -81,6 +82,12 @@ class Loop {
   /// Asks for a change of state at the next period. Any thread.
   void request(Request request) noexcept { requests_.ask(request); }
   RequestSlot& requests() noexcept { return requests_; }
+  /// SampleClock::bound, or unbound if earliest_ns > latest_ns. One thread, beside the loop's.
+  void bound(std::int64_t earliest_ns, std::int64_t latest_ns) noexcept {
+    // Each was true when it was set; where two of two moments cross, nothing is known for a period.
+    earliest_start_ns_.store(earliest_ns, std::memory_order_relaxed);
+    latest_start_ns_.store(latest_ns, std::memory_order_relaxed);
+  }
 
   const LoopCounters& counters() const noexcept { return counters_; }
   /// To be read when the loop's thread has ended.
@@ -97,6 +104,7 @@ class Loop {
 
  private:
   Defect take_newest(std::int64_t now_ns) noexcept;
+  void bound_clock() noexcept;
   void count(std::int64_t now_ns) noexcept;
   void enable() noexcept;
   void give_checkpoint() noexcept;
@@ -121,6 +129,7 @@ class Loop {
   Ring<LoopCheckpoint> checkpoints_;
   std::shared_ptr<FlightRecorder> flight_;
   RequestSlot requests_;
+  std::atomic<std::int64_t> earliest_start_ns_{0}, latest_start_ns_{-1};
 };
 
 /// Runs the loop at its deadlines until `stop`, which it looks at twenty times a second however far

@@ -75,9 +75,9 @@ void SampleClock::see(Measurement& measurement) noexcept {
           static_cast<double>(measurement.received_ns - off_since_ns_) / period_ns_;
       const bool catches_up = least_off_ > 0 && least_off_before_ - least_off_ > period_ns_ / 4;
       if (lasted >= settle / 2.0 && !catches_up) {
-        const double earliest = std::min(least_off_, least_off_before_);
-        lock(card, measurement.received_ns - std::llround(error - earliest));
-        ++n_locks_;
+        const auto by = admitted(seq, std::min(least_off_, least_off_before_));
+        ++(by ? n_locks_ : n_held_);
+        if (by) lock(card, measurement.received_ns - std::llround(error - *by));
         seq = card + epoch_;
       }
     }
@@ -87,6 +87,25 @@ void SampleClock::see(Measurement& measurement) noexcept {
   const double time_ns = static_cast<double>(seq) * nominal_ns_;
   measurement.time_ns =
       std::abs(time_ns) < farthest_periods * nominal_ns_ ? std::llround(time_ns) : -1;
+}
+
+void SampleClock::bound(std::int64_t earliest_ns, std::int64_t latest_ns) noexcept {
+  bounded_ = keeps_numbers();
+  earliest_ns_ = earliest_ns;
+  latest_ns_ = latest_ns;
+}
+
+/// By how much the line moves at a sample where the arrivals say by (ns); none if it stays.
+std::optional<double> SampleClock::admitted(std::int64_t seq, double by) const noexcept {
+  if (!bounded_) return by;
+  const auto beyond_line = [&](std::int64_t start_ns) {
+    return static_cast<double>(start_ns - reference_ns_) - part_ns_ +
+           static_cast<double>(reference_) * nominal_ns_ +
+           static_cast<double>(seq - reference_) * (nominal_ns_ - period_ns_);
+  };
+  const double earliest = beyond_line(earliest_ns_);
+  if (by > 0 ? earliest <= 0 : by < earliest) return std::nullopt;
+  return std::min(by, beyond_line(latest_ns_) + period_ns_ / 2);
 }
 
 void SampleClock::track(std::int64_t seq, double error) noexcept {

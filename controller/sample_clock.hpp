@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "controller/io.hpp"
 
@@ -26,6 +27,12 @@ enum class Pacing {
 /// card has stepped, paused or begun anew: by the earliest of them its samples are
 /// numbered from there on as the time says, so that numbers go on rising and a pause counts as
 /// samples lost. What a plant on another host calls its samples stays, and the line moves.
+/// Arrivals alone do not tell a clock that stood still from a way that takes longer; what the
+/// clocks say does (bound): sample k was taken at b + k T with b in [b_0, b_1]. The line moves
+///   later only if l_k < b_0 + k T, which no way explains, and to b_1 + k T + T / 2 at most;
+///   earlier only to b_0 + k T at least, as what comes before it was taken is not of now.
+/// Else the samples are late, for as long as their way is long, and the line runs on by its last
+/// slope. Below T / 2 the line goes along, as with any drift.
 /// Construction is set-up; the rest is hot.
 class SampleClock {
  public:
@@ -43,6 +50,12 @@ class SampleClock {
   /// start of the run; does nothing if the clock is not disciplined.
   void see(Measurement& measurement) noexcept;
 
+  /// Of a plant on another host: between which instants of CLOCK_MONOTONIC its run began, as the
+  /// clocks stand to each other now (PeerClocks). Before the first, and after unbound, the line
+  /// follows the arrivals alone.
+  void bound(std::int64_t earliest_ns, std::int64_t latest_ns) noexcept;
+  void unbound() noexcept { bounded_ = false; }
+
   /// CLOCK_MONOTONIC, ns, of what was taken time_ns after the start of the run.
   std::int64_t local_ns(std::int64_t time_ns) const noexcept;
   /// s from the sample to now_ns.
@@ -59,10 +72,13 @@ class SampleClock {
   double period_ns() const noexcept { return period_ns_; }
   double drift() const noexcept { return period_ns_ / nominal_ns_ - 1; }  ///< d, 1
   std::int64_t n_locks() const noexcept { return n_locks_; }  ///< beside the first: steps, restarts
+  /// How often the line would have moved but for the clocks.
+  std::int64_t n_held() const noexcept { return n_held_; }
 
  private:
   double error_ns(std::int64_t seq, std::int64_t received_ns) const noexcept;
   void track(std::int64_t seq, double error) noexcept;
+  std::optional<double> admitted(std::int64_t seq, double by) const noexcept;
   void lock(std::int64_t card, std::int64_t taken_ns) noexcept;
   void begin_slope() noexcept;
 
@@ -85,7 +101,9 @@ class SampleClock {
   double most_shown_ns_;         ///< by which a first sample may be off its place
   std::int64_t off_since_ns_ = 0;
   std::int64_t before_ = 0;  ///< number of the last of them, as the card has it
-  std::int64_t n_locks_ = 0;
+  std::int64_t n_locks_ = 0, n_held_ = 0;
+  bool bounded_ = false;
+  std::int64_t earliest_ns_ = 0, latest_ns_ = 0;  ///< b_0, b_1
 };
 
 }  // namespace stillframe::controller

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 #include "controller/flight_file.hpp"
 #include "controller/flight_folder.hpp"
@@ -74,9 +75,11 @@ Session::Session(Io& io, ControllerLink& link, const Gains& gains, const Policy&
       alive_ns_(monotonic_ns()) {}
 
 Outcome Session::run() {
+  bound_samples();
   LoopThread thread(loop_, policy_, sample_rate_hz_);
   while (!is_over(thread)) {
     listen();
+    bound_samples();
     announce();
     serve_requests();
     telemetry_.publish_records();
@@ -272,6 +275,21 @@ void Session::look_for_end() {
   }
 }
 
+// What arrives late may come of the plant's clock or of the way: the clock is asked.
+void Session::bound_samples() {
+  if (!link_.is_elsewhere() || link_.hosts()) return;
+  const auto start = link_.start(plant_start_ns_);
+  start ? loop_.bound(start->earliest_ns, start->latest_ns) : loop_.bound(0, -1);
+  const std::int64_t n_held = loop_.counters().n_held;
+  if (n_held == told_held_) return;
+  told_held_ = n_held;
+  link_.doubt_plant();
+  if (std::exchange(told_late_, true)) return;
+  options_.warn(
+      "the samples come late: their way takes longer, which delay_samples has to count, or the "
+      "plant's clock has stood still, and is asked");
+}
+
 // A rig has no process of its own that says so.
 void Session::announce() {
   const std::int64_t now = monotonic_ns();
@@ -280,9 +298,10 @@ void Session::announce() {
     options_.warn(
         link_.hosts()
             ? "the clock of the samples has stepped, paused or begun anew"
-            : "the samples come at another time from here on: the plant's clock has stood "
-              "still, or their way takes longer, which delay_samples has to count");
+            : "the samples come at another time from here on: a clock has stood still, or their "
+              "way got shorter");
     told_locks_ = n_locks;
+    told_late_ = false;
   }
   if (!link_.hosts() || now - announced_ns_ < announce_every_ns) return;
   announced_ns_ = now;

@@ -64,6 +64,7 @@ class Session {
   void give_flight();
   void look_for_end();
   void announce();
+  void bound_samples();
   void end(Outcome outcome);
   bool is_over(LoopThread& thread);
   bool knows_the_loop() const;
@@ -89,7 +90,8 @@ class Session {
   bool told_latched_, flight_given_ = false;
   std::int64_t told_floor_ = -1;  ///< LoopCounters::broken_floor
   std::int64_t told_ns_ = 0, told_faults_ = 0, alive_ns_, alive_count_ = 0;
-  std::int64_t n_unheard_ = 0, announced_ns_ = 0, told_locks_ = 0;
+  std::int64_t n_unheard_ = 0, announced_ns_ = 0, told_locks_ = 0, told_held_ = 0;
+  bool told_late_ = false;
 };
 
 }  // namespace stillframe::controller

@@ -15,6 +15,7 @@ FakePlant::FakePlant(run_info_t info) : info_(std::move(info)) {
   lcm_.subscribe(channels::command, &FakePlant::on_command, this)->setQueueCapacity(0);
   lcm_.subscribe(channels::run_state, &FakePlant::on_state, this);
   lcm_.subscribe(channels::timing, &FakePlant::on_timing, this);
+  lcm_.subscribe(channels::clock, &FakePlant::on_clock, this);
   const size_t m = frequencies_hz().size();
   q_.assign(m, 1e-6);
   v_.assign(m, 1e-5);
@@ -40,7 +41,7 @@ void FakePlant::publish_state(std::int32_t state, std::int64_t start_ns, const s
   const run_state_t message{.run_id = info_.run_id,
                             .plant_instance = info_.plant_instance,
                             .instance = info_.plant_instance,
-                            .sent_ns = monotonic_ns(),
+                            .sent_ns = monotonic_ns() + ahead_ns,
                             .source = "plant",
                             .state = state,
                             .start_monotonic_ns = start_ns,
@@ -103,6 +104,14 @@ void FakePlant::on_command(const lcm::ReceiveBuffer* buffer, const std::string&)
 void FakePlant::on_state(const lcm::ReceiveBuffer*, const std::string&,
                          const run_state_t* message) {
   if (message->source == "controller") states.push_back(*message);
+}
+
+void FakePlant::on_clock(const lcm::ReceiveBuffer*, const std::string&,
+                         const clock_exchange_t* message) {
+  if (message->asked != info_.plant_instance || message->answered_ns != 0) return;
+  clock_exchange_t answer = *message;
+  answer.heard_ns = answer.answered_ns = monotonic_ns() + ahead_ns;
+  lcm_.publish(channels::clock, &answer);
 }
 
 void FakePlant::on_timing(const lcm::ReceiveBuffer*, const std::string&, const timing_t* message) {

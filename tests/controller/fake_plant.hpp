@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "controller/gains.hpp"
+#include "stillframe_msgs/clock_exchange_t.hpp"
 #include "stillframe_msgs/command_t.hpp"
 #include "stillframe_msgs/measurement_t.hpp"
 #include "stillframe_msgs/run_info_t.hpp"
@@ -65,6 +66,8 @@ class FakePlant {
   lcm::LCM& lcm() { return lcm_; }
   const stillframe_msgs::run_info_t& info() const { return info_; }
 
+  std::int64_t ahead_ns = 0;  ///< of its clock, if that is another one
+
   std::vector<std::vector<std::uint8_t>> command_bytes;  ///< every command heard
   std::vector<stillframe_msgs::command_t> commands;      ///< the same, decoded
   std::vector<stillframe_msgs::run_state_t> states;      ///< of the controller
@@ -74,6 +77,8 @@ class FakePlant {
   void on_command(const lcm::ReceiveBuffer* buffer, const std::string& channel);
   void on_state(const lcm::ReceiveBuffer* buffer, const std::string& channel,
                 const stillframe_msgs::run_state_t* message);
+  void on_clock(const lcm::ReceiveBuffer* buffer, const std::string& channel,
+                const stillframe_msgs::clock_exchange_t* message);
   void on_timing(const lcm::ReceiveBuffer* buffer, const std::string& channel,
                  const stillframe_msgs::timing_t* message);
 

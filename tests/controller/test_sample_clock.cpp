@@ -6,6 +6,8 @@
 #include "controller/deadlines.hpp"
 #include "controller/sample_clock.hpp"
 #include "controller/screen.hpp"
+#include "msgs/identity.hpp"
+#include "msgs/peer_clocks.hpp"
 #include "tests/controller/rig.hpp"
 
 namespace stillframe::controller {
@@ -362,6 +364,131 @@ TEST(SampleClock, TheLoopStaysAwakeBesideAPlantElsewhere) {
     EXPECT_EQ(loop.counters().n_locks, pause.spacing == 0 ? 1 : 0);
     EXPECT_EQ(loop.counters().state, State::active);
   }
+}
+
+/// A plant on another host, its clock as it is found by asking, and a network. From a moment on the
+/// way takes longer, for its samples alone, for all that it says, or both ways; or its clock stands
+/// still for a while.
+struct Elsewhere {
+  enum What { samples_longer, back_longer, both_longer, clock_stood_still };
+  static constexpr std::int64_t here = (std::int64_t{1} << bits_below_clock) + 1;
+  static constexpr std::int64_t there = (std::int64_t{2} << bits_below_clock) + 1;
+  static constexpr double ahead_ns = 3e12, start_ns = 50e9;
+
+  double rate_hz, ppm, way_ns;
+  What what;
+  double from_ns, by_ns;
+  std::mt19937_64 random;
+  PeerClocks clocks{here};
+  SampleClock line{std::llround(start_ns), rate_hz, Pacing::other_host};
+  std::int64_t k = 0, held = 0;
+
+  double reads(double now_ns) const {
+    const double stood = what == clock_stood_still ? std::clamp(now_ns - from_ns, 0.0, by_ns) : 0;
+    return ahead_ns + start_ns + (now_ns - start_ns - stood) * (1 + 1e-6 * ppm);
+  }
+  double taken_ns(std::int64_t sample) const {
+    const double taken = start_ns + static_cast<double>(sample) * 1e9 / rate_hz / (1 + 1e-6 * ppm);
+    return what == clock_stood_still && taken > from_ns ? taken + by_ns : taken;
+  }
+  double way() { return way_ns * (1 + 0.2 * std::uniform_real_distribution<double>(0, 1)(random)); }
+
+  /// The next sample comes, and with it whatever is said of clocks; its age (s).
+  double next() {
+    const double taken = taken_ns(k);
+    const bool longer = what != clock_stood_still && taken > from_ns;
+    Measurement m{.seq = k, .time_ns = std::llround(static_cast<double>(k) * 1e9 / rate_hz)};
+    const double arrival = taken + way() + (longer ? by_ns : 0);
+    m.received_ns = std::llround(arrival);
+    ++k;
+    if (const auto start =
+            clocks.instant(there, std::llround(ahead_ns + start_ns), m.received_ns)) {
+      line.bound(start->earliest_ns, start->latest_ns);
+    }
+    line.see(m);
+    if (line.n_held() != held) clocks.doubt(there);
+    held = line.n_held();
+    if (const auto question = clocks.question(m.received_ns)) {
+      const double heard = arrival + way() + (longer && what == both_longer ? by_ns : 0);
+      const double back = heard + way() + (longer && what != samples_longer ? by_ns : 0);
+      auto answer = *question;
+      answer.heard_ns = answer.answered_ns = std::llround(reads(heard));
+      clocks.take(answer, std::llround(back));
+    }
+    return line.age(m, m.received_ns);
+  }
+};
+
+/// A longer way is lateness, for as long as it is longer; what stood still is followed once it was
+/// asked.
+TEST(SampleClock, ALongerWayIsLateAndAClockThatStoodStillIsFollowed) {
+  std::mt19937_64 random(9);
+  const auto uniform = [&](double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random);
+  };
+  for (int trial = 0; trial < 40; ++trial) {
+    const double rate = std::pow(10, uniform(2, 3.5)), period_ns = 1e9 / rate;
+    const auto what = static_cast<Elsewhere::What>(trial % 4);
+    const double by = period_ns * (trial % 8 < 4 ? uniform(0.7, 2) : uniform(2, 300));
+    Elsewhere plant{.rate_hz = rate,
+                    .ppm = uniform(-200, 200),
+                    .way_ns = period_ns * uniform(0.02, 0.2),
+                    .what = what,
+                    .from_ns = Elsewhere::start_ns + uniform(25e9, 30e9),
+                    .by_ns = by,
+                    .random = std::mt19937_64(random())};
+    SCOPED_TRACE(testing::Message()
+                 << what << ", " << rate << " Hz, " << plant.ppm << " ppm, by " << by / period_ns
+                 << " periods, way " << plant.way_ns / period_ns);
+    while (plant.taken_ns(plant.k) <= plant.from_ns) {
+      ASSERT_LT(plant.next() * rate, 0.1 + (plant.k < 100 ? 0.4 : 0.0));
+    }
+    ASSERT_EQ(plant.line.n_locks(), 0);
+    const std::int64_t since = plant.k;
+    const auto asked = static_cast<std::int64_t>(1.2 * rate) + 3 * SampleClock::settle;
+    while (plant.k < since + static_cast<std::int64_t>(60 * rate)) {
+      const double late = plant.next() * rate;
+      const double longer = what == Elsewhere::clock_stood_still ? 0 : by / period_ns;
+      if (longer > 0 || plant.k > since + asked) ASSERT_NEAR(late, longer, 0.2) << plant.k - since;
+    }
+    EXPECT_EQ(plant.line.n_locks(), what == Elsewhere::clock_stood_still ? 1 : 0);
+    EXPECT_GT(plant.line.n_held(), 0);
+    // And once it is as short as before, so is what is seen of it.
+    plant.by_ns = what == Elsewhere::clock_stood_still ? by : 0;
+    for (int i = 0; i < 100; ++i) EXPECT_LT(plant.next() * rate, 0.2);
+  }
+}
+
+/// A clock that stood still while the way of the samples got longer as well: of both together the
+/// clock's part moves the line.
+TEST(SampleClock, TheLineGoesNoFurtherThanTheClocksSay) {
+  SampleClock clock(0, 1000, Pacing::other_host);
+  std::int64_t stood = 0, late = 30'000;
+  const auto run = [&](std::int64_t from, std::int64_t to) {
+    double age = 0;
+    for (std::int64_t k = from; k < to; ++k) {
+      Measurement m{.seq = k, .time_ns = k * 1'000'000};
+      m.received_ns = m.time_ns + stood + late;
+      clock.see(m);
+      age = clock.age(m, m.received_ns);
+    }
+    return age;
+  };
+  clock.bound(-20'000, 20'000);
+  run(0, 1000);
+  stood = 800'000'000;
+  late = 40'030'000;
+  EXPECT_NEAR(run(1000, 1100), 0.84, 1e-6);
+  EXPECT_EQ(clock.n_locks(), 0);
+  clock.bound(stood - 20'000, stood + 20'000);
+  EXPECT_NEAR(run(1100, 1200), 0.0395, 0.0001);
+  EXPECT_EQ(clock.n_locks(), 1);
+  // What was taken before it can have been is not followed either.
+  stood = late = 0;
+  run(2100, 2200);
+  EXPECT_EQ(clock.n_locks(), 1);
+  clock.unbound();
+  EXPECT_NEAR(run(2200, 2300), 0, 1e-6);
 }
 
 /// The first samples behind a gap are late; the slope that ends with them is not that of the

@@ -14,6 +14,7 @@
 #include "core/numerics/worst.hpp"
 #include "msgs/channels.hpp"
 #include "msgs/clock.hpp"
+#include "msgs/identity.hpp"
 #include "stillframe_msgs/excitation_t.hpp"
 #include "stillframe_msgs/loop_checkpoint_t.hpp"
 #include "stillframe_msgs/loop_records_t.hpp"
@@ -132,6 +133,42 @@ TEST_F(ControllerProcess, WallClockSaysAllThatItsCommandsCameFrom) {
   EXPECT_EQ(plant.timing->n_duplicate, 0);
   EXPECT_EQ(plant.timing->n_periods, static_cast<std::int64_t>(listener.records.size()));
   EXPECT_EQ(plant.timing->n_periods + plant.timing->n_late, listener.records.back().period + 1);
+}
+
+/// A plant on another host. From a moment on its samples come later: because their way takes
+/// longer, which is lateness and stays it, or because its clock has stood still, which is followed.
+TEST_F(ControllerProcess, WallClockTellsALongerWayFromAClockThatStoodStill) {
+  constexpr std::int64_t period = 5'000'000, later = 300'000'000;
+  const Gains gains = toy::gains(5, 200, 1);
+  for (const bool stood_still : {false, true}) {
+    auto info = toy::run_info(gains, 9, "wall_clock", 100'000);
+    info.plant_instance += std::int64_t{1} << bits_below_clock;
+    toy::FakePlant plant(info);
+    plant.ahead_ns = 40'000 * ns_per_s;
+    Listener listener(plant);
+    ChildProcess controller(command_line(gains));
+    ASSERT_EQ(plant.announce(), run_state_t::READY);
+    const std::int64_t start = monotonic_ns() + 20'000'000;
+    const std::int64_t said = start + plant.ahead_ns;
+    std::int64_t shift = 0;
+    for (std::int64_t k = 0; k < 800; ++k) {
+      if (k % 50 == 0) plant.publish_state(run_state_t::RUNNING, said);
+      if (k == 400) {
+        shift = later;
+        if (stood_still) plant.ahead_ns -= later;
+      }
+      publish_at(plant, k, start + k * period + shift);
+      while (plant.take(0)) {
+      }
+      plant.move(plant.commands.empty() ? std::vector<double>(4, 0.0)
+                                        : plant.commands.back().force);
+    }
+    plant.publish_state(run_state_t::ENDED);
+    controller.wait();
+    const std::string told = controller.err();
+    EXPECT_NE(told.find("the samples come late"), std::string::npos) << told;
+    EXPECT_EQ(told.find("come at another time") != std::string::npos, stood_still) << told;
+  }
 }
 
 /// Threads of a process, name and scheduling policy.
