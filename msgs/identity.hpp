@@ -32,8 +32,11 @@ inline bool on_one_clock(std::int64_t instance, std::int64_t other) noexcept {
 /// Who of two processes began first, by what each says of itself; of two that began at one instant
 /// the one with the smaller number. Of two clocks the ages are compared, and count as the
 /// same within 2 s and a thousandth. Both sides come to one answer, but
-/// where the difference is within what the network takes of that bound: then both stay for so long,
-/// and the plant obeys one.
+/// where the difference is within what the network takes of that bound. Each counts the other as
+/// younger by that, so that there both stay and never do both leave: the plant obeys one, and
+/// the bound, which grows by a ms a second, passes by within 2000 times what the two ways take. Who
+/// is to leave there as well would have to be agreed upon: whatever each side decides alone has an
+/// edge, and one where both leave.
 struct Beginning {
   std::int64_t instance = 0;
   std::int64_t began_ns = 0, now_ns = 0;  ///< by its own clock: its beginning, and when it said so

@@ -305,6 +305,42 @@ TEST(Identity, WhoBeganFirstIsOneOfTheTwo) {
   }
 }
 
+/// Where the difference of two ages is as large as the bound to what the network takes, the sides
+/// may differ: then both stay, which the plant decides, until the bound has grown by as much. Never
+/// do both leave, whenever each of them judges.
+TEST(Identity, AtTheEdgeNeverDoBothLeaveAndBothStayForAWhile) {
+  std::mt19937_64 random(11);
+  const auto uniform = [&](double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random);
+  };
+  int n_both = 0;
+  for (int trial = 0; trial < 20'000; ++trial) {
+    const bool smaller_is_older = trial % 2 == 0;
+    const Host older{on_clock(smaller_is_older ? 1 : 2, 5), uniform(0, 1e16), uniform(-200, 200)};
+    const Host younger{on_clock(smaller_is_older ? 2 : 1, 5), uniform(0, 1e16), uniform(-200, 200)};
+    // Of a status, which counts for 2 s.
+    const double older_way = uniform(0, 2e9), younger_way = uniform(0, 2e9);
+    const double age = std::pow(10, uniform(10, 14));
+    // To the bound itself, and what ways and drifts make of it.
+    const double apart = 2e9 + 1e-3 * age + uniform(-1, 1) * (1e9 + 1e-3 * age);
+    const auto stay = [&](double after) {
+      const double now = age + after;
+      const auto said = [&](const Host& host, double began, double ago) {
+        return Beginning{host.instance, host.reads(began), host.reads(now - ago)};
+      };
+      return std::pair(began_first(said(older, 0, 0), said(younger, apart, younger_way)),
+                       began_first(said(younger, apart, 0), said(older, 0, older_way)));
+    };
+    const auto [older_stays, younger_stays] = stay(0);
+    EXPECT_TRUE(older_stays || younger_stays) << trial;
+    if (!older_stays || !younger_stays) continue;
+    ++n_both;
+    const auto [later_older, later_younger] = stay((older_way + younger_way) / 5e-4);
+    EXPECT_NE(later_older, later_younger) << trial;
+  }
+  EXPECT_GT(n_both, 100);
+}
+
 TEST(Identity, NamesTheClockThatItsProcessReads) {
   const std::int64_t one = new_instance(), other = new_instance();
   EXPECT_NE(one, other);
