@@ -7,6 +7,7 @@ import importlib.machinery
 import importlib.util
 import io
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -97,7 +98,7 @@ class HiddenRig(unittest.TestCase):
         self.assertEqual(self.failed(ANSWER), ["gains, of each other"])
 
     def test_the_program_says_each_row_and_ends_with_4(self):
-        options = types.SimpleNamespace(rigs=1, seed=1, build=SOURCE, keep=self.folder, force=10)
+        options = types.SimpleNamespace(rigs=1, seed=1, build=SOURCE, keep=self.folder, force=10, limit=9)
         (self.folder / "1").mkdir()
         (self.folder / "1/rig.updated.yaml").write_text(rig_file())
         out = io.StringIO()
@@ -109,11 +110,27 @@ class HiddenRig(unittest.TestCase):
         self.assertIn("  ok   closed, frame: ", out.getvalue())
 
     def test_an_answer_that_breaks_off(self):
-        rig = unittest.mock.Mock()
         for said, expected in (("", None), ("{\"wrong\": [", None), ("{}", {})):
-            run = subprocess.CompletedProcess([], 1, stdout=said)
-            with unittest.mock.patch.object(subprocess, "run", return_value=run), unittest.mock.patch.object(subprocess, "Popen", return_value=rig):
-                self.assertEqual(hidden_rig.commissioned(self.folder, types.SimpleNamespace(build=SOURCE, force=10), 1), (expected, 1))
+            program = unittest.mock.Mock(returncode=1)
+            program.communicate.return_value = (said, None)
+            with unittest.mock.patch.object(subprocess, "run"), unittest.mock.patch.object(subprocess, "Popen", return_value=program):
+                self.assertEqual(hidden_rig.commissioned(self.folder, types.SimpleNamespace(build=SOURCE, force=10, limit=9), 1), (expected, 1))
+
+    def test_a_program_that_does_not_end_is_ended(self):
+        deaf = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(1, flush=True); time.sleep(60)"
+        started, popen = [], subprocess.Popen
+
+        def noted(*args, **options):
+            started.append(popen(*args, **options))
+            return started[-1]
+        for command, ending in ((["sleep", "60"], signal.SIGTERM), ([sys.executable, "-c", deaf], signal.SIGKILL)):
+            err = io.StringIO()
+            with unittest.mock.patch.object(subprocess, "Popen", noted), unittest.mock.patch.object(hidden_rig, "GRACE", 0.5), \
+                    contextlib.redirect_stderr(err):
+                self.assertEqual(hidden_rig.answer_of(command, self.folder, 2), (None, None))
+            self.assertEqual(started[-1].poll(), -ending)
+            self.assertEqual(err.getvalue(), f"hidden_rig: commission (process {started[-1].pid}) has not answered in 2 s, the --limit, and is ended\n")
+        self.assertEqual(hidden_rig.answer_of(["echo", "{}"], self.folder, 30), ("{}\n", 0))
 
 
 if __name__ == "__main__":
