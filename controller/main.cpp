@@ -28,6 +28,7 @@
 #include "core/cli/command.hpp"
 #include "core/files/printable_log.hpp"
 #include "core/files/standard_output.hpp"
+#include "core/files/whole_file.hpp"
 #include "core/yaml/reader.hpp"
 #include "msgs/clock.hpp"
 #include "msgs/identity.hpp"
@@ -440,6 +441,7 @@ int serve(const Options& options, const Gains& gains, const Policy& policy,
 }
 
 int run(const Options& options, Outside& outside) {
+  if (options.timing) require_place("--timing", *options.timing);
   const Gains gains = read_gains(options.gains);
   std::string policy_text;
   const Policy policy = policy_of(options, gains.sample_rate_hz, policy_text);

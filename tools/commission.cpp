@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -196,18 +194,6 @@ ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::Loop
   return all;
 }
 
-/// Before anything moves. Errors: InputError where no file can be.
-void require_place(const std::filesystem::path& path) {
-  const auto folder = path.parent_path();
-  std::error_code ignored;
-  const bool has_folder = folder.empty() || std::filesystem::is_directory(folder, ignored);
-  if (has_folder && !std::filesystem::is_directory(path, ignored) &&
-      access(folder.empty() ? "." : folder.c_str(), W_OK) == 0) {
-    return;
-  }
-  throw InputError(path.string() + ": cannot be written");
-}
-
 /// What is asked for before anything moves. Errors: InputError.
 void require_sense(const CommissionOptions& options, const judge::LoopDesign& design,
                    bool corrected) {
@@ -318,10 +304,6 @@ int run(const CommissionOptions& options) {
                       {"the updated rig file", files.rig},
                       {"--plot", options.plot},
                       {"--report", options.report}});
-  for (const auto& place :
-       {files.scene, files.uncertainty, files.rig, options.plot, options.report}) {
-    if (place) require_place(*place);
-  }
   Rig rig(options, design, all.rig);
   catch_stop_signals();
   // What was found is said, whatever becomes of a later step.

@@ -1,6 +1,7 @@
 #include "tools/given_files.hpp"
 
 #include "core/errors/input_error.hpp"
+#include "core/files/whole_file.hpp"
 
 namespace stillframe::tools {
 
@@ -24,9 +25,7 @@ bool is_same(const fs::path& a, const fs::path& b) {
 void require_own_places(const std::vector<GivenFile>& read, const std::vector<GivenFile>& written) {
   for (auto file = written.begin(); file != written.end(); ++file) {
     if (!file->path) continue;
-    if (file->path->empty()) {
-      throw InputError(file->name + ": found '', allowed is the name of a file");
-    }
+    if (file->path->empty()) require_place(file->name, *file->path);
     for (const GivenFile& other : read) {
       if (!other.path || !is_same(*file->path, *other.path)) continue;
       throw InputError(file->name + ": " + file->path->string() + " is " + other.name +
@@ -37,6 +36,7 @@ void require_own_places(const std::vector<GivenFile>& read, const std::vector<Gi
       throw InputError(file->name + " and " + other->name + " are one file, " +
                        file->path->string() + "; allowed are two");
     }
+    require_place(file->name, *file->path);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "core/files/whole_file.hpp"
 #include "msgs/stop_signal.hpp"
 #include "report/table.hpp"
+#include "tools/given_files.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/verbs.hpp"
@@ -93,6 +94,8 @@ void print_page(const Wiring& wiring, const Probe& probe, const RigFile& rig, co
 }
 
 int run(const RigOptions& options) {
+  require_own_places({{"the gains file", options.gains}, {"the rig file", options.rig}},
+                     {{"--out", options.out}});
   const Gains gains = read_gains(options.gains);
   RigFile rig = options.rig ? read_rig(*options.rig, gains) : default_rig(gains);
   choose_driver(rig, options.io);

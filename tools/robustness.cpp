@@ -191,16 +191,6 @@ void plot(const Record& record, const WorstCases& worst, const Evaluator& evalua
   report::plot_robustness(picture, path);
 }
 
-/// Before hours of work that could then not be written down.
-void require_folder(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored)) {
-    throw InputError("--out: found '" + file.string() + "', but there is no folder '" +
-                     folder.string() + "'");
-  }
-}
-
 int run(RobustnessOptions options) {
   if (options.jobs == 0)
     options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -211,7 +201,6 @@ int run(RobustnessOptions options) {
                       {"the record", options.from}},
                      {{"--out", options.out}, {"--plot", options.plot}});
   parse_shard(options.shard);
-  if (options.out) require_folder(*options.out);
   Record record;
   WorstCases worst;
   std::optional<Evaluator> evaluator;

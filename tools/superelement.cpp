@@ -8,6 +8,7 @@
 #include "core/files/whole_file.hpp"
 #include "core/mechanics/bodies/reduced_body.hpp"
 #include "report/table.hpp"
+#include "tools/given_files.hpp"
 #include "tools/json.hpp"
 #include "tools/patience.hpp"
 #include "tools/unit_hint.hpp"
@@ -126,6 +127,10 @@ int run(const SuperelementOptions& options) {
   if (options.interfaces.empty()) {
     throw InputError("--interface NAME=SET is needed at least once: where the body is held");
   }
+  const BodyFiles files = files_of(options);
+  require_own_places({{"the job", options.job}}, {{"--out", files.body},
+                                                  {"the mass matrix", files.mass},
+                                                  {"the stiffness matrix", files.stiffness}});
   Patience patience("reading the mesh");
   const auto stage = [&](const std::string& what) { patience.now(what); };
   const FiniteElementBody mesh = read_calculix(options.job, stage);
@@ -142,7 +147,6 @@ int run(const SuperelementOptions& options) {
   if (options.modes_to_hz > 0) kept.to_hz = options.modes_to_hz;
   const ReducedBody reduced = reduce_body(mesh, interfaces, kept, stage);
   hint_at_units(mesh, reduced.body);
-  const BodyFiles files = files_of(options);
   write(reduced.body, mesh.name, files);
   const RigidProperties rigid = rigid_properties(reduced.body);
   if (options.json) {

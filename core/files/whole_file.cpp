@@ -103,6 +103,25 @@ void WholeFile::save() {
   if (close(file) != 0) fail<OutputError>(path_);
 }
 
+void require_place(const std::string& option, const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(option + ": found '" + path.string() + "', " + why);
+  };
+  if (path.empty()) refuse("allowed is the name of a file");
+  std::error_code error;
+  const fs::file_status there = fs::status(path, error);
+  if (fs::is_directory(there)) refuse("which is a folder; allowed is the name of a file");
+  if (fs::exists(there) && !fs::is_regular_file(there)) return;  // a device or a pipe
+  // A link stays, what it points to is replaced.
+  const fs::path real = fs::is_symlink(path, error) ? fs::weakly_canonical(path, error) : path;
+  const fs::path folder = real.has_parent_path() ? real.parent_path() : ".";
+  if (!fs::is_directory(folder, error)) refuse("but there is no folder '" + folder.string() + "'");
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    refuse("but nothing may be written in the folder '" + folder.string() + "'");
+  }
+}
+
 void write_whole_file(const std::filesystem::path& path, std::string_view text) {
   WholeFile file(path);
   file.write(text);

@@ -51,6 +51,10 @@ class WholeFile {
   std::string buffer_;
 };
 
+/// Before what takes minutes, and is not to be lost for want of a place: there can be a file of
+/// that name. option: what asks for it. Errors: InputError "option: found 'path', ...".
+void require_place(const std::string& option, const std::filesystem::path& path);
+
 /// Such a file of one text.
 void write_whole_file(const std::filesystem::path& path, std::string_view text);
 

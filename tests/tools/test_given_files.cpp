@@ -110,6 +110,38 @@ TEST_F(GivenFiles, TwoThatAreWrittenAreTwoFiles) {
   EXPECT_EQ(text_of(folder_ / "y"), "an older file");
 }
 
+/// Before minutes of computing or measuring.
+TEST_F(GivenFiles, AFolderThatIsNotThereIsSaidFirst) {
+  fs::create_directory(folder_ / "d");
+  for (const std::string command : {"report a --out",
+                                    "report a --out x --verdict",
+                                    "export a --csv",
+                                    "export a --mat",
+                                    "linearise a --mat",
+                                    "sigma a --plot",
+                                    "design a --out",
+                                    "design a --mat",
+                                    "design a --plot-trade",
+                                    "feedback a --plot",
+                                    "feedback a --h2",
+                                    "feedback a --minimax",
+                                    "robustness a --out",
+                                    "robustness a --plot",
+                                    "budget a --plot",
+                                    "merge a b --out",
+                                    "sweep a --set x=1 --out",
+                                    "batch a --out",
+                                    "rig a --io simulation --out",
+                                    "superelement a --interface i=j --out"}) {
+    const std::string option = command.substr(command.rfind("--"));
+    expect_refused_here(command + " nowhere/x",
+                        option + ": found 'nowhere/x', but there is no folder 'nowhere'");
+    expect_refused_here(command + " d",
+                        option + ": found 'd', which is a folder; allowed is the name of a file");
+    expect_refused_here(command + " b/x", option + ": found 'b/x', but there is no folder 'b'");
+  }
+}
+
 TEST_F(GivenFiles, DevicesAndPipesTakeSeveral) {
   write_log("log.lcm");
   for (const std::string place : {"/dev/null", "/dev/stdout"}) {

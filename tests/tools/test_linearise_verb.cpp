@@ -199,11 +199,12 @@ TEST_F(LineariseVerb, PageHoldsSmallMatricesAndPointsToTheRest) {
 }
 
 TEST_F(LineariseVerb, FailedWritesLeaveNothing) {
-  expect_refused({"linearise", config("scenes/cart.yaml"), "--mat", folder_ / "none/cart.mat"}, 2,
-                 "none/cart.mat: cannot be written");
+  expect_refused(
+      {"linearise", config("scenes/cart.yaml"), "--mat", folder_ / "none/cart.mat"}, 2,
+      "--mat: found '" + (folder_ / "none/cart.mat").string() + "', but there is no folder");
   fs::create_directories(folder_ / "folder.mat/in_use");
   expect_refused({"linearise", config("scenes/cart.yaml"), "--mat", folder_ / "folder.mat"}, 2,
-                 "folder.mat: cannot be written");
+                 "folder.mat', which is a folder; allowed is the name of a file");
   EXPECT_FALSE(fs::exists(folder_ / "none"));
   for (const auto& entry : fs::directory_iterator(folder_)) {
     EXPECT_EQ(entry.path().string().find("incomplete"), std::string::npos) << entry.path();
