@@ -80,8 +80,9 @@ Excitation::Excitation(const Gains& gains, const Policy& policy)
   const ExcitationPlan& plan = policy.excitation;
   if (plan.kind == Kind::none) return;
   const double rate_hz = gains.sample_rate_hz, samples = std::round(plan.window_s * rate_hz);
-  const auto refuse = [](const char* key, double found, const std::string& allowed) {
-    throw InputError(std::string("excitation.") + key + ": found " + shortest_digits(found) +
+  const std::string place = plan.place.empty() ? "" : plan.place + ": ";
+  const auto refuse = [&](const char* key, double found, const std::string& allowed) {
+    throw InputError(place + "excitation." + key + ": found " + shortest_digits(found) +
                      ", allowed is a number " + allowed);
   };
   if (!(samples >= fewest_samples && samples <= most_samples)) {

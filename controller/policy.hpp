@@ -50,6 +50,7 @@ struct ExcitationPlan {
   double window_s = 2;            ///< s, after which it repeats itself
   std::int64_t windows = 5;       ///< of each leg, and as many of nothing before
   std::int64_t lines = 44;        ///< frequencies of a multisine
+  std::string place = {};         ///< "policy.yaml:3:13"; empty: of no file
 };
 
 /// The numbers of the fault policy of wall-clock runs, docs/safety.md; a policy file states those

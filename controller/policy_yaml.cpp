@@ -121,6 +121,7 @@ void read_realtime(const YamlReader& block, Policy& policy) {
 }
 
 void read_excitation(const YamlReader& block, double rate_hz, ExcitationPlan& plan) {
+  plan.place = block.place();
   block.allow_only({"kind", "loop", "force_n", "from_hz", "to_hz", "window_s", "windows", "lines"});
   if (const auto value = block.find("kind")) {
     const std::string word = value->one_of({"none", "multisine", "sweep", "step"});

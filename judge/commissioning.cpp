@@ -215,8 +215,11 @@ std::vector<Index> outputs_of(const RigFile& rig, const Scene& scene) {
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
       const std::string near = nearest_name(name, names);
-      throw InputError("rig file: frame: '" + name + "' is no output of the scene" +
-                       (near.empty() ? "" : "; the nearest name is '" + near + "'"));
+      std::string allowed;
+      for (const std::string& other : names) allowed += (allowed.empty() ? "" : ", ") + other;
+      throw InputError(rig.place_of("frame." + name) + ": is no output of the scene" +
+                       (near.empty() ? "" : " (did you mean '" + near + "'?)") + "; allowed are " +
+                       allowed);
     }
     places.push_back(found - names.begin());
   }
@@ -224,11 +227,15 @@ std::vector<Index> outputs_of(const RigFile& rig, const Scene& scene) {
 }
 
 std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_window) {
+  const double rate_hz = design.gains.sample_rate_hz;
+  // As it is given, in seconds.
+  const std::string found = formatted("--window: found %.4g s at %g Hz",
+                                      static_cast<double>(n_window) / rate_hz, rate_hz);
   if (n_window > most_window) {
-    throw InputError("--window: " + std::to_string(n_window) + " samples, allowed are up to " +
-                     std::to_string(most_window));
+    throw InputError(
+        found + formatted(", allowed is up to %g s", static_cast<double>(most_window) / rate_hz));
   }
-  const double df = design.gains.sample_rate_hz / static_cast<double>(n_window);
+  const double df = rate_hz / static_cast<double>(n_window);
   const Eigen::VectorXcd poles = design.settings.plant.A.eigenvalues();
   const std::vector<Resonance> at = resonances(poles);
   const auto near_resonance = [&](double hz) {
@@ -241,9 +248,9 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
       static_cast<int>(controller::usual_lines),
       [&](int line) { return near_resonance(line * df); });
   if (lines.size() < fewest_lines) {
-    throw InputError("--window: of " + std::to_string(n_window) + " samples has " +
-                     std::to_string(lines.size()) +
-                     " lines beside the resonances, allowed are windows of 8 and more");
+    throw InputError(found + formatted(", which has %zu lines beside the resonances and needs %zu; "
+                                       "allowed are longer ones",
+                                       lines.size(), fewest_lines));
   }
   return lines;
 }
@@ -251,9 +258,15 @@ std::vector<int> commission_lines(const judge::LoopDesign& design, Index n_windo
 void require_recordable(const LoopDesign& design, double window_s, int n_windows) {
   const Index n_window = window_samples(design, window_s), m = design.gains.n_legs();
   commission_lines(design, n_window);
-  if ((n_windows + 2) * (m + 2) * n_window > most_recorded) {
-    throw InputError("--window, --windows: that is a recording of more than " +
-                     std::to_string(most_recorded) + " samples");
+  // As record_rig makes it: a drive rises for a window and falls for one.
+  const Index n_recorded = (2 * n_windows + (n_windows + 2) * m) * n_window;
+  if (n_recorded > most_recorded) {
+    const double rate_hz = design.gains.sample_rate_hz;
+    throw InputError(
+        formatted("--window, --windows: found %d of %g s, a recording of %.6g s; allowed "
+                  "is one of up to %g s at %g Hz",
+                  n_windows, window_s, static_cast<double>(n_recorded) / rate_hz,
+                  static_cast<double>(most_recorded) / rate_hz, rate_hz));
   }
 }
 
@@ -270,9 +283,10 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
                     .parameters = robustness::parameters_of(design.scene, question.uncertainty),
                     .frame = outputs_of(rig, design.scene)};
   if (found.question.parameters.empty() && !question.only_wiring) {
-    throw InputError(
-        "uncertainty: nothing of this scene is uncertain; give at least one of its "
-        "values above 0");
+    const std::string& place = question.uncertainty.place;
+    throw InputError((place.empty() ? design.scene.file : place) +
+                     ": uncertainty: nothing of this scene is uncertain; give at least one of its "
+                     "values above 0");
   }
   for (Parameter& parameter : found.question.parameters) parameter.size *= deviation_of_even;
   require_recordable(design, question.window_s, question.n_windows);  // before anything moves

@@ -97,9 +97,6 @@ class Rig {
  public:
   Rig(const CommissionOptions& options, const judge::LoopDesign& design, const RigFile& file)
       : file_(file), setting_(file.setting(design.gains)) {
-    if (!options.simulate && file.driver.empty()) {
-      throw InputError("no driver: name one in a rig file or with --io, or play with --simulate");
-    }
     if (options.simulate) plant_ = played(options, design);
     priority_ = controller::default_policy(design.gains.sample_rate_hz).priority;
   }
@@ -162,7 +159,7 @@ controller::Policy policy_of(const CommissionOptions& options, const controller:
                                   : controller::default_policy(gains.sample_rate_hz);
   policy.start_at_once = true;
   if (policy.excitation.kind != controller::ExcitationPlan::Kind::none) {
-    throw InputError(options.policy->string() +
+    throw InputError(policy.excitation.place +
                      ": excitation: found one, allowed is none: commission has its own");
   }
   const double limit = controller::force_limit(gains, policy);
@@ -199,6 +196,9 @@ void require_sense(const CommissionOptions& options, const judge::LoopDesign& de
                    bool corrected) {
   if (options.simulate && (options.rig || !options.io.empty())) {
     throw InputError("--simulate plays the rig: leave the rig file and --io out");
+  }
+  if (!options.simulate && !options.rig && options.io.empty()) {
+    throw InputError("no driver: name one in a rig file or with --io, or play with --simulate");
   }
   if (options.until != "loop" && options.policy) {
     throw InputError("--policy is of the loop: it goes with --until loop");
@@ -288,7 +288,8 @@ int run(const CommissionOptions& options) {
               .windows = options.windows},
       .rig = options.rig ? controller::read_rig(*options.rig, design.gains) : simulated_rig(design),
       .legs = design.gains.legs};
-  if (!options.io.empty()) all.rig.driver = options.io;
+  if (!options.simulate) controller::choose_driver(all.rig, options.io);
+  judge::outputs_of(all.rig, design.scene);  // an unknown name is not said after minutes
   CommissionedFiles files{updated(options.scene, ".updated.yaml"),
                           updated(options.scene, ".updated.uncertainty.yaml"),
                           {}};

@@ -16,9 +16,9 @@ namespace {
 
 // Both ways, so that a pipe does not end when the program at its other end begins anew.
 int open_device(const DriverSetting& setting, const std::string& option) {
-  const std::string path = (setting.folder / setting.option(option)).string();
+  const std::string path = (setting.folder / setting.option(option)).lexically_normal().string();
   const int file = open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
-  if (file < 0) throw InputError("driver: " + option + ": " + path + ": " + std::strerror(errno));
+  if (file < 0) setting.fail(option, "'" + path + "' cannot be opened: " + std::strerror(errno));
   return file;
 }
 

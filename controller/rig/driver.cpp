@@ -11,20 +11,20 @@ LoadedIo load_driver(const std::string& name, const DriverSetting& setting) {
   if (name == "simulation") return {nullptr, std::make_unique<SimulatedIo>(setting)};
   if (name == "device") return {nullptr, std::make_unique<DeviceIo>(setting)};
   if (name.find('/') == std::string::npos && !name.ends_with(".so")) {
-    throw InputError("driver: found '" + name +
+    throw InputError(setting.said_by + ": found '" + name +
                      "', allowed are simulation, device and the path of a shared library");
   }
-  const std::string path = (setting.folder / name).string();
+  const std::string path = (setting.folder / name).lexically_normal().string();
   const std::string found = path.find('/') == std::string::npos ? "./" + path : path;
   const std::shared_ptr<void> library(dlopen(found.c_str(), RTLD_NOW | RTLD_LOCAL),
                                       [](void* handle) {
                                         if (handle != nullptr) dlclose(handle);
                                       });
-  if (!library) throw InputError("driver: " + std::string(dlerror()));
+  if (!library) throw InputError(setting.said_by + ": " + dlerror());
   using Make = Io*(const DriverSetting&);
   auto* make = reinterpret_cast<Make*>(dlsym(library.get(), "stillframe_make_io"));
   if (make == nullptr)
-    throw InputError("driver: " + path + ": is no driver, has no STILLFRAME_DRIVER");
+    throw InputError(setting.said_by + ": " + path + ": is no driver, has no STILLFRAME_DRIVER");
   // What a driver throws has its code in the library, so it may not outlive it.
   std::string said;
   try {
@@ -32,7 +32,7 @@ LoadedIo load_driver(const std::string& name, const DriverSetting& setting) {
   } catch (const InputError& error) {
     said = error.what();
   } catch (const std::exception& error) {
-    said = "driver: " + path + ": " + error.what();
+    said = setting.said_by + ": " + path + ": " + error.what();
   }
   throw InputError(said);
 }

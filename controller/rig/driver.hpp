@@ -23,14 +23,25 @@ struct DriverSetting {
   const Gains* gains = nullptr;
   std::map<std::string, std::string> options;  ///< driver: of the rig file, but for its name
   std::filesystem::path folder;                ///< of the rig file, for paths among them
+  /// How messages call the driver and each of its options: "rig.yaml:2:9: driver", or "--io".
+  std::string said_by = "driver";
+  std::map<std::string, std::string> options_said_by;
 
   // Inline, since the library of a driver has nothing of stillframe but its headers.
+
+  /// Of an option. Errors: InputError that says so, with the place of that option.
+  [[noreturn]] void fail(const std::string& name, const std::string& message) const {
+    const auto at = options_said_by.find(name);
+    throw InputError((at == options_said_by.end() ? said_by + ": " + name : at->second) + ": " +
+                     message);
+  }
 
   /// An option that has to be there. Errors: InputError.
   const std::string& option(const std::string& name) const {
     const auto found = options.find(name);
-    if (found == options.end())
-      throw InputError("driver: " + name + ": missing, required by this driver");
+    if (found == options.end()) {
+      fail(name, "missing, required by this driver; options stand under driver of a rig file");
+    }
     return found->second;
   }
 
@@ -43,8 +54,8 @@ struct DriverSetting {
     std::vector<Item> found;
     for (Item item; words >> item;) found.push_back(item);
     if (found.size() == static_cast<std::size_t>(n) && words.eof()) return found;
-    throw InputError("driver: " + name + ": found '" + text + "', allowed is a list of " +
-                     std::to_string(n) + ", with blanks between");
+    fail(name, "found '" + text + "', allowed is a list of " + std::to_string(n) +
+                   ", with blanks between");
   }
 };
 

@@ -49,6 +49,16 @@ void refuse_twice(const YamlReader& block, const std::vector<Channel>& channels,
   }
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+void note_place(RigFile& rig, const YamlReader& value) {
+  rig.places[value.name()] = value.place() + ": " + value.name();
+}
+
 /// Of the legs, by their names: all of them, each on a channel of its own.
 void read_legs(const YamlReader& rig, const char* key, const std::vector<std::string>& legs,
                std::vector<Channel>& channels) {
@@ -58,7 +68,9 @@ void read_legs(const YamlReader& rig, const char* key, const std::vector<std::st
     const auto leg = std::ranges::find(legs, name);
     if (leg == legs.end()) {
       const std::string near = nearest_name(name, legs);
-      entry.fail("is no leg of the gains" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
+      entry.fail("is no leg of the gains" +
+                 (near.empty() ? "" : " (did you mean '" + near + "'?)") + "; allowed are " +
+                 listed(legs));
     }
     const auto place = static_cast<std::size_t>(leg - legs.begin());
     channels[place] = read_channel(entry, place);
@@ -72,15 +84,16 @@ void read_legs(const YamlReader& rig, const char* key, const std::vector<std::st
   }
 }
 
-void read_named(const YamlReader& rig, const char* key, std::vector<std::string>& names,
-                std::vector<Channel>& channels) {
-  const auto block = rig.find(key);
+void read_named(const YamlReader& reader, const char* key, RigFile& rig,
+                std::vector<std::string>& names, std::vector<Channel>& channels) {
+  const auto block = reader.find(key);
   if (!block) return;
   names.clear();
   channels.clear();
   for (const auto& [name, entry] : block->entries()) {
     channels.push_back(read_channel(entry, names.size()));
     names.push_back(name);
+    note_place(rig, entry);
   }
   refuse_twice(*block, channels, names);
 }
@@ -88,18 +101,34 @@ void read_named(const YamlReader& rig, const char* key, std::vector<std::string>
 }  // namespace
 
 void choose_driver(RigFile& rig, const std::string& io) {
-  if (!io.empty()) rig.driver = io;
-  if (rig.driver.empty()) throw InputError("no driver: name one in a rig file or with --io");
+  if (!io.empty()) {
+    rig.driver = io;
+    rig.places["driver"] = "--io";
+  }
+  if (!rig.driver.empty()) return;
+  const std::string place = rig.place_of(rig.places.contains("driver") ? "driver" : "");
+  throw InputError((place.empty() ? "" : place + ": ") +
+                   "no driver: name one in a rig file, as in driver: {name: device, from: samples, "
+                   "to: commands}, or with --io");
+}
+
+std::string RigFile::place_of(const std::string& name) const {
+  const auto found = places.find(name);
+  return found == places.end() ? name : found->second;
 }
 
 DriverSetting RigFile::setting(const Gains& gains) const {
+  std::map<std::string, std::string> said_by;
+  for (const auto& [name, value] : options) said_by[name] = place_of("driver." + name);
   return {.n_legs = gains.n_legs(),
           .n_floor = n_channels(channels.floor),
           .n_frame = n_channels(channels.frame),
           .sample_rate_hz = gains.sample_rate_hz,
           .gains = &gains,
           .options = options,
-          .folder = folder};
+          .folder = folder,
+          .said_by = place_of("driver"),
+          .options_said_by = std::move(said_by)};
 }
 
 RigFile default_rig(const Gains& gains) {
@@ -117,6 +146,7 @@ RigFile read_rig(const std::filesystem::path& path, const Gains& gains) {
   reader.allow_only({"title", "scene", "driver", "sigma", "applied", "force", "floor", "frame"});
   RigFile rig = default_rig(gains);
   rig.folder = reader.folder();
+  rig.places[""] = path.string();
   if (const auto title = reader.find("title")) rig.title = title->text();
   if (const auto scene = reader.find("scene")) {
     constexpr std::size_t largest_scene = 100'000'000;
@@ -124,17 +154,27 @@ RigFile read_rig(const std::filesystem::path& path, const Gains& gains) {
     rig.scene_text = scene->file_bytes(largest_scene).second;
   }
   if (const auto driver = reader.find("driver")) {
+    if (!driver->is_map()) {
+      driver->fail(
+          "found no map, allowed is one, as in {name: device, from: samples, to: commands}");
+    }
     for (const auto& [name, value] : driver->entries()) {
       (name == "name" ? rig.driver : rig.options[name]) = value.text();
+      note_place(rig, value);
     }
+    // Of a driver of one's own nobody knows.
+    if (rig.driver == "device") driver->allow_only({"name", "from", "to"});
+    if (rig.driver == "simulation") driver->allow_only({"name", "floor_rms"});
+    note_place(rig, *driver);
   }
   read_legs(reader, "sigma", gains.legs, rig.channels.sigma);
   read_legs(reader, "applied", gains.legs, rig.channels.applied);
   read_legs(reader, "force", gains.legs, rig.channels.force);
-  read_named(reader, "floor", rig.floor, rig.channels.floor);
-  read_named(reader, "frame", rig.frame, rig.channels.frame);
+  read_named(reader, "floor", rig, rig.floor, rig.channels.floor);
+  read_named(reader, "frame", rig, rig.frame, rig.channels.frame);
   if (const auto& heard = gains.heard_floor(); !heard.empty() && rig.floor != heard) {
-    reader.require("floor").fail("are not the accelerations that the law hears, in their order");
+    reader.require("floor").fail("found " + listed(rig.floor) + ", allowed is " + listed(heard) +
+                                 ": what the law hears, in its order");
   }
   return rig;
 }

@@ -23,7 +23,11 @@ struct RigFile {
   std::string scene_text;                      ///< of that scene
   Channels channels;
   std::vector<std::string> floor, frame;  ///< names of these channels
+  /// How messages call what stands in the file, by its name: "rig.yaml:9:3: frame.lens_x".
+  std::map<std::string, std::string> places;
 
+  /// That of a name; the name itself where it stands in no file.
+  std::string place_of(const std::string& name) const;
   DriverSetting setting(const Gains& gains) const;
 };
 

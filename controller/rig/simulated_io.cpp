@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <utility>
 
-#include "core/errors/input_error.hpp"
 #include "msgs/clock.hpp"
 
 namespace stillframe::controller {
@@ -20,8 +19,7 @@ double floor_rms_of(const DriverSetting& setting) {
   char* end = nullptr;
   const double value = std::strtod(found->second.c_str(), &end);
   if (!found->second.empty() && *end == 0 && value >= 0 && value <= largest_rms) return value;
-  throw InputError("driver: floor_rms: found '" + found->second +
-                   "', allowed is a number from 0 to 1000");
+  setting.fail("floor_rms", "found '" + found->second + "', allowed is a number from 0 to 1000");
 }
 
 }  // namespace

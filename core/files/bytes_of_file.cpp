@@ -1,5 +1,9 @@
 #include "core/files/bytes_of_file.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <vector>
 
@@ -18,6 +22,10 @@ std::optional<std::string> bytes_of_file(const std::filesystem::path& path, std:
   if (file.bad()) return std::nullopt;
   if (bytes.size() > most) bytes.resize(most + 1);
   return bytes;
+}
+
+std::string why_no_bytes(const std::filesystem::path& path) {
+  return access(path.c_str(), R_OK) == 0 ? "it is empty" : std::strerror(errno);
 }
 
 }  // namespace stillframe

@@ -12,4 +12,7 @@ namespace stillframe {
 std::optional<std::string> bytes_of_file(const std::filesystem::path& path,
                                          std::size_t most = std::string::npos);
 
+/// Why it gave none, or no more than none: the system's words, or "it is empty".
+std::string why_no_bytes(const std::filesystem::path& path);
+
 }  // namespace stillframe

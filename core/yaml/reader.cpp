@@ -66,7 +66,7 @@ YamlReader YamlReader::from_file(const std::filesystem::path& path) {
   }
   const auto text = bytes_of_file(path, most_yaml_bytes);
   if (!text || text->empty()) {
-    throw InputError(path.string() + ": cannot be read (missing, empty or not allowed)");
+    throw InputError(path.string() + ": cannot be read: " + why_no_bytes(path));
   }
   const auto folder = path.parent_path();
   return from_text(*text, path.string(), folder.empty() ? std::filesystem::path(".") : folder);
@@ -230,7 +230,7 @@ std::pair<std::filesystem::path, std::string> YamlReader::file_bytes(std::size_t
   if (std::filesystem::is_directory(path, ignored)) fail("'" + path.string() + "' is a folder");
   auto bytes = bytes_of_file(path, most);
   if (!bytes || bytes->empty()) {
-    fail("the file '" + path.string() + "' cannot be read (missing, empty or not allowed)");
+    fail("the file '" + path.string() + "' cannot be read: " + why_no_bytes(path));
   }
   if (bytes->size() > most) {
     fail("the file '" + path.string() + "' has more than " + std::to_string(most >> 20) + " MiB");

@@ -314,6 +314,11 @@ TEST(Excitation, RefusesWhatDoesNotFit) {
   EXPECT_NE(error_of({.kind = kind, .window_s = 0.001}).find("excitation.window_s"),
             std::string::npos);
   EXPECT_EQ(error_of({.kind = Kind::none, .force_n = 1e9}), "");
+  const Policy read = parse_policy("ramp: {in_s: 1}\nexcitation: {kind: sweep, force_n: 300}\n",
+                                   "policy.yaml", gains.sample_rate_hz);
+  EXPECT_EQ(error_of(read.excitation),
+            "policy.yaml:2:13: excitation.force_n: found 300, allowed is a number below the force "
+            "limit, 200");
 }
 
 }  // namespace

@@ -50,8 +50,32 @@ TEST(RigFile, SaysWhatIsWrong) {
   EXPECT_NE(rig_error(block("{channel: 4}")).find("there are 4, from 0"), std::string::npos);
   EXPECT_NE(rig_error(block("{sign: -1}")).find("sign"), std::string::npos);
   EXPECT_NE(rig_error("sigma: {" + legs[0] + ": {}}\n").find(legs[1]), std::string::npos);
-  EXPECT_NE(rig_error("sigma: {nobody: {}}\n").find("is no leg of the gains"), std::string::npos);
+  EXPECT_EQ(rig_error("sigma: {nobody: {}}\n"),
+            ":1:17: sigma.nobody: is no leg of the gains; allowed are " + legs[0] + ", " + legs[1] +
+                ", " + legs[2] + ", " + legs[3]);
+  EXPECT_EQ(rig_error("driver: simulation\n"),
+            ":1:9: driver: found no map, allowed is one, as in {name: device, from: samples, to: "
+            "commands}");
+  EXPECT_EQ(rig_error("driver: {name: device, form: a, to: b}\n"),
+            ":1:24: driver.form: unknown key (did you mean 'from'?); allowed: name, from, to");
   EXPECT_NE(rig_error("scene: nowhere.yaml\n").find("nowhere.yaml"), std::string::npos);
+}
+
+TEST(RigFile, SaysWhereADriverIsMissing) {
+  const test::ScratchFolder folder;
+  const auto error_of = [&](const std::string& text) {
+    RigFile rig = read_rig(folder.write("rig.yaml", text), toy::damped_gains());
+    EXPECT_THROW(choose_driver(rig, ""), InputError);
+    try {
+      choose_driver(rig, "");
+    } catch (const InputError& error) {
+      const std::string said = error.what();
+      return said.substr(said.find("rig.yaml"));
+    }
+    return std::string();
+  };
+  EXPECT_TRUE(error_of("title: a\n").starts_with("rig.yaml: no driver: name one"));
+  EXPECT_TRUE(error_of("driver: {from: a}\n").starts_with("rig.yaml:1:9: driver: no driver:"));
 }
 
 /// What goes out through a rig file and comes back through another one with the inverse of it is

@@ -11,10 +11,17 @@ const std::string bin = std::string(STILLFRAME_BIN_DIR) + "/";
 
 class RigProcess : public ControllerProcess {
  protected:
-  std::string rig(const std::string& more = "") {
-    const std::string file = folder / "rig.yaml";
+  std::string rig(const std::string& more = "", const std::string& name = "rig.yaml") {
+    const std::string file = folder / name;
     std::ofstream(file) << "title: a rig\ndriver: {name: device, from: samples, to: commands}\n"
                         << more;
+    return file;
+  }
+  /// One rig file of one driver.
+  std::string driver(const std::string& block) {
+    static int n = 0;
+    const std::string file = folder / (std::to_string(++n) + "driver.yaml");
+    std::ofstream(file) << "driver: " << block << "\n";
     return file;
   }
   /// The legs at 0.01 N a count, as the converter has it.
@@ -201,14 +208,29 @@ TEST_F(RigProcess, BadInputIsOneMessage) {
   };
   const Gains gains = of_a_rig();
   for (const auto& [more, says] : std::vector<Case>{
-           {{"--io", "simulated"}, "allowed are simulation, device"},
-           {{"--io", "device"}, "driver: from: missing"},
-           {{"--rig", "nowhere.yaml"}, "nowhere.yaml"},
-           {{"--rig", rig("sigma: {other: {}}\n")}, "is no leg of the gains"},
+           {{"--io", "simulated"},
+            "error: --io: found 'simulated', allowed are simulation, device and the path of a"},
+           {{"--io", "./no.so"}, "error: --io: ./no.so: cannot open"},
+           {{"--io", "device"}, "error: --io: from: missing"},
+           {{"--rig", "nowhere.yaml"}, "error: nowhere.yaml: cannot be read: No such file"},
+           {{"--rig", rig("sigma: {other: {}}\n", "other.yaml")},
+            "other.yaml:3:16: sigma.other: is no leg of the gains"},
+           {{"--rig", rig("")},
+            "rig.yaml:2:30: driver.from: '" + (folder / "samples").string() +
+                "' cannot be opened: No such file"},
+           {{"--rig", driver("{name: nodriver}")}, "driver.yaml:1:9: driver: found 'nodriver'"},
+           {{"--rig", driver("{name: simulation, floor_rms: 1 mm}")},
+            "driver.yaml:1:39: driver.floor_rms: found '1 mm', allowed is a number from 0 to"},
+           {{"--io", "simulation", "--timing", folder / "nowhere/x.json"},
+            "error: --timing: found '" + (folder / "nowhere/x.json").string() +
+                "', but there is no folder '" + (folder / "nowhere").string() + "'"},
        }) {
     ChildProcess controller(command_line(gains, more));
-    EXPECT_EQ(controller.wait(), 2);
-    EXPECT_TRUE(contains(controller.err(), says)) << controller.err();
+    EXPECT_EQ(controller.wait(), 2) << says;
+    const std::string said = controller.err();
+    EXPECT_TRUE(contains(said, says)) << said;
+    EXPECT_EQ(said.find("error: "), said.rfind("error: ")) << said;
+    EXPECT_EQ(controller.out(), "");
   }
 }
 

@@ -1,3 +1,5 @@
+#include <regex>
+
 #include "tests/report/sample_log.hpp"
 #include "tests/tools/verb.hpp"
 
@@ -140,6 +142,42 @@ TEST_F(GivenFiles, AFolderThatIsNotThereIsSaidFirst) {
                         option + ": found 'd', which is a folder; allowed is the name of a file");
     expect_refused_here(command + " b/x", option + ": found 'b/x', but there is no folder 'b'");
   }
+}
+
+/// Commissioning reads its scene first, for the names of its files and what is left to doubt.
+TEST_F(GivenFiles, CommissionRefusesBeforeItMoves) {
+  write("frame.yaml", std::regex_replace(text_of(config("scenes/lens_frame.yaml")),
+                                         std::regex("\\.\\./"), config("").string()));
+  const auto says = [&](const std::string& arguments, const std::string& message) {
+    const Said said =
+        shell("cd '" + folder_.string() + "'\nexec $BIN/stillframe commission " + arguments);
+    EXPECT_EQ(said.exit_code, 2) << arguments;
+    EXPECT_EQ(said.output, "") << arguments;
+    EXPECT_TRUE(said.error.starts_with("stillframe: error: " + message)) << said.error;
+    EXPECT_EQ(said.error.find('\n'), said.error.size() - 1) << said.error;
+    EXPECT_FALSE(fs::exists(folder_ / "frame.updated.yaml"));
+  };
+  const std::string scene = "frame.yaml --io simulation ";
+  for (const std::string option : {"--report", "--plot"}) {
+    says(scene + option + " nowhere/x.html",
+         option + ": found 'nowhere/x.html', but there is no folder 'nowhere'");
+  }
+  says("frame.yaml --io nodriver", "--io: found 'nodriver', allowed are simulation, device");
+  says("frame.yaml", "no driver: name one in a rig file or with --io, or play with --simulate");
+  write("rig.yaml", "driver: {name: simulation}\nframe:\n  nobody: {channel: 0}\n");
+  says("frame.yaml rig.yaml",
+       "rig.yaml:3:11: frame.nobody: is no output of the scene; allowed are ");
+  write("known.yaml", "# nothing\nstiffness: 0\n");
+  says(scene + "--uncertainty known.yaml",
+       "known.yaml:2:1: uncertainty: nothing of this scene is uncertain");
+  write("known.yaml", "leg_direction_rad: 30\n");
+  says(scene + "--uncertainty known.yaml",
+       "known.yaml:1:20: leg_direction_rad: found '30', allowed is a number from 0 to 1");
+  // In what is given, seconds.
+  says(scene + "--window 0.001", "--window: found 0.001 s at 5000 Hz, which has ");
+  says(scene + "--window 5000", "--window: found 5000 s at 5000 Hz, allowed is up to 200 s");
+  says(scene + "--window 100 --windows 100",
+       "--window, --windows: found 100 of 100 s, a recording of ");
 }
 
 TEST_F(GivenFiles, DevicesAndPipesTakeSeveral) {

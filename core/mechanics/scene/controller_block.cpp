@@ -173,7 +173,7 @@ SceneUncertainty read_uncertainty(const YamlReader& block) {
     uncertainty.centre_of_mass_m = value->non_negative();
   }
   if (const auto value = block.find("leg_direction_rad")) {
-    uncertainty.leg_direction_rad = value->non_negative();
+    uncertainty.leg_direction_rad = number_within(*value, 0, 1);
   }
   if (const auto value = block.find("delay_samples")) {
     uncertainty.delay_samples = number_within(*value, 0, longest_delay_samples);
