@@ -135,6 +135,39 @@ void require_numbers(const Commissioned& found) {
   require(found.recording.floor, "accelerometer", found.rig.floor);
 }
 
+/// How a channel moves through a window; samples that did not come have no part in it.
+struct Motion {
+  Index changes = 0;
+  Index longest = 0, begins = 0;  ///< samples that it stands still, and the first of them
+};
+
+Motion motion_of(const Recording& recording, const Eigen::MatrixXd& values, Index column,
+                 Index from, Index n) {
+  Motion motion;
+  Index last = -1, since = from;
+  for (Index k = from; k < from + n; ++k) {
+    if (recording.missing[static_cast<std::size_t>(k)]) continue;
+    if (last >= 0 && values(k, column) != values(last, column)) {
+      ++motion.changes;
+      since = k;
+    }
+    last = k;
+    if (k + 1 - since > motion.longest) {
+      motion.longest = k + 1 - since;
+      motion.begins = since;
+    }
+  }
+  return motion;
+}
+
+/// The changes in most of these windows, 0 without any.
+Index usual_changes(std::vector<Index> changes) {
+  if (changes.empty()) return 0;
+  const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
+  std::ranges::nth_element(changes, middle);
+  return *middle;
+}
+
 /// The channels put right, but for gains that a plant with another delay or lag may feign.
 Channels without_small_gains(const Channels& before, const controller::Wiring& wiring) {
   Channels channels = wiring.channels;
@@ -270,6 +303,50 @@ void require_recordable(const LoopDesign& design, double window_s, int n_windows
   }
 }
 
+void require_motion(const Recording& recording, Index n_window, double sample_rate_hz,
+                    const std::vector<std::string>& legs, const RigFile& rig) {
+  // Noise about one step of a converter changes its reading now and then: of a hundred changes in a
+  // window, none for a quarter of it is chance once in 1e9 times.
+  constexpr Index fewest_changes = 100, most_still = 4;
+  const auto require = [&](const Eigen::MatrixXd& values, const char* kind,
+                           const std::vector<std::string>& names) {
+    for (Index i = 0; i < values.cols(); ++i) {
+      std::vector<Motion> motions;
+      for (const Index from : recording.windows) {
+        motions.push_back(motion_of(recording, values, i, from, n_window));
+      }
+      const auto usual = [&](Index driven, std::size_t but) {
+        std::vector<Index> changes;
+        for (std::size_t w = 0; w < motions.size(); ++w) {
+          if (w != but && recording.driven[w] == driven) changes.push_back(motions[w].changes);
+        }
+        return usual_changes(std::move(changes));
+      };
+      const bool is_dead =
+          std::ranges::all_of(motions, [](const Motion& motion) { return motion.changes == 0; });
+      if (is_dead && &values == &recording.frame) {
+        throw std::runtime_error(
+            formatted("%s %s stood still throughout: connect it, or take it out "
+                      "of the rig file",
+                      kind, names[static_cast<std::size_t>(i)].c_str()));
+      }
+      for (std::size_t w = 0; w < motions.size(); ++w) {
+        if (recording.driven[w] < 0 || most_still * motions[w].longest < n_window) continue;
+        if (std::max(usual(recording.driven[w], w), usual(-1, w)) < fewest_changes) continue;
+        throw std::runtime_error(
+            formatted("%s %s stood still for %.3g s, from %.3g s of the recording on: is it stuck?",
+                      kind, names[static_cast<std::size_t>(i)].c_str(),
+                      static_cast<double>(motions[w].longest) / sample_rate_hz,
+                      static_cast<double>(motions[w].begins) / sample_rate_hz));
+      }
+    }
+  };
+  require(recording.sigma, "force sensor", legs);
+  require(recording.applied, "read-back", legs);
+  require(recording.frame, "accelerometer", rig.frame);
+  require(recording.floor, "accelerometer", rig.floor);
+}
+
 Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQuestion& question,
                      const controller::ProbeTime& time, const Progress& progress,
                      const std::function<bool()>& stop) {
@@ -334,6 +411,7 @@ Commissioned measure(controller::Io& io, const RigFile& rig, const CommissionQue
   found.lines = lines;
   found.n_window = n_window;
   require_numbers(found);
+  require_motion(found.recording, n_window, design.gains.sample_rate_hz, design.gains.legs, rig);
   return found;
 }
 

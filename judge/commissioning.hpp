@@ -55,12 +55,20 @@ using Progress = std::function<void(const std::string&, double)>;
 /// other gains and delays are for the fit, which knows the plant. Then records. io is in the units
 /// and on the cables of the driver; rig: of the rig file. To be called by a thread at real-time
 /// priority. Errors: std::runtime_error of probe_rig and record_rig, and of channels that give no
-/// numbers; InputError where the rig's accelerometers are none of the scene's, nothing is uncertain
-/// or a window tells nothing. Where the wiring cannot be put right there is no recording, and
-/// wiring.connected is false.
+/// numbers or stick (require_motion); InputError where the rig's accelerometers are none of the
+/// scene's, nothing is uncertain or a window tells nothing. Where the wiring cannot be put right
+/// there is no recording, and wiring.connected is false.
 Commissioned measure(controller::Io& io, const controller::RigFile& rig,
                      const CommissionQuestion& question, const controller::ProbeTime& time,
                      const Progress& progress, const std::function<bool()>& stop);
+
+/// Whoever stands still, to the bit, through a quarter of a window with a leg driven, and changes
+/// at a hundred samples of most others with that leg or of those at rest, is stuck: a fit leaves
+/// out the windows in which that happens late, as if there had been a knock. So is an accelerometer
+/// of the frame that never moves. Errors: std::runtime_error that names the first one.
+void require_motion(const controller::Recording& recording, Eigen::Index n_window,
+                    double sample_rate_hz, const std::vector<std::string>& legs,
+                    const controller::RigFile& rig);
 
 /// Fits what was recorded, and puts the gains that come out into the channels of the rig, and the
 /// tares of its force sensors. Seconds

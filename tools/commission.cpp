@@ -182,10 +182,13 @@ ClosedOnRig closed(Rig& rig, const CommissionOptions& options, const judge::Loop
   policy.excitation.force_n = judge::added_force(force_n, design, policy);
   ClosedOnRig all{.run = rig.with([&](controller::Io& io) {
     controller::ScaledIo scaled(io, file.channels);
-    return controller::close_on_rig(scaled, design.gains, policy,
-                                    static_cast<Index>(file.channels.floor.size()),
-                                    static_cast<Index>(file.channels.frame.size()),
-                                    controller::real_time(), progress, stop_requested);
+    auto run = controller::close_on_rig(scaled, design.gains, policy,
+                                        static_cast<Index>(file.channels.floor.size()),
+                                        static_cast<Index>(file.channels.frame.size()),
+                                        controller::real_time(), progress, stop_requested);
+    judge::require_motion(run.recording, run.n_window, design.gains.sample_rate_hz,
+                          design.gains.legs, file);
+    return run;
   })};
   all.responses = judge::closed_responses(all.run, design, judge::outputs_of(file, design.scene));
   return all;

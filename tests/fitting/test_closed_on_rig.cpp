@@ -6,6 +6,7 @@
 
 #include "core/mechanics/scene/scene_reader.hpp"
 #include "judge/closing.hpp"
+#include "judge/commissioning.hpp"
 #include "tests/fitting/small_frame.hpp"
 #include "tests/support/hidden_rig.hpp"
 #include "tools/commission_text.hpp"
@@ -78,6 +79,32 @@ TEST(ClosedOnRig, AnAccelerometerThatGivesNoNumberEndsTheRun) {
     // Once the amplifiers are off it is nothing to anybody.
     BlinkingRig rig(design, n - 500, value);
     EXPECT_EQ(closed(rig, design).frame_peak, run.frame_peak);
+  }
+}
+
+/// Its last window is one of several, whose mean hides it.
+TEST(ClosedOnRig, ASensorThatSticksInTheLastWindowIsNamed) {
+  const LoopDesign design =
+      make_loop_design(parse_scene(fitting::small_frame_text(), "small_frame"));
+  BlinkingRig rig(design, -1, 0);
+  controller::ClosedRecording run = closed(rig, design);
+  controller::RigFile file;
+  file.frame = {"a", "b", "c"};
+  const auto require = [&] {
+    require_motion(run.recording, run.n_window, design.gains.sample_rate_hz, design.gains.legs,
+                   file);
+  };
+  EXPECT_NO_THROW(require());
+  auto b = run.recording.frame.col(1);
+  const Index from = run.recording.windows.back() + run.n_window / 2;
+  b.tail(b.size() - from).setConstant(b(from));
+  try {
+    require();
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_TRUE(
+        std::string(error.what()).starts_with("accelerometer b stood still for 0.1 s, from"))
+        << error.what();
   }
 }
 

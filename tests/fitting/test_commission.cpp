@@ -410,6 +410,60 @@ TEST(Commission, RefusesWindowsThatTellNothing) {
   EXPECT_LE(lines.back(), 420);
 }
 
+/// One of whose accelerometers stands still from a sample on.
+class SticksLate : public HiddenRig {
+ public:
+  SticksLate(const LoopDesign& design, const Hidden& hidden, std::int64_t from)
+      : HiddenRig(controller::SimulatedPlant(design.sampled, 0.003), hidden, 1, 3), from_(from) {}
+  bool receive(controller::Measurement& m) noexcept override {
+    if (!HiddenRig::receive(m)) return false;
+    last = m.seq;
+    if (m.seq < from_) held_ = m.frame(1);
+    m.frame(1) = held_;
+    return true;
+  }
+  std::int64_t last = 0;
+
+ private:
+  std::int64_t from_;
+  double held_ = 0;
+};
+
+/// A fit leaves out the window in which it happens, as if there had been a knock.
+TEST(Commission, ASensorThatSticksLateIsNamed) {
+  const Scene scene = parse_scene(fitting::small_frame_text(), "small_frame");
+  const LoopDesign design = make_loop_design(scene);
+  Hidden hidden(3);
+  hidden.noise = 0.02;
+  hidden.frame_noise = 1e-4;
+  hidden.step = 0.01;
+  hidden.lost = 1e-3;
+  SticksLate sound(design, hidden, std::numeric_limits<std::int64_t>::max());
+  EXPECT_TRUE(commissioned(sound, design, fitting::everything_by(0.2)).fit.is_noise());
+  // Behind the last window are one in which the drive falls, and what is on the way.
+  const auto n = static_cast<std::int64_t>(design.gains.sample_rate_hz);
+  for (const double windows : {1.5, 3.0, 7.2}) {
+    SCOPED_TRACE(windows);
+    SticksLate rig(design, hidden, sound.last - std::llround(windows * static_cast<double>(n)));
+    try {
+      commissioned(rig, design, fitting::everything_by(0.2));
+      ADD_FAILURE();
+    } catch (const std::runtime_error& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with("accelerometer frame_r stood still for "))
+          << error.what();
+    }
+    EXPECT_FALSE(rig.enabled);
+  }
+  SticksLate dead(design, hidden, -1);
+  try {
+    commissioned(dead, design, fitting::everything_by(0.2));
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("accelerometer frame_r stood still through"))
+        << error.what();
+  }
+}
+
 TEST(Commission, NamesAChannelThatGivesNoNumbers) {
   const Scene scene = parse_scene(fitting::small_frame_text(), "small_frame");
   const LoopDesign design = make_loop_design(scene);
