@@ -221,7 +221,14 @@ std::vector<std::string> closed_lines(const Commissioning& all) {
     }
   }
   lines.push_back(peaks + ".");
-  if (all.is_shaken_harder()) {
+  if (const auto axes = all.shaken_axes(); !axes.empty()) {
+    std::string names;
+    for (const std::size_t i : axes) names += (names.empty() ? "" : ", ") + all.rig.frame[i];
+    lines.push_back(
+        formatted("More than %g times as much as without the loop was read by %s: the "
+                  "loop shakes the frame there.",
+                  most_shaken_axis, names.c_str()));
+  } else if (all.is_shaken_harder()) {
     lines.push_back(
         formatted("That is more than %g times as much: the loop shakes the frame.", most_shaken));
   }
@@ -284,9 +291,24 @@ bool Commissioning::has_both_peaks() const {
   return closed && closed->run.frame_peak.size() > 0 && found && !found->recording.windows.empty();
 }
 
+std::vector<std::size_t> Commissioning::shaken_axes() const {
+  std::vector<std::size_t> axes;
+  if (!has_both_peaks()) return axes;
+  const VectorXd driven = judge::frame_peak(*found), &peak = closed->run.frame_peak;
+  const double least = heard_part * worst_of(driven);
+  for (Index i = 0; i < peak.size(); ++i) {
+    if (peak(i) > most_shaken_axis * driven(i) && peak(i) > least) {
+      axes.push_back(static_cast<std::size_t>(i));
+    }
+  }
+  return axes;
+}
+
 bool Commissioning::is_shaken_harder() const {
-  return has_both_peaks() &&
-         !(worst_of(closed->run.frame_peak) <= most_shaken * worst_of(judge::frame_peak(*found)));
+  if (!has_both_peaks()) return false;
+  const bool all_known_and_less =
+      worst_of(closed->run.frame_peak) <= most_shaken * worst_of(judge::frame_peak(*found));
+  return !all_known_and_less || !shaken_axes().empty();
 }
 
 bool Commissioning::is_closed_well() const {

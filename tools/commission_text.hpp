@@ -36,6 +36,10 @@ struct HowCommissioned {
 
 /// Of a peak of a few thousand samples: noise alone makes it differ by a twentieth.
 inline constexpr double most_shaken = 1.1;
+/// Of each accelerometer by itself, those that read less than a tenth of what the loudest did
+/// without the loop left alone: there a step on the floor is more than the drive. Sound loops, with
+/// less force than the drive, read up to as much as without.
+inline constexpr double most_shaken_axis = 2, heard_part = 0.1;
 
 /// How far a commissioning came, and what it found.
 struct Commissioning {
@@ -52,8 +56,10 @@ struct Commissioning {
   bool is_fitted() const { return found && loops; }
   /// Accelerometers of the frame were read both with the loop and while it was driven without.
   bool has_both_peaks() const;
+  /// Accelerometers that read more than most_shaken_axis times what they did without the loop.
+  std::vector<std::size_t> shaken_axes() const;
   /// The closed loop shook the frame by more than most_shaken times what the drive without it did,
-  /// or nobody knows.
+  /// or one of its axes, or nobody knows.
   bool is_shaken_harder() const;
   /// It did as predicted, and did not.
   bool is_closed_well() const;
