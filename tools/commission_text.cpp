@@ -270,6 +270,28 @@ page::SingularValueFigure figure_of(const judge::ClosedResponse& response) {
   return figure;
 }
 
+/// Force sensor over actuator, leg by leg.
+std::vector<page::TransmissibilityAxis> fit_figures(const Commissioning& all) {
+  const judge::Commissioned& found = *all.found;
+  const double window_s = static_cast<double>(found.n_window) * found.question.sampling.sample_time;
+  std::vector<double> f;
+  for (const int line : found.lines) f.push_back(line / window_s);
+  std::vector<page::TransmissibilityAxis> figures;
+  for (std::size_t i = 0; i < all.legs.size(); ++i) {
+    const fitting::LegResponse& leg = found.fit.legs[i];
+    page::TransmissibilityAxis figure{.axis = all.legs[i],
+                                      .frequencies_hz = f,
+                                      .passive = list(leg.before.cwiseAbs()),
+                                      .active = list(leg.fitted.cwiseAbs()),
+                                      .passive_measured = {},
+                                      .active_measured = {}};
+    figure.active_measured.frequencies_hz = f;
+    figure.active_measured.values = leg.measured.cwiseAbs();
+    figures.push_back(std::move(figure));
+  }
+  return figures;
+}
+
 page::Table table_of(const judge::ClosedResponse& response) {
   page::Table table{
       .caption = std::string("Closed, from added forces to ") + words_of(response.of).sentence,
@@ -409,6 +431,7 @@ page::PageData page_of(const Commissioning& all) {
   if (all.is_fitted()) {
     data.head.headlines = fit_lines(all);
     data.head.headlines.insert(data.head.headlines.begin(), recorded_line(*all.found) + ".");
+    data.fit = fit_figures(all);
   }
   if (all.closed) {
     const auto lines = closed_lines(all);

@@ -62,10 +62,10 @@ Json singular_values_json(const SingularValueFigure& figure) {
           {"allowed_db", rounded(figure.allowed_db)}};
 }
 
-Json transmissibility_json(const std::vector<TransmissibilityAxis>& axes) {
+Json transmissibility_json(const std::vector<TransmissibilityAxis>& axes, const std::string& name) {
   Json list = Json::array();
   for (const TransmissibilityAxis& axis : axes) {
-    const std::string part = "transmissibility " + axis.axis;
+    const std::string part = name + " " + axis.axis;
     const std::size_t n = axis.frequencies_hz.size();
     require(axis.passive.empty() || axis.passive.size() == n, part);
     require(axis.active.empty() || axis.active.size() == n, part);
@@ -249,8 +249,9 @@ Json figures_json(const PageData& data) {
   if (data.singular_values)
     figures["singular_values"] = singular_values_json(*data.singular_values);
   if (!data.transmissibility.empty()) {
-    figures["transmissibility"] = transmissibility_json(data.transmissibility);
+    figures["transmissibility"] = transmissibility_json(data.transmissibility, "transmissibility");
   }
+  if (!data.fit.empty()) figures["fit"] = transmissibility_json(data.fit, "fit");
   if (data.modes && !data.modes->modes.empty()) figures["modes"] = modes_json(*data.modes);
   if (!data.histories.empty() || !data.leg_forces.empty()) {
     figures["histories"] = Histories(data).json();

@@ -45,7 +45,8 @@ struct SingularValueFigure {
   double allowed_db = 0;  ///< drawn as a band about no error, if positive
 };
 
-/// |T| of one direction, from floor to frame.
+/// |T| of one direction, from floor to frame; or of one leg, from its actuator to its force sensor:
+/// then passive is of the scene as it was, active of the updated one.
 struct TransmissibilityAxis {
   std::string axis;
   std::vector<double> frequencies_hz;                ///< n_g, Hz
@@ -104,6 +105,7 @@ struct PageData {
   std::vector<Table> checks;       ///< what was asked, below it
   std::optional<SingularValueFigure> singular_values;
   std::vector<TransmissibilityAxis> transmissibility;
+  std::vector<TransmissibilityAxis> fit;  ///< of the legs of a rig
   std::optional<ModeShapes> modes;
   std::vector<HistoryAxis> histories;
   std::vector<LegHistory> leg_forces;

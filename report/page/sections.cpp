@@ -124,6 +124,20 @@ std::string transmissibility_html(const std::vector<TransmissibilityAxis>& axes)
          columns(figures, axes.size());
 }
 
+std::string fit_html(const std::vector<TransmissibilityAxis>& legs) {
+  std::string figures;
+  std::vector<const MeasuredValues*> measured;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    figures += chart(numbered("fig-fit", i),
+                     "Force sensor over actuator of " + legs[i].axis + ", measured and fitted", 300,
+                     legs[i].axis, "", paper_share(legs.size()));
+    measured.push_back(&legs[i].active_measured);
+  }
+  return note("Reading of each leg's force sensor over the force of its actuator, leg by leg." +
+              points_in_words(measured)) +
+         columns(figures, legs.size());
+}
+
 std::string modes_html(const ModeShapes& shapes) {
   std::string figures;
   for (std::size_t i = 0; i < shapes.modes.size(); ++i) {
@@ -325,6 +339,7 @@ std::vector<Section> sections(const PageData& data) {
   if (!data.transmissibility.empty()) {
     add("transmissibility", "Transmissibility", transmissibility_html(data.transmissibility));
   }
+  if (!data.fit.empty()) add("fit", "Fit", fit_html(data.fit));
   if (data.modes && !data.modes->modes.empty()) {
     add("modes", "Mode shapes", modes_html(*data.modes));
   }
