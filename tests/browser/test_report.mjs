@@ -42,7 +42,7 @@ const inked = (page) => page.evaluate(() => Object.fromEntries([...document.quer
 
 async function figuresAreThere(page) {
   const names = await page.evaluate(() => Object.keys(window.stillframe.figures));
-  for (const name of ['fig-singular-values', 'fig-transmissibility-3', 'fig-mode-6', 'fig-history-3', 'fig-legs',
+  for (const name of ['fig-singular-values', 'fig-transmissibility-3', 'fig-fit-2', 'fig-mode-6', 'fig-history-3', 'fig-legs',
     'fig-octaves-1', 'fig-density-2', 'fig-cumulative-3', 'fig-histogram-2']) {
     check(names.includes(name), `${name} is among the figures`);
   }

@@ -353,6 +353,10 @@ page::PageData sample_page(double duration_s) {
     data.histories.push_back(history(names[axis], m));
     data.spectra.axes.push_back(spectra(names[axis], m));
   }
+  for (const char* leg : {"leg_1t", "leg_1v"}) {
+    data.fit.push_back(transmissibility(leg, static_cast<int>(data.fit.size()), generator));
+    data.fit.back().passive_measured = {};
+  }
   data.spectra.criteria = criteria();
   data.spectra.models = noise_models();
   for (const char* leg : {"leg_1t", "leg_1v", "leg_2t", "leg_2v", "leg_3t", "leg_3v"}) {
@@ -387,6 +391,7 @@ page::PageData hostile_page() {
   data.singular_values->open(3, 0) = std::nan("");
   data.singular_values->closed_measured.values(2, 1) = HUGE_VAL;
   for (auto& axis : data.transmissibility) axis.axis = name;
+  for (auto& leg : data.fit) leg.axis = name;
   for (auto& node : data.modes->nodes) node.name = name;
   for (auto& element : data.modes->elements) element.name = name;
   for (auto& axis : data.histories) axis.axis = axis.unit = name;

@@ -72,6 +72,7 @@ TEST(Page, EachPartGoesWithItsHeading) {
       {"Result", [](PageData& d) { d.result.clear(); }},
       {"Singular values", [](PageData& d) { d.singular_values.reset(); }},
       {"Transmissibility", [](PageData& d) { d.transmissibility.clear(); }},
+      {"Fit", [](PageData& d) { d.fit.clear(); }},
       {"Mode shapes", [](PageData& d) { d.modes.reset(); }},
       {"Time histories", [](PageData& d) { d.histories.clear(), d.leg_forces.clear(); }},
       {"Spectra", [](PageData& d) { d.spectra = {}; }},
@@ -203,6 +204,8 @@ TEST(Page, SizesThatDoNotFitAreRefusedByName) {
   EXPECT_NE(message([](PageData& d) {
               d.transmissibility[1].active.pop_back();
             }).find("transmissibility y"),
+            std::string::npos);
+  EXPECT_NE(message([](PageData& d) { d.fit[1].passive.pop_back(); }).find("fit leg_1v"),
             std::string::npos);
   EXPECT_NE(message([](PageData& d) {
               d.spectra.axes[0].density.floor.values.pop_back();
