@@ -57,7 +57,8 @@ Buckling smallest(const Scene& scene, Index count, Patience& patience) {
 
 int run(const BucklingOptions& options) {
   Patience patience("reading the scene");
-  const Scene scene = read_scene(options.scene);
+  Scene scene = read_scene(options.scene);
+  scene.modal_damping.reset();  // what is at rest asks for no modes
   hint_at_units(scene);
   const Buckling result = smallest(scene, options.count, patience);
   const Index shown = std::min<Index>(options.count, result.load_multipliers.size());

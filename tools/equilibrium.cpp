@@ -145,6 +145,7 @@ Page solved(const EquilibriumOptions& options) {
   Patience patience("reading the scene");
   Page page;
   page.scene = read_scene(options.scene);
+  page.scene.modal_damping.reset();  // what is at rest asks for no modes
   hint_at_units(page.scene);
   if (page.scene.operating_point == OperatingPoint::as_written) {
     throw Refusal(

@@ -17,9 +17,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// What of a mode's stiffness deformations must have for a damper on them to be one of the mode: on
-/// a thousandth it would be a thousand times as stiff as what it damps.
-constexpr double least_elastic = 1e-3;
+/// By how much dampers on deformations may be stronger than ones on the mode itself, of which
+/// deformations are a part: beyond, they are made of what strains are rounded by.
+constexpr double most_leverage = 1e6;
 
 /// DF^(e) of all deformations (n_e x n_d) at the operating point.
 MatrixXd deformations_of_dofs(const Model& model, const NominalMotion& nominal) {
@@ -35,75 +35,68 @@ MatrixXd deformations_of_dofs(const Model& model, const NominalMotion& nominal) 
   return E;
 }
 
-/// S E of all elements, without what is held zero.
+/// S E of what has a constitutive law.
 MatrixXd stresses_of(const Model& model, const MatrixXd& E) {
   MatrixXd stresses = MatrixXd::Zero(E.rows(), E.cols());
   for (const ModelElement& item : model.elements) {
     for (Index i = 0; i < item.S.rows(); ++i) {
-      const auto row = static_cast<size_t>(i);
-      if (item.zero[row]) continue;
+      const Index row = item.row[static_cast<size_t>(i)];
+      if (!model.is_elastic(row)) continue;
       for (Index j = 0; j < item.S.cols(); ++j) {
-        const auto column = static_cast<size_t>(j);
-        if (!item.zero[column])
-          stresses.row(item.row[row]) += item.S(i, j) * E.row(item.row[column]);
+        stresses.row(row) += item.S(i, j) * E.row(item.row[static_cast<size_t>(j)]);
       }
     }
   }
   return stresses;
 }
 
-Modes natural_modes(const Model& model, const NominalMotion& nominal, const std::string& place) {
+NaturalShapes shapes_at(const Model& model, const NominalMotion& nominal,
+                        const std::string& place) {
   try {
-    LinearModel linear = linearise(model, nominal, {}, {});
-    linear.C.setZero();
-    linear.D.setZero();
-    Modes natural = modes(linear);
-    if (natural.shapes.size() > 0) return natural;
+    return natural_shapes(linearise(model, nominal, {}, {}));
   } catch (const Refusal& refusal) {
     throw Refusal(place + ": it is of natural modes: " + refusal.what());
   }
-  throw Refusal(place +
-                ": the operating point of this scene has no natural modes: its stiffness "
-                "is not symmetric; give elements dampers instead");
 }
 
 }  // namespace
 
 void add_modal_damping(const Scene& scene, Model& model) {
-  const std::vector<double>& ratios = scene.modal_damping->ratios;
-  const std::string place = scene.modal_damping->place + ": modal_damping";
+  const SceneModalDamping& damping = scene.modal_damping.value();
   const NominalMotion nominal = nominal_motion(model);
-  const Modes natural = natural_modes(model, nominal, place);
-  // A motion that nothing holds is in no time damped, whatever its ratio.
-  VectorXd omega = two_pi * natural.natural_frequencies_hz, wanted = VectorXd::Zero(omega.size());
-  VectorXd scale = VectorXd::Zero(omega.size());
-  for (Index i = 0; i < omega.size(); ++i) {
-    if (omega(i) <= natural.known_to(2 * i)) continue;
-    scale(i) = 1 / omega(i);
-    wanted(i) = 2 * ratios[std::min(static_cast<size_t>(i), ratios.size() - 1)];
+  const NaturalShapes natural = shapes_at(model, nominal, damping.place);
+  // A motion that nothing holds, or that is pushed away, has no ratio.
+  const Index n = natural.squares.size();
+  VectorXd scale = VectorXd::Zero(n), roots = VectorXd::Zero(n);
+  for (Index i = 0; i < n; ++i) {
+    const double omega = std::sqrt(std::max(natural.squares(i), 0.0));
+    if (omega <= natural.known_to(i)) continue;
+    scale(i) = 1 / omega;
+    roots(i) = std::sqrt(2 * damping.ratio_at(omega / two_pi) / omega);
   }
-  const MatrixXd shapes = natural.shapes * scale.asDiagonal(),
-                 E = deformations_of_dofs(model, nominal) * shapes, S_E = stresses_of(model, E);
-  // On modes of unit stiffness: what of it is deformation's, the rest being weight's and loads'.
+  // On modes of unit stiffness, A is what of it is deformations', the rest being weight's and
+  // loads'; what has no part in it has no inverse.
+  const MatrixXd E = deformations_of_dofs(model, nominal) * (natural.V * scale.asDiagonal()),
+                 S_E = stresses_of(model, E);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> elastic(E.transpose() * S_E);
-  const VectorXd parts = elastic.eigenvalues().unaryExpr(
-      [](double part) { return part > least_elastic ? 1 / part : 0; });
-  const MatrixXd inverse =
-      elastic.eigenvectors() * parts.asDiagonal() * elastic.eigenvectors().transpose();
-  // V^T D V / Omega^2 is to be 2 zeta / Omega.
-  const VectorXd roots = wanted.cwiseProduct(scale).cwiseSqrt();
-  model.modal_dampers = S_E * inverse * roots.asDiagonal();
-  const MatrixXd found = E.transpose() * model.modal_dampers;
-  for (Index i = 0; i < omega.size(); ++i) {
-    const double ratio = found.row(i).squaredNorm() * omega(i) / 2;
-    // Far above the rounding of shapes, and far below what a mode without deformations misses by.
-    if (std::abs(ratio - wanted(i) / 2) <= 1e-6 * wanted.maxCoeff()) continue;
-    throw Refusal(place + ": " +
-                  formatted("mode %d, of %.4g Hz, is held by weight or loads and not by "
-                            "deformations, which is what is damped; allowed is a sequence, a ratio "
-                            "for each mode upwards from the lowest, with 0 for this one",
-                            static_cast<int>(i) + 1, natural.natural_frequencies_hz(i)));
+  const double rounding = 1e-13 * static_cast<double>(n) * elastic.eigenvalues().maxCoeff();
+  const VectorXd inverse_parts = elastic.eigenvalues().unaryExpr(
+      [rounding](double part) { return part > rounding ? 1 / part : 0; });
+  const MatrixXd& axes = elastic.eigenvectors();
+  const MatrixXd inverse = axes * inverse_parts.asDiagonal() * axes.transpose();
+  for (Index i = 0; i < n; ++i) {
+    if (roots(i) == 0) continue;
+    const VectorXd reached =
+        axes * (inverse_parts.array() > 0).select(axes.row(i).transpose().array(), 0).matrix();
+    const bool deforms = (reached - VectorXd::Unit(n, i)).norm() <= 1e-6;
+    if (deforms && inverse(i, i) <= most_leverage) continue;
+    throw Refusal(damping.place +
+                  formatted(": mode %d, of %.4g Hz, is held by weight or loads and not by "
+                            "deformations, which is what is damped; allowed are pairs [Hz, ratio], "
+                            "with a ratio of 0 there",
+                            static_cast<int>(i) + 1, 1 / (two_pi * scale(i))));
   }
+  model.modal_dampers = S_E * inverse * roots.asDiagonal();
 }
 
 }  // namespace stillframe

@@ -22,7 +22,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Squares of the natural frequencies, upwards, and mass-normalised shapes.
+/// As NaturalShapes, without what they are known to.
 struct Shapes {
   VectorXd squares;
   MatrixXd V;
@@ -44,7 +44,7 @@ Shapes by_singular_values(const Eigen::LLT<MatrixXd>& K, const Eigen::LLT<Matrix
   return answer(Eigen::BDCSVD<MatrixXd>(W_t, Eigen::ComputeFullU));
 }
 
-Shapes natural_shapes(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
+Shapes shapes_of(const LinearModel& model, const Eigen::LLT<MatrixXd>& M) {
   const MatrixXd stiffness = model.stiffness();
   const MatrixXd K = 0.5 * (stiffness + stiffness.transpose());
   Eigen::LLT<MatrixXd> factors(K);
@@ -125,13 +125,18 @@ void judge_eigenvalues(Modes& modes) {
   }
 }
 
+NaturalShapes natural_shapes(const LinearModel& model) {
+  const Shapes shapes = shapes_of(model, mass_factors(model));
+  return {shapes.squares, shapes.V, known_to(model, shapes)};
+}
+
 Modes modes(const LinearModel& model) {
   const Eigen::LLT<MatrixXd> M = mass_factors(model);
   Modes result;
   result.moving = !model.C.isZero(0) || !model.N.isZero(0);
   bool undamped = false;
   if (is_symmetric(model)) {
-    const Shapes shapes = natural_shapes(model, M);
+    const Shapes shapes = shapes_of(model, M);
     const bool stable = is_stable(model);
     if (!stable && !result.moving) {
       throw Unstable(formatted("omega^2 = %.6g (rad/s)^2 in mode 1", shapes.squares(0)),

@@ -26,6 +26,16 @@ struct Modes {
   Eigen::Index n_growing = 0;              ///< eigenvalues with a real part above zero
 };
 
+/// Squares of the natural frequencies of (K + N + G)_sym v = omega^2 M v, upwards, below zero where
+/// the stiffness is not positive, and mass-normalised shapes.
+struct NaturalShapes {
+  Eigen::VectorXd squares;   ///< n_d, rad^2/s^2
+  Eigen::MatrixXd V;         ///< n_d x n_d
+  Eigen::VectorXd known_to;  ///< n_d, rad/s, of their roots
+};
+/// Errors: Refusal if M is not positive definite.
+NaturalShapes natural_shapes(const LinearModel& model);
+
 /// Errors: Refusal if M is not positive definite, or if the model is at rest, its stiffness
 /// symmetric, and a square of a natural frequency negative (not stable).
 Modes modes(const LinearModel& model);

@@ -64,7 +64,7 @@ outputs:
 inline const char* const every_planar_key = R"(title: Slider and crank
 planar: true
 gravity: [0, -9.81]
-modal_damping: [0.02, 0.01]
+modal_damping: [[1, 0.02], [30, 0.01]]
 operating_point: as_written
 nodes:
   ground: {position: [0, 0]}

@@ -13,15 +13,28 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-Scene scene_with(const std::string& name, const std::vector<double>& ratios) {
+Scene scene_with(const std::string& name, std::vector<SceneModalDamping::Point> points) {
   Scene scene = read_scene(std::string(STILLFRAME_SOURCE_DIR "/config/scenes/") + name + ".yaml");
-  scene.modal_damping = {ratios, "scene"};
+  scene.modal_damping = {std::move(points), "scene"};
   return scene;
 }
 
 LinearModel linear_of(const Scene& scene) {
   return linearise(make_model(scene), scene.inputs, scene.outputs);
 }
+
+constexpr const char* pendulum = R"(
+title: A body on a rod, and another on a spring
+planar: true
+gravity: [0, -9.81]
+nodes: {top: {position: [0, 0]}, bob: {position: [0, -1]}, wall: {position: [1, 0]}, slider: {position: [2, 0]}}
+masses: [{node: bob, mass: 1}, {node: slider, mass: 1}]
+elements:
+  rod: {type: truss, nodes: [top, bob], rigid: true}
+  spring: {type: truss, nodes: [wall, slider], stiffness: 1000}
+supports: [{nodes: [top, wall], fix: [x, y]}, {nodes: [slider], fix: [y]}]
+dofs: auto
+)";
 
 /// V^T D V over 2 omega of what modal damping adds: a diagonal of ratios, and nothing beside it.
 MatrixXd added_ratios(Scene scene) {
@@ -35,18 +48,47 @@ MatrixXd added_ratios(Scene scene) {
          roots.asDiagonal();
 }
 
-/// Stiff and soft, heavy enough to soften and to stiffen, damped and not, with a mesh.
+/// Stiff and soft, heavy enough to soften and to stiffen, damped and not, with a mesh, with modes
+/// that come twice.
 TEST(ModalDamping, GivesEachModeItsRatioAndLeavesItAMode) {
   for (const char* name : {"metrology_frame", "frame_under_gravity", "preloaded_frame", "cart",
                            "frame_flexible", "meshed_frame", "leaf_spring_guide", "lens_frame",
                            "loaded_pinned_beam", "cantilever", "frame_slow_actuators"}) {
-    const MatrixXd found = added_ratios(scene_with(name, {0.02, 0.03, 0.005}));
-    VectorXd wanted = VectorXd::Constant(found.rows(), 0.005);
-    wanted(0) = 0.02;
-    if (wanted.size() > 1) wanted(1) = 0.03;
+    const Scene scene = scene_with(name, {{5, 0.02}, {20, 0.03}, {200, 0.005}});
+    Scene own = scene;
+    own.modal_damping.reset();
+    const VectorXd hz = modes(linear_of(own)).natural_frequencies_hz;
+    const VectorXd wanted =
+        hz.unaryExpr([&](double f) { return scene.modal_damping->ratio_at(f); });
+    const MatrixXd found = added_ratios(scene);
     // Shapes are known to the root of rounding where frequencies lie close together.
     EXPECT_LE((found - MatrixXd(wanted.asDiagonal())).cwiseAbs().maxCoeff(), 1e-8) << name;
   }
+}
+
+TEST(ModalDamping, IsLinearBetweenItsFrequencies) {
+  const SceneModalDamping damping{.points = {{10, 0.02}, {20, 0.04}, {40, 0}}, .place = ""};
+  for (const auto& [hz, ratio] :
+       {std::pair{0.0, 0.02}, {10, 0.02}, {15, 0.03}, {20, 0.04}, {35, 0.01}, {40, 0}, {1e6, 0}}) {
+    EXPECT_NEAR(damping.ratio_at(hz), ratio, 1e-15) << hz;
+  }
+  EXPECT_FALSE(parse_scene(std::string(pendulum) + "modal_damping: 0\n", "a.yaml").modal_damping);
+}
+
+/// Modes that lie next to each other are not told apart: which dofs are chosen makes no difference,
+/// nor does a leg that is a millionth stiffer more than that.
+TEST(ModalDamping, DoesNotDependOnHowDoubleModesAreTurned) {
+  Scene scene = scene_with("metrology_frame", {{5, 0.05}, {200, 0.005}});
+  const auto eigenvalues = [](const Scene& of) { return modes(linear_of(of)).eigenvalues; };
+  const Eigen::VectorXcd legs = eigenvalues(scene);
+  Scene stiffer = scene;
+  scene.automatic_dofs = true;
+  EXPECT_LE((eigenvalues(scene) - legs).norm(), 1e-8 * legs.norm());
+  stiffer.elements.front().stiffness *= 1 + 1e-6;
+  for (SceneElement& element : stiffer.elements) {
+    if (element.name == "leg_1t") element.stiffness *= 1 + 1e-6;
+  }
+  EXPECT_LE((eigenvalues(stiffer) - legs).norm(), 1e-5 * legs.norm());
 }
 
 /// Dampers on the rates of these dofs would hold the body to the world.
@@ -89,7 +131,7 @@ TEST(ModalDamping, DoesNotResistTheFloorAndTheFrameTogether) {
 }
 
 TEST(ModalDamping, IsNoneOfAMotionThatNothingHolds) {
-  const Modes found = modes(linear_of(scene_with("free_free_beam", {0.01})));
+  const Modes found = modes(linear_of(scene_with("free_free_beam", {{0, 0.01}})));
   const VectorXd& hz = found.natural_frequencies_hz;
   ASSERT_GT(hz.size(), 4);
   for (Index i = 0; i < hz.size(); ++i) {
@@ -99,19 +141,6 @@ TEST(ModalDamping, IsNoneOfAMotionThatNothingHolds) {
   }
   EXPECT_EQ(found.n_growing, 0);
 }
-
-constexpr const char* pendulum = R"(
-title: A body on a rod, and another on a spring
-planar: true
-gravity: [0, -9.81]
-nodes: {top: {position: [0, 0]}, bob: {position: [0, -1]}, wall: {position: [1, 0]}, slider: {position: [2, 0]}}
-masses: [{node: bob, mass: 1}, {node: slider, mass: 1}]
-elements:
-  rod: {type: truss, nodes: [top, bob], rigid: true}
-  spring: {type: truss, nodes: [wall, slider], stiffness: 1000}
-supports: [{nodes: [top, wall], fix: [x, y]}, {nodes: [slider], fix: [y]}]
-dofs: auto
-)";
 
 TEST(ModalDamping, CannotBeOfAModeThatWeightHolds) {
   std::string refused;
@@ -125,10 +154,35 @@ TEST(ModalDamping, CannotBeOfAModeThatWeightHolds) {
       std::string::npos)
       << refused;
   const Scene allowed =
-      parse_scene(std::string(pendulum) + "modal_damping: [0, 0.01]\n", "pendulum.yaml");
+      parse_scene(std::string(pendulum) + "modal_damping: [[1, 0], [3, 0.01]]\n", "pendulum.yaml");
   const Modes found = modes(linear_of(allowed));
   EXPECT_EQ(found.damping_ratios(0), 0);
   EXPECT_NEAR(found.damping_ratios(1), 0.01, 1e-12);
+}
+
+/// A torque that keeps its direction, or a rate, makes the stiffness unsymmetric, and too large a
+/// load makes it negative: what has no modes has the ratios of the symmetric half, and the verbs
+/// say what they say without.
+TEST(ModalDamping, RefusesNothingForWhatIsUnstableOrUnsymmetric) {
+  const std::string scene = R"(
+title: A mass on two struts, pressed
+planar: true
+nodes: {m: {position: [0, 1]}, a: {position: [0, 0]}, b: {position: [1, 1]}}
+masses: [{node: m, mass: 1}]
+elements:
+  a: {type: truss, nodes: [a, m], stiffness: 1e4, preload: -200}
+  b: {type: truss, nodes: [b, m], stiffness: 100}
+supports: [{nodes: [a, b], fix: [x, y]}]
+operating_point: as_written
+dofs: auto
+)";
+  const auto of = [&](const std::string& more) {
+    return linear_of(parse_scene(scene + more, "pressed.yaml"));
+  };
+  const LinearModel plain = of(""), damped = of("modal_damping: 0.02\n");
+  EXPECT_FALSE(stability(plain).stable.value());
+  EXPECT_FALSE(stability(damped).stable.value());
+  EXPECT_GT(damped.D.norm(), 0);
 }
 
 }  // namespace

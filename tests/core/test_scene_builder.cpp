@@ -87,7 +87,7 @@ std::string account_of(const Scene& scene) {
   account.add("scene", scene.title, scene.planar, scene.gravity,
               static_cast<int>(scene.operating_point), scene.automatic_dofs);
   if (scene.modal_damping) {
-    for (const double ratio : scene.modal_damping->ratios) account.add("modal damping", ratio);
+    for (const auto& [hz, ratio] : scene.modal_damping->points) account.add("modal", hz, ratio);
   }
   for (const auto& n : scene.nodes) account.add("node", n.name, n.position);
   for (const auto& m : scene.masses) {
@@ -405,7 +405,7 @@ TEST(SceneBuilder, HasEveryPlanarKey) {
   builder.planar()
       .as_written()
       .gravity({0, -9.81})
-      .modal_damping({0.02, 0.01})
+      .modal_damping((Eigen::MatrixXd(2, 2) << 1, 0.02, 30, 0.01).finished())
       .node("ground", {0, 0})
       .node("crank", {0, 0, 0})
       .node("pin", {0.3, 0})

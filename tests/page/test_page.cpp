@@ -39,9 +39,9 @@ std::vector<std::string> headings(const PageData& data) {
 
 TEST(Page, HasEveryPartInOrder) {
   const std::vector<std::string> expected = {
-      "Result",  "Singular values",        "Transmissibility", "Mode shapes",     "Time histories",
-      "Spectra", "Settling after a shock", "Noise floor",      "Actuator effort", "Timing",
-      "Record"};
+      "Result",      "Singular values", "Transmissibility", "Fit",
+      "Mode shapes", "Time histories",  "Spectra",          "Settling after a shock",
+      "Noise floor", "Actuator effort", "Timing",           "Record"};
   EXPECT_EQ(headings(test::sample_page(2)), expected);
 }
 

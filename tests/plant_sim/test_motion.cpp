@@ -109,7 +109,7 @@ TEST(ModalDamping, OfOneSpringIsADamperBesideItInLargeMotion) {
   }
   modal.dofs.pop_back();
   Scene damper = modal;
-  modal.modal_damping = {{0.05}, "scene"};
+  modal.modal_damping = {{{0, 0.05}}, "scene"};
   const Model model = make_model(modal);
   const double c = std::pow(model.modal_dampers(model.deformation_row("rope"), 0), 2);
   EXPECT_GT(c, 0.5);  // as much as the rope has itself

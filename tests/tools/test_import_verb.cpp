@@ -735,11 +735,19 @@ TEST_F(ImportVerb, TakesWhatAScriptHasFromElsewhere) {
   const std::string scene = text_of(out);
   EXPECT_NE(scene.find("mass: 1.5,"), std::string::npos) << scene;
   EXPECT_NE(scene.find("modal_damping: 0.01 "), std::string::npos) << scene;
-  const Said wrong = run({"import", "--set", "p.zeta", file, "--out", out});
-  EXPECT_EQ(wrong.exit_code, 2);
-  EXPECT_NE(wrong.error.find("--set p.zeta: found no assignment, allowed is one, NAME=VALUE"),
-            std::string::npos)
-      << wrong.error;
+  EXPECT_NE(scene.find("# Given: --set p.load(2).m=3/2"), std::string::npos) << scene;
+  for (const auto& [given, said] :
+       {std::pair{"p.zeta", "found no assignment, allowed is one, NAME=VALUE"},
+        {"for=1", "found no assignment, allowed is one, NAME=VALUE"},
+        {"q=1", "nothing in "},
+        {"t=2", "the script says 't' itself, in line 4"},
+        {"p.zeta=foo(1)", "'foo' is not known"},
+        {"p.zeta=", ""}}) {
+    const Said wrong = run({"import", "--set", given, file, "--out", out});
+    EXPECT_EQ(wrong.exit_code, 2) << given << wrong.output;
+    EXPECT_NE(wrong.error.find(std::string("--set ") + given + ": " + said), std::string::npos)
+        << wrong.error;
+  }
 }
 
 // --- relations

@@ -48,6 +48,7 @@ class LightReader {
  public:
   LightReader(const Script& script, const std::string& file) : script_(script), file_(file) {
     const std::size_t slash = file.find_last_of('/');
+    model_.given = script_.given;
     model_.title = slash == std::string::npos ? file : file.substr(slash + 1);
     model_.source = file;
     model_.remarks = script.remarks;

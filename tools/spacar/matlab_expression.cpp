@@ -10,6 +10,10 @@ namespace stillframe::tools::spacar {
 
 namespace {
 
+std::string set_hint(const std::string& name) {
+  return "; --set " + shown(name) + "=VALUE says it";
+}
+
 /// Deeper than any model, and shallower than the stack.
 constexpr int most_depth = 100;
 constexpr double most_entries = 100000;
@@ -234,7 +238,10 @@ Value Expression::named() {
   if (name == "true") return Value::of(1.0);
   if (name == "false") return Value::of(0.0);
   if (name == "eps") return Value::of(std::numeric_limits<double>::epsilon());
-  if (!is_function(name)) throw Unknown("'" + shown(name) + "' is not known");
+  if (!is_function(name)) {
+    const bool called = indexed && !in_matrix_;
+    throw Unknown("'" + shown(name) + "' is not known" + (called ? "" : set_hint(name)));
+  }
   if (!indexed) return call_function(name, {});
   ++at_;
   return call_function(name, arguments());
@@ -249,7 +256,7 @@ Value Expression::field(const Path& path) const {
     name += (name.empty() ? "" : ".") + field;
     if (index > 0) name += "(" + std::to_string(index) + ")";
   }
-  throw Unknown("'" + shown(name) + "' is not known; --set " + shown(name) + "=VALUE says it");
+  throw Unknown("'" + shown(name) + "' is not known" + set_hint(name));
 }
 
 Path Expression::path() {

@@ -51,6 +51,37 @@ class Runner {
     script_.name = name;
   }
 
+  /// What the script has from elsewhere. Errors: InputError of what is no assignment of a value, or
+  /// what the script does not ask for or says itself.
+  void give(const std::string& text) {
+    const auto refuse_given = [&](const std::string& why) {
+      throw InputError("--set " + text + ": " + why);
+    };
+    const std::vector<Statement> one = statements_of({text}, "--set " + text);
+    const auto equals = one.size() == 1 ? assignment(one.front()) : std::nullopt;
+    const std::string variable = equals ? one.front().tokens.front().text : "";
+    if (!equals || one.front().tokens.front().kind != TokenKind::name || has(blocks, variable)) {
+      refuse_given("found no assignment, allowed is one, NAME=VALUE");
+    }
+    const auto is_it = [&](const Token& token) {
+      return token.kind == TokenKind::name && token.text == variable;
+    };
+    bool asked = false;
+    for (const Statement& statement : statements_) {
+      const bool own = is_it(statement.tokens.front()) && assignment(statement) == 1;
+      if (own) {
+        refuse_given("the script says '" + variable + "' itself, in line " +
+                     std::to_string(statement.line));
+      }
+      asked = asked || std::any_of(statement.tokens.begin(), statement.tokens.end(), is_it);
+    }
+    if (!asked) refuse_given("nothing in " + script_.name + " is called '" + variable + "'");
+    assign(one.front(), *equals);
+    const std::vector<Remark>& remarks = script_.remarks.left_out;
+    if (!remarks.empty()) refuse_given(remarks.back().why);
+    script_.given.push_back(text);
+  }
+
   Script run() {
     for (std::size_t i = 0; i < statements_.size(); ++i) {
       const Statement& statement = statements_[i];
@@ -290,17 +321,10 @@ class Runner {
 
 Script run_script(const std::vector<std::string>& lines, const std::string& name,
                   const std::vector<std::string>& given) {
-  std::vector<Statement> statements;
-  for (const std::string& text : given) {
-    const std::vector<Statement> one = statements_of({text}, "--set " + text);
-    if (one.size() != 1 || !assignment(one.front())) {
-      throw InputError("--set " + text + ": found no assignment, allowed is one, NAME=VALUE");
-    }
-    statements.push_back(one.front());
-  }
-  const std::vector<Statement> own = statements_of(lines, name);
-  statements.insert(statements.end(), own.begin(), own.end());
-  return Runner(statements, name).run();
+  const std::vector<Statement> statements = statements_of(lines, name);
+  Runner runner(statements, name);
+  for (const std::string& text : given) runner.give(text);
+  return runner.run();
 }
 
 }  // namespace stillframe::tools::spacar

@@ -30,6 +30,7 @@ struct Script {
   int call_line = 0;
   int n_statements = 0;
   Remarks remarks;
+  std::vector<std::string> given;  ///< assignments from outside
 };
 
 /// Runs what a model is written with: numbers, texts, matrices, ranges, arithmetic, the usual

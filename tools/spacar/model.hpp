@@ -73,6 +73,7 @@ struct Signal {
 /// The model of a SPACAR file in the terms of a scene. Both readers make one.
 struct Model {
   std::string title, source;
+  std::vector<std::string> given;  ///< what the file has from elsewhere, as it was said
   bool planar = false;
   std::optional<Eigen::Vector3d> gravity;
   std::set<int> gravity_lines;

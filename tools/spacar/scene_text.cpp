@@ -54,6 +54,7 @@ std::string head(const Model& model) {
               remark.why + "\n";
     }
   };
+  for (const std::string& given : model.given) text += "# Given: --set " + shown(given) + "\n";
   list("Not in this scene:", model.remarks.left_out);
   list("In another form:", model.remarks.approximated);
   return text + "title: " + quoted(model.title) + "\n";

@@ -375,7 +375,8 @@ Model make_model(const Scene& scene) {
   // What a linear model with its modes takes: 620 MiB were measured for 1800 dofs
   // (docs/accuracy.md). Before the model is built, which takes a while for so many.
   const auto n_d = static_cast<double>(scene.dofs.size());
-  require_memory(24 * n_d * n_d, scene.dofs_place,
+  require_memory(24 * n_d * n_d,
+                 scene.modal_damping ? scene.modal_damping->place : scene.dofs_place,
                  std::to_string(scene.dofs.size()) + " degrees of freedom");
   Model model = ModelBuilder(scene).build();
   check_partition(model, scene.dofs_place);

@@ -214,11 +214,23 @@ struct SceneReduction {
   std::string place;
 };
 
-/// `modal_damping`: the damping ratio of each natural mode of the operating point, the lowest
-/// first; the last is that of all above.
+/// `modal_damping`: the damping ratio of a natural mode of the operating point by its frequency;
+/// linear in between, and outside that of the nearest.
 struct SceneModalDamping {
-  std::vector<double> ratios;
+  struct Point {
+    double hz = 0, ratio = 0;
+  };
+  std::vector<Point> points;  ///< one and more, hz rising
   std::string place;
+
+  double ratio_at(double hz) const {
+    const auto above = std::find_if(points.begin(), points.end(),
+                                    [hz](const Point& point) { return point.hz > hz; });
+    if (above == points.begin()) return points.front().ratio;
+    if (above == points.end()) return points.back().ratio;
+    const Point &from = *(above - 1), &to = *above;
+    return from.ratio + (to.ratio - from.ratio) * (hz - from.hz) / (to.hz - from.hz);
+  }
 };
 
 enum class OperatingPoint { equilibrium, as_written };

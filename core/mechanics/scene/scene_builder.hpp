@@ -150,7 +150,7 @@ class SceneBuilder {
   SceneBuilder& planar();
   /// m/s^2, three components, in the plane two.
   SceneBuilder& gravity(const SceneNumbers& acceleration);
-  /// Of each mode, or of each from the lowest on, the last of all above.
+  /// One ratio, or rows of a frequency (Hz) and a ratio.
   SceneBuilder& modal_damping(const SceneNumbers& ratios);
   /// Looked at as it stands, and not in its equilibrium.
   SceneBuilder& as_written();

@@ -1,5 +1,6 @@
 #include "core/mechanics/scene/scene_reader.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <system_error>
 #include <tuple>
@@ -77,16 +78,30 @@ SceneReduction read_reduction(const YamlReader& block) {
   return reduction;
 }
 
-SceneModalDamping read_modal_damping(const YamlReader& value) {
-  // At 1 a mode does not ring any more; what is meant then is a damper.
-  const auto ratio = [](const YamlReader& number) { return number_within(number, 0, 1); };
-  SceneModalDamping damping{.ratios = {}, .place = value.place()};
+/// One number, or pairs of a frequency and a number. Nothing if all of them are 0.
+std::optional<SceneModalDamping> read_modal_damping(const YamlReader& value) {
+  SceneModalDamping damping{.points = {}, .place = value.place() + ": modal_damping"};
   if (!value.is_sequence()) {
-    damping.ratios.push_back(ratio(value));
+    // At 1 a mode does not ring any more; what is meant then is a damper.
+    damping.points.push_back({.hz = 0, .ratio = number_within(value, 0, 1)});
   } else {
-    for (const YamlReader& item : value.items()) damping.ratios.push_back(ratio(item));
-    if (damping.ratios.empty()) value.fail("found no number, allowed are one and more");
+    for (const YamlReader& item : value.items()) {
+      const Eigen::VectorXd pair = item.vector(2);
+      const double least = damping.points.empty() ? 0 : damping.points.back().hz;
+      const bool rises = damping.points.empty() ? pair(0) >= 0 : pair(0) > least;
+      if (!rises || pair(0) > 1e9 || pair(1) < 0 || pair(1) > 1) {
+        item.fail(
+            formatted("found [%g, %g], allowed are frequencies from 0 to 1e9 Hz that rise, "
+                      "and ratios from 0 to 1",
+                      pair(0), pair(1)));
+      }
+      damping.points.push_back({.hz = pair(0), .ratio = pair(1)});
+    }
+    if (damping.points.empty()) value.fail("found no pair, allowed are one and more");
   }
+  const bool none = std::all_of(damping.points.begin(), damping.points.end(),
+                                [](const auto& point) { return point.ratio == 0; });
+  if (none) return std::nullopt;
   return damping;
 }
 

@@ -84,7 +84,12 @@ std::string random_scene(std::uint64_t seed) {
   add_disturbances(draft);
   if (draws.chance(0.15)) {  // the last draw: the scenes without are those of before
     std::string ratios = Draft::number(draws.scale(1e-3, 0.1));
-    if (draws.chance(0.3)) ratios = "[0, " + ratios + ", 0.01]";
+    if (draws.chance(0.3)) {
+      const auto point = [&draft](double part, const std::string& ratio) {
+        return "[" + Draft::number(part * draft.frequency_hz) + ", " + ratio + "]";
+      };
+      ratios = "[" + point(0.5, "0") + ", " + point(2, ratios) + ", " + point(30, "0.01") + "]";
+    }
     draft.blocks.push_back("modal_damping: " + ratios);
   }
   return draft.text();

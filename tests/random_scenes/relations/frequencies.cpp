@@ -128,9 +128,8 @@ std::optional<Finding> check_frequencies(Case& scene, std::uint64_t) {
   double decay = M.ldlt().solve(projected(nodal.C)).trace();
   if (const auto& modal = scene.scene().modal_damping) {
     for (Index i = 0; i < n_d; ++i) {
-      const auto last = static_cast<Index>(modal->ratios.size()) - 1;
-      decay += 2 * modal->ratios[static_cast<size_t>(std::min(i, last))] *
-               std::sqrt(std::max(minimal(i), 0.0));
+      const double omega = std::sqrt(std::max(minimal(i), 0.0));
+      decay += 2 * modal->ratio_at(omega / (2 * std::numbers::pi)) * omega;
     }
   }
   const double expected = scene.linear().M.ldlt().solve(scene.linear().damping()).trace();
