@@ -107,6 +107,9 @@ Scene in_units(Scene scene, const Units& units) {
     item.acceleration *= size / (T * T);
   }
   scene.gravity *= L / (T * T);
+  if (scene.modal_damping) {
+    for (auto& point : scene.modal_damping->points) point.hz /= T;
+  }
   for (SceneLoad& load : scene.loads) {
     load.force *= force;
     load.torque *= moment;
