@@ -204,14 +204,18 @@ void PlantLink::on_state(const lcm::ReceiveBuffer* buffer, const std::string&) {
   }
   if (state.source != "controller" || state.plant_instance != info_.plant_instance) return;
   // Not before its clock is known: its commands could not be told from recordings.
-  if (state.state == run_state_t::READY && ready_ == 0 &&
-      clocks_.instant(state.instance, state.sent_ns, monotonic_ns())) {
-    ready_ = state.instance;
+  const auto mine = std::find(ready_.begin(), ready_.end(), state.instance);
+  if (state.state == run_state_t::READY &&
+      clocks_.instant(state.instance, state.sent_ns, monotonic_ns()) && mine == ready_.end() &&
+      ready_.size() < 16) {  // a flood of them
+    ready_.push_back(state.instance);
   }
   // Of any other it is no concern: a controller that comes with the wrong gains would end the run
   // of the one that is there, which commands nothing while it listens and arms.
-  const std::int64_t expected = obeyed_ != 0 ? obeyed_ : ready_;
-  if (state.state == run_state_t::FAILED && (expected == 0 || state.instance == expected)) {
+  if (state.state != run_state_t::FAILED) return;
+  // As long as another is ready there is somebody to wait for.
+  if (mine != ready_.end()) ready_.erase(mine);
+  if (obeyed_ != 0 ? state.instance == obeyed_ : ready_.empty()) {
     controller_failure_ = "the controller refused: " + state.text;
   }
 }

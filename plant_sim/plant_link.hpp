@@ -53,7 +53,7 @@ class PlantLink {
   /// Handles one message if one comes within timeout_ms.
   bool listen(int timeout_ms) noexcept;
 
-  bool controller_ready() const { return ready_ != 0; }
+  bool controller_ready() const { return !ready_.empty(); }
   /// Why the controller gave up; empty while it has not: the one that is obeyed, before any is the
   /// one that was ready first, and before any is that each.
   const std::string& controller_failure() const { return controller_failure_; }
@@ -115,7 +115,7 @@ class PlantLink {
   stillframe_msgs::command_t command_;
   std::vector<std::uint8_t> bytes_;
   std::vector<std::uint8_t> measurement_bytes_;
-  std::int64_t ready_ = 0;  ///< instance of the first controller that was, 0: none yet
+  std::vector<std::int64_t> ready_;  ///< instances of controllers that are
   std::string controller_failure_;
   std::int64_t last_allowed_;
   std::int64_t n_commands_ = 0, n_malformed_ = 0, n_clock_unknown_ = 0;

@@ -65,13 +65,15 @@ void add_modal_damping(const Scene& scene, Model& model) {
   const SceneModalDamping& damping = scene.modal_damping.value();
   const NominalMotion nominal = nominal_motion(model);
   const NaturalShapes natural = shapes_at(model, nominal, damping.place);
-  // A motion that nothing holds, or that is pushed away, has no ratio.
+  // A motion that nothing holds, or that is pushed away, has no ratio; what damps the others must
+  // leave the second alone.
   const Index n = natural.squares.size();
   VectorXd scale = VectorXd::Zero(n), roots = VectorXd::Zero(n);
   for (Index i = 0; i < n; ++i) {
-    const double omega = std::sqrt(std::max(natural.squares(i), 0.0));
+    const double omega = std::sqrt(std::abs(natural.squares(i)));
     if (omega <= natural.known_to(i)) continue;
     scale(i) = 1 / omega;
+    if (natural.squares(i) < 0) continue;
     roots(i) = std::sqrt(2 * damping.ratio_at(omega / two_pi) / omega);
   }
   // On modes of unit stiffness, A is what of it is deformations', the rest being weight's and

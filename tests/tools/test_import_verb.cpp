@@ -741,6 +741,9 @@ TEST_F(ImportVerb, TakesWhatAScriptHasFromElsewhere) {
         {"for=1", "found no assignment, allowed is one, NAME=VALUE"},
         {"q=1", "nothing in "},
         {"t=2", "the script says 't' itself, in line 4"},
+        {"nprops=1", "the script says 'nprops(1).fix' itself, in line "},
+        {"eprops(1).dens=3", "the script says 'eprops(1).dens' itself, in line "},
+        {"dens=3", "nothing in "},
         {"p.zeta=foo(1)", "'foo' is not known"},
         {"p.zeta=", ""}}) {
     const Said wrong = run({"import", "--set", given, file, "--out", out});
@@ -748,6 +751,21 @@ TEST_F(ImportVerb, TakesWhatAScriptHasFromElsewhere) {
     EXPECT_NE(wrong.error.find(std::string("--set ") + given + ": " + said), std::string::npos)
         << wrong.error;
   }
+}
+
+TEST_F(ImportVerb, ModalDampingIsAskedForByBothCells) {
+  std::string text =
+      replaced(cantilever_m, "out = spac", "opt.transfer = {false, 0.01};\nout = spac");
+  text = replaced(text, "eprops);", "eprops, opt);");
+  const std::filesystem::path file = write("not_asked.m", text), out = folder_ / "not_asked.yaml";
+  EXPECT_EQ(run({"import", file, "--out", out}).exit_code, 0);
+  EXPECT_EQ(text_of(out).find("modal_damping"), std::string::npos);
+  const Said cleared =
+      run({"import", "--set", "p.m=1", write("clears.m", replaced(cantilever_m, "0.05", "p.m")),
+           "--out", out});
+  EXPECT_EQ(cleared.exit_code, 2);
+  EXPECT_NE(cleared.error.find("--set p.m=1: the script clears it, in line 2"), std::string::npos)
+      << cleared.error;
 }
 
 // --- relations

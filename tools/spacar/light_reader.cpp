@@ -303,6 +303,8 @@ class LightReader {
     const Value& value = *field.value;
     const bool has_ratio = value.type == Value::Type::cell && value.cell.size() > 1;
     if (!has_ratio) return;
+    const Value& asked = value.cell[0];
+    if (asked.type == Value::Type::numbers && asked.numbers.isZero(0)) return;
     const Value& ratio = value.cell[1];
     if (ratio.type == Value::Type::numbers && ratio.numbers.size() == 1 && ratio.numbers(0) >= 0 &&
         ratio.numbers(0) <= 1) {

@@ -66,19 +66,40 @@ class Runner {
     const auto is_it = [&](const Token& token) {
       return token.kind == TokenKind::name && token.text == variable;
     };
+    // nprops(2).mass, and whether one is the other or a part of it.
+    const auto left_side = [](const Statement& statement, std::size_t end) {
+      std::string joined;
+      for (std::size_t i = 0; i < end; ++i) joined += statement.tokens[i].text;
+      return joined;
+    };
+    const auto is_part = [](const std::string& part, const std::string& of) {
+      return part.starts_with(of) &&
+             (part.size() == of.size() || part[of.size()] == '.' || part[of.size()] == '(');
+    };
+    const std::string left = left_side(one.front(), *equals);
     bool asked = false;
     for (const Statement& statement : statements_) {
-      const bool own = is_it(statement.tokens.front()) && assignment(statement) == 1;
-      if (own) {
-        refuse_given("the script says '" + variable + "' itself, in line " +
+      const auto& tokens = statement.tokens;
+      for (std::size_t i = 0; i < tokens.size(); ++i) {
+        asked = asked || (is_it(tokens[i]) && (i == 0 || tokens[i - 1].text != "."));
+      }
+      const auto at = assignment(statement);
+      const std::string own = at ? left_side(statement, *at) : "";
+      if (at && (is_part(own, left) || is_part(left, own))) {
+        refuse_given("the script says '" + shown(own) + "' itself, in line " +
                      std::to_string(statement.line));
       }
-      asked = asked || std::any_of(statement.tokens.begin(), statement.tokens.end(), is_it);
     }
     if (!asked) refuse_given("nothing in " + script_.name + " is called '" + variable + "'");
     assign(one.front(), *equals);
     const std::vector<Remark>& remarks = script_.remarks.left_out;
     if (!remarks.empty()) refuse_given(remarks.back().why);
+    for (const Statement& statement : statements_) {
+      if (has(clearing, statement.tokens.front().text) &&
+          cleared(statement).value_or(known()).contains(variable)) {
+        refuse_given("the script clears it, in line " + std::to_string(statement.line));
+      }
+    }
     script_.given.push_back(text);
   }
 

@@ -52,13 +52,13 @@ Vector stiffness_of(const Vector& compliance, double largest) {
   for (const auto& c : compliance) {
     if (std::abs(c) > 0) sizes.push_back(std::abs(c));
   }
-  double nearly_rigid = 1;
+  double nearly_rigid = std::min(1.0, 1e-3 / std::max(largest, 1e-300));
   if (!sizes.empty()) {
     // Half of the digits are for what this does to the others, half for their own.
     constexpr double fraction = 1e-7;
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
-    nearly_rigid = std::min(fraction * *middle, 1e-3 / std::max(largest, 1e-300));
+    nearly_rigid = std::min(fraction * *middle, nearly_rigid);
   }
   return compliance.unaryExpr([&](const typename Vector::Scalar& c) {
     return typename Vector::Scalar(1) / (std::abs(c) > 0 ? c : nearly_rigid);
