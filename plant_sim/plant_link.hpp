@@ -54,8 +54,8 @@ class PlantLink {
   bool listen(int timeout_ms) noexcept;
 
   bool controller_ready() const { return !ready_.empty(); }
-  /// Why the controller gave up; empty while it has not: the one that is obeyed, before any is the
-  /// one that was ready first, and before any is that each.
+  /// Why the controller gave up; empty while it has not: the one that is obeyed; before any is, one
+  /// after which none is left that was ready.
   const std::string& controller_failure() const { return controller_failure_; }
 
   /// Wall-clock: t_0 of the run on CLOCK_MONOTONIC and its period, ns. From here on a command must

@@ -156,6 +156,17 @@ TEST_F(Obedience, ASecondControllerThatRefusesEndsNothing) {
   EXPECT_EQ(link.controller_failure(), "the controller refused: a reason");
 }
 
+// The first of two that are ready may leave; the run ends with the second.
+TEST_F(Obedience, AsLongAsAnotherIsReadyTheRunWaitsForIt) {
+  say(channels::run_state, state("controller", run_state_t::READY, 7));
+  say(channels::run_state, state("controller", run_state_t::READY, 8));
+  say(channels::run_state, state("controller", run_state_t::FAILED, 7));
+  EXPECT_EQ(link.controller_failure(), "");
+  EXPECT_TRUE(link.controller_ready());
+  say(channels::run_state, state("controller", run_state_t::FAILED, 8));
+  EXPECT_EQ(link.controller_failure(), "the controller refused: a reason");
+}
+
 // Before any is ready there is none to go on for.
 TEST_F(Obedience, TheOnlyControllerThatRefusesEndsTheRun) {
   say(channels::run_state, state("controller", run_state_t::FAILED, 8));

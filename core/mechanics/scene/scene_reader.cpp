@@ -143,7 +143,7 @@ Scene read_scene_map(const YamlReader& root, const std::string& text,
   if (const auto block = root.find("reduce")) scene.reduction = read_reduction(*block);
   if (const auto value = root.find("modal_damping")) {
     scene.modal_damping = read_modal_damping(*value);
-    if (scene.reduction) {
+    if (scene.modal_damping && scene.reduction) {
       value->fail(
           "a scene that is reduced (`reduce`) has no modal damping; give elements a "
           "damping_time, or leave out one of the two");

@@ -209,7 +209,7 @@ bool MixedFactors<Scalar>::compute(const SparseMatrix& E, const Vector& complian
                                    const Eigen::SparseMatrix<Scalar>& A) {
   take_rows(E, compliance);
   A_ = A;
-  stiffness_ = stiffness_of(compliance, A.diagonal().cwiseAbs().maxCoeff());
+  stiffness_ = stiffness_of(compliance, A.rows() > 0 ? A.diagonal().cwiseAbs().maxCoeff() : 0);
   if (!independent_) return false;
   // What moves most easily has most of a solution, and is least known to the factors.
   Vector force(E.cols()), s, x;
